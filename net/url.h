@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace gs::net {
+
+/// A URI reference cut into its parts (RFC 3986 appendix B); `has_*` tells an empty part from none.
+struct Url {
+  std::string scheme, authority, path, query, fragment;
+  bool has_authority = false, has_query = false, has_fragment = false;
+
+  [[nodiscard]] std::string text() const;
+};
+
+/// Cuts any text into parts; never fails. A one-letter scheme is taken for a drive letter and is a path.
+[[nodiscard]] Url parse_url(std::string_view text);
+
+/// `reference` as seen from `base` (RFC 3986 5.2.2).
+[[nodiscard]] Url resolve(const Url& base, const Url& reference);
+
+/// A file: URL of a path (absolute or from the current folder), percent-encoded.
+[[nodiscard]] Url url_of_path(std::string_view path);
+/// The path of a file: URL, percent-decoded; empty for any other scheme.
+[[nodiscard]] std::string path_of_url(const Url& url);
+
+/// A url of a VRML file as its author meant it: backslashes become slashes, surrounding blanks go,
+/// blanks inside are percent-encoded.
+[[nodiscard]] std::string tidy_url(std::string_view text);
+
+}  // namespace gs::net

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+namespace gs::vrml {
+struct Node;
+}
+
+namespace gs::render {
+
+/// Pixels of 8 bits a component, rows from the top, tightly packed.
+/// 1 intensity, 2 intensity + alpha, 3 RGB, 4 RGBA: the four kinds of texture of VRML97 4.6.11.
+struct Image {
+  std::uint32_t width = 0, height = 0, components = 0;
+  std::vector<std::uint8_t> pixels;  // width * height * components
+
+  [[nodiscard]] bool empty() const { return pixels.empty(); }
+  [[nodiscard]] bool has_alpha() const { return components == 2 || components == 4; }
+};
+
+/// Images of the texture nodes of a world (ImageTexture, PixelTexture), by node; nodes whose image
+/// has not arrived or is broken are absent. Background panels use the same map with BackgroundImages.
+using Images = std::unordered_map<const vrml::Node*, std::shared_ptr<const Image>>;
+
+/// What a decoder could not read, and what was expected.
+struct ImageError {
+  std::string message;
+};
+
+/// Decodes PNG, JPEG or GIF (first picture), told apart by their first bytes. JPEG grey is intensity;
+/// a PNG or GIF palette follows VRML97 4.6.11.2. Safe for untrusted input: at most `max_pixels`
+/// pixels are ever allocated. A truncated JPEG or PNG gives the rows that were there.
+[[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
+                                                           std::size_t max_pixels = std::size_t{1} << 28);
+
+/// PNG bytes of an image of 1 to 4 components.
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
+
+/// How far two pictures of one size are apart, over all components; PSNR in dB (infinite when equal).
+struct ImageDifference {
+  double maximum = 0, mean = 0, psnr = 0;
+  std::size_t differing_pixels = 0;
+};
+[[nodiscard]] std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b);
+
+}  // namespace gs::render

@@ -1,0 +1,91 @@
+#pragma once
+
+#include "render/image.h"
+#include "vrml/mesh.h"
+#include "vrml/scene_graph.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::render {
+
+/// VRML97 6.27 and Table 4.5.
+struct Material {
+  glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
+  float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
+  bool lit = true;  // false without an Appearance or Material: colour is 1 1 1, unlit
+};
+
+struct Light {
+  enum class Kind : std::uint8_t { directional, point, spot };
+  Kind kind = Kind::directional;
+  glm::vec3 color{1.0f}, location{0.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};  // world space
+  float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
+};
+
+/// A texture as a Shape uses it.
+struct TextureUse {
+  std::shared_ptr<const Image> image;
+  bool repeat_s = true, repeat_t = true;
+  glm::mat3 transform{1.0f};  // texture space from mesh texture coordinates (VRML97 6.49)
+};
+
+/// One Shape under one transformation.
+struct DrawItem {
+  std::shared_ptr<const vrml::Mesh> mesh;
+  glm::mat4 world_from_node{1.0f};
+  Material material;
+  TextureUse texture;
+  std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
+};
+
+/// VRML97 6.5. Colours from the zenith (sky) and the nadir (ground); angles in radians.
+struct Background {
+  std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
+  std::vector<float> sky_angles, ground_angles;
+  glm::mat3 world_from_background{1.0f};  // rotation only
+};
+
+/// A Viewpoint in world space (6.53).
+struct ViewpointState {
+  std::string description, name;  // `description` field, DEF name
+  glm::mat4 world_from_camera{1.0f};
+  float field_of_view = 0.785398f;
+};
+
+/// The bound NavigationInfo (6.29).
+struct NavigationState {
+  std::vector<std::string> types{"WALK", "ANY"};
+  std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
+  float speed = 1, visibility_limit = 0;
+  bool headlight = true;
+};
+
+/// Everything that one frame needs, as plain data in world space.
+struct RenderList {
+  std::vector<DrawItem> items;
+  std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
+  std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
+  Background background;
+  NavigationState navigation;
+  vrml::Bounds bounds;                     // world space, of all items
+};
+
+/// Meshes of geometry nodes, made once and kept while the world lives. Drop it with the world.
+using MeshCache = std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::Mesh>>;
+
+/// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
+/// Safe for any graph a file can describe: cycles are cut, depth and the number of items are bounded.
+/// `viewer` is the camera's place in world space, for LOD.
+[[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
+                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f));
+
+}  // namespace gs::render

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/context.h"
+#include "render/image.h"
+#include "render/render_list.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace gs::render {
+
+struct DrawOptions {
+  int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
+  int samples = 4;                               // anti-aliasing; lowered to what the context can
+  bool headlight = true;
+  std::optional<glm::vec3> background;           // one colour in place of the world's Background
+};
+
+struct FrameStatistics {
+  std::size_t triangles = 0, items = 0, draw_calls = 0;
+};
+
+/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody
+/// else still holds them. Belongs to the thread of its context; destroy it while that is current.
+class Renderer {
+ public:
+  /// Compiles the shaders. The error says what the driver said.
+  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
+  ~Renderer();
+
+  /// Draws into the framebuffer that is bound (0: the window's).
+  FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  /// Draws off screen and reads the picture back as RGB.
+  [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
+                                                                const DrawOptions& options, FrameStatistics* statistics = nullptr);
+  /// The GL_RENDERER string.
+  [[nodiscard]] const std::string& gl_renderer() const;
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace gs::vrml {
+
+/// A place in a text: line and column count from 1, the column in bytes. {0, 0}: the whole file.
+struct SourceLocation {
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+  friend bool operator==(const SourceLocation&, const SourceLocation&) = default;
+};
+
+enum class Severity : std::uint8_t { note, warning, error };
+
+/// What is wrong, where, and what was expected.
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;
+  SourceLocation location;
+  std::string message;
+
+  /// `file:line:col: error: message`, or `file: error: message` when no line is known.
+  [[nodiscard]] std::string text() const;
+};
+
+/// The diagnostics of one load. Counts all, keeps the first `capacity` of them, so that a hostile
+/// file cannot fill memory with complaints.
+class Diagnostics {
+ public:
+  explicit Diagnostics(std::size_t capacity = 1000) : capacity_(capacity) {}
+
+  void add(Diagnostic diagnostic);
+  void append(const Diagnostics& other);
+
+  [[nodiscard]] const std::vector<Diagnostic>& entries() const { return entries_; }
+  [[nodiscard]] std::size_t errors() const { return errors_; }
+  [[nodiscard]] std::size_t warnings() const { return warnings_; }
+  /// How many were counted and not kept.
+  [[nodiscard]] std::size_t dropped() const { return dropped_; }
+
+ private:
+  std::size_t capacity_;
+  std::vector<Diagnostic> entries_;
+  std::size_t errors_ = 0, warnings_ = 0, dropped_ = 0;
+};
+
+}  // namespace gs::vrml

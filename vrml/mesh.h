@@ -1,0 +1,63 @@
+#pragma once
+
+#include "vrml/field_value.h"
+#include "vrml/scene_graph.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <limits>
+
+namespace gs::vrml {
+
+/// An axis-aligned box; empty when lower > upper.
+struct Bounds {
+  glm::vec3 lower{std::numeric_limits<float>::infinity()};
+  glm::vec3 upper{-std::numeric_limits<float>::infinity()};
+
+  [[nodiscard]] bool empty() const { return !(lower.x <= upper.x); }
+  void add(const glm::vec3& p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  void add(const Bounds& other) {
+    if (other.empty()) return;
+    add(other.lower);
+    add(other.upper);
+  }
+  [[nodiscard]] glm::vec3 center() const { return (lower + upper) * 0.5f; }
+  [[nodiscard]] glm::vec3 size() const { return upper - lower; }
+};
+
+/// The geometry of one Shape, ready to draw; no GL in it. Node space, metres.
+///
+/// Arrays share their storage with the fields they came from where the layout allows it.
+struct Mesh {
+  enum class Primitive : std::uint8_t { triangles, lines, points };
+
+  Primitive primitive = Primitive::triangles;
+  Array<glm::vec3> positions;
+  Array<glm::vec3> normals;              // empty, or one unit vector a position
+  Array<Color> colors;                   // empty, or one a position; replaces diffuseColor / emissiveColor
+  Array<glm::vec2> texture_coordinates;  // empty, or one (s, t) a position
+  Array<std::uint32_t> indices;          // 3, 2 or 1 a primitive; every one < positions.size()
+  bool solid = true;                     // back faces need not be drawn
+  bool lit = true;                       // false for lines and points (VRML97 4.14.2)
+  Bounds bounds;                         // of the positions that are used
+
+  [[nodiscard]] bool empty() const { return indices.empty(); }
+};
+
+/// How finely curved primitives are cut.
+struct MeshOptions {
+  int segments = 32;  // around a full circle; at least 3
+};
+
+/// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's
+/// `ccw` says. Broken input (indices out of range, NaN coordinates, degenerate polygons) loses the
+/// faces it touches and nothing else. Empty for a node that is no geometry or has none.
+/// `geometry` may be a PROTO instance. Pure; any thread that owns the scene.
+[[nodiscard]] Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options = {});
+
+}  // namespace gs::vrml

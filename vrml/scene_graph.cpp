@@ -1,0 +1,96 @@
+#include "vrml/scene_graph.h"
+
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kValuesPerBlock = 4096;
+// A PROTO cannot contain itself, but a chain of PROTOs whose first node is an instance can be long.
+constexpr int kMaxResolveSteps = 100'000;
+
+}  // namespace
+
+SceneGraph::SceneGraph(std::string file_name, Limits limits) : file_name_(std::move(file_name)), limits_(limits) {
+  nodes_.emplace_back();
+  nodes_.front().generation = 0;
+}
+
+SceneGraph::~SceneGraph() {
+  for (Node& n : nodes_)
+    if (n.values) std::destroy_n(n.values, n.type->defaults.size());
+}
+
+FieldValue* SceneGraph::allocate_values(std::size_t count) {
+  if (count == 0) return nullptr;
+  if (block_left_ < count) {
+    const std::size_t size = std::max(count, kValuesPerBlock);
+    value_blocks_.push_back(std::make_unique_for_overwrite<std::byte[]>(size * sizeof(FieldValue)));
+    block_next_ = value_blocks_.back().get();
+    block_left_ = size;
+  }
+  auto* values = reinterpret_cast<FieldValue*>(block_next_);
+  block_next_ += count * sizeof(FieldValue);
+  block_left_ -= count;
+  return values;
+}
+
+NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
+  if (node_count() >= limits_.nodes) return {};
+  FieldValue* values = allocate_values(type.defaults.size());
+  std::uninitialized_copy(type.defaults.begin(), type.defaults.end(), values);
+  Node& made = nodes_.emplace_back();
+  made.type = &type;
+  made.values = values;
+  made.location = location;
+  return {static_cast<std::uint32_t>(nodes_.size() - 1), made.generation};
+}
+
+NodeId SceneGraph::resolve(NodeId id) const {
+  for (int step = 0; step < kMaxResolveSteps && contains(id); ++step) {
+    const Node& n = nodes_[id.index];
+    if (n.type->kind == NodeType::Kind::built_in || n.type->kind == NodeType::Kind::script) return id;
+    if (n.expansion.empty()) return {};
+    id = n.expansion.front();
+  }
+  return {};
+}
+
+NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
+  const NodeId resolved = resolve(id);
+  return resolved && nodes_[resolved.index].type->name == type_name ? resolved : NodeId{};
+}
+
+void SceneGraph::set_name(NodeId id, std::string_view name) {
+  names_.emplace_back(name);
+  node(id).name = names_.back();
+}
+
+void SceneGraph::add_root(NodeId id) {
+  roots_.push_back(id);
+  statements_.push_back({Statement::Kind::node, id, nullptr, {}});
+}
+
+NodeType& SceneGraph::add_type(std::unique_ptr<NodeType> type) {
+  types_.push_back(std::move(type));
+  return *types_.back();
+}
+
+void SceneGraph::attach_inline(NodeId inline_node, std::unique_ptr<SceneGraph> content) {
+  inlines_[inline_node.index] = std::move(content);
+}
+
+SceneGraph* SceneGraph::inlined(NodeId inline_node) const {
+  const auto found = inlines_.find(inline_node.index);
+  return found == inlines_.end() ? nullptr : found->second.get();
+}
+
+SceneGraph& SceneGraph::attach_library(std::unique_ptr<SceneGraph> library) {
+  libraries_.push_back(std::move(library));
+  return *libraries_.back();
+}
+
+}  // namespace gs::vrml
