@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -49,9 +50,12 @@ struct Mesh {
   [[nodiscard]] bool empty() const { return indices.empty(); }
 };
 
-/// How finely curved primitives are cut.
+/// How finely curved primitives are cut, and what may be left out.
 struct MeshOptions {
   int segments = 32;  // around a full circle; at least 3
+  /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. False saves
+  /// the work where no texture is drawn.
+  bool texture_coordinates = true;
 };
 
 /// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's

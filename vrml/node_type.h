@@ -3,6 +3,7 @@
 #include "vrml/field_value.h"
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <string>
@@ -79,7 +80,7 @@ struct NodeType {
   std::string clause;  // built-in only
   Kind kind = Kind::built_in;
   Role role = Role::none;
-  std::vector<InterfaceDeclaration> interfaces;  // in declaration order
+  std::deque<InterfaceDeclaration> interfaces;   // in declaration order; places never move
   std::vector<FieldValue> defaults;              // by slot
   Tessellate tessellate = nullptr;
   std::unique_ptr<Prototype> prototype;          // body of a PROTO
@@ -100,6 +101,9 @@ struct NodeType {
   [[nodiscard]] const InterfaceDeclaration* find_event_out(std::string_view name) const;
   /// The target of a ROUTE: an eventIn or exposedField `name`, or an exposedField x of `set_x` (4.7).
   [[nodiscard]] const InterfaceDeclaration* find_event_in(std::string_view name) const;
+
+ private:
+  std::vector<std::uint32_t> keys_;  // a short digest of each name, so that a search rarely compares text
 };
 
 /// The table of built-in node types. Built once, thread-safe, then constant.

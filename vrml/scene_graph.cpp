@@ -45,6 +45,7 @@ NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
   Node& made = nodes_.emplace_back();
   made.type = &type;
   made.values = values;
+  made.value_capacity = static_cast<std::uint32_t>(type.defaults.size());
   made.location = location;
   return {static_cast<std::uint32_t>(nodes_.size() - 1), made.generation};
 }
@@ -65,8 +66,27 @@ NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
 }
 
 void SceneGraph::set_name(NodeId id, std::string_view name) {
-  names_.emplace_back(name);
-  node(id).name = names_.back();
+  node(id).name = *keep_name(name);
+}
+
+const std::string* SceneGraph::keep_name(std::string_view name) { return &names_.emplace_back(name); }
+
+void SceneGraph::declare(NodeId id, NodeType& type, InterfaceDeclaration declaration) {
+  Node& n = node(id);
+  assert(n.type == &type);
+  const std::size_t count = type.defaults.size();
+  type.declare(std::move(declaration));
+  if (type.defaults.size() == count) return;
+  // Places for values double, so that n declarations cost n moves.
+  if (count >= n.value_capacity) {
+    const std::size_t capacity = std::max<std::size_t>(8, count * 2);
+    FieldValue* values = allocate_values(capacity);
+    std::uninitialized_move_n(n.values, count, values);
+    std::destroy_n(n.values, count);
+    n.values = values;
+    n.value_capacity = static_cast<std::uint32_t>(capacity);
+  }
+  new (n.values + count) FieldValue(type.defaults.back());
 }
 
 void SceneGraph::add_root(NodeId id) {

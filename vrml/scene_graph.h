@@ -21,9 +21,11 @@ struct Node {
   FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
   std::string_view name;             // DEF name or empty; bytes owned by the scene
   SourceLocation location;
+  std::uint32_t value_capacity = 0;
   std::uint32_t generation = 1;
   bool in_prototype_body = false;    // part of a PROTO's declaration, not of the world
   MFNode expansion;                  // of a PROTO instance: the nodes of its body; the first one stands for it
+  std::uint32_t expansion_first = 0; // of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow
 };
 
 /// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The declarations belong to the nodes' types.
@@ -114,6 +116,10 @@ class SceneGraph {
   [[nodiscard]] NodeId resolve_as(NodeId id, std::string_view type_name) const;
 
   void set_name(NodeId id, std::string_view name);
+  /// A copy of `name` that lives as long as the scene.
+  const std::string* keep_name(std::string_view name);
+  /// Adds a declaration to the type that the Script `id` alone has, and its value to the node.
+  void declare(NodeId id, NodeType& type, InterfaceDeclaration declaration);
 
   /// Appends a top-level node: to `roots` and to the statements.
   void add_root(NodeId id);
@@ -136,6 +142,13 @@ class SceneGraph {
   /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
   SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 
+  /// Counts `count` more nodes as copies for PROTO instances; false when the limit is reached.
+  [[nodiscard]] bool reserve_expansion(std::size_t count) {
+    if (count > limits_.expanded_nodes - expanded_nodes_) return false;
+    expanded_nodes_ += count;
+    return true;
+  }
+
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
   [[nodiscard]] const Limits& limits() const { return limits_; }
 
@@ -144,6 +157,7 @@ class SceneGraph {
 
   std::string file_name_;
   Limits limits_;
+  std::size_t expanded_nodes_ = 0;
   std::deque<Node> nodes_;  // [0] is unused: index 0 is NULL
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;
   std::size_t block_left_ = 0;

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "vrml/mesh.h"
+
+namespace gs::vrml {
+
+// One function a geometry node (VRML97 4.6.3), named by its row in the node table. `geometry` is a
+// node of the row's own type, never a PROTO instance; its SFNode fields may hold instances. All are
+// pure and take whatever the fields hold: what is broken is left out, see `tessellate`.
+[[nodiscard]] Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_line_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_point_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+
+}  // namespace gs::vrml

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "vrml/node_type.h"
+
+#include <span>
+
+namespace gs::vrml {
+
+// The rows of the node table, one function a family; vrml/node_type_table.cpp joins them.
+[[nodiscard]] std::span<const NodeRow> grouping_rows();
+[[nodiscard]] std::span<const NodeRow> geometry_rows();
+[[nodiscard]] std::span<const NodeRow> geometric_properties_rows();
+[[nodiscard]] std::span<const NodeRow> appearance_rows();
+[[nodiscard]] std::span<const NodeRow> lights_rows();
+[[nodiscard]] std::span<const NodeRow> sensors_rows();
+[[nodiscard]] std::span<const NodeRow> interpolators_rows();
+[[nodiscard]] std::span<const NodeRow> bindables_rows();
+[[nodiscard]] std::span<const NodeRow> common_rows();
+
+}  // namespace gs::vrml

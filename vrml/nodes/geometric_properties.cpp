@@ -1,0 +1,26 @@
+#include "vrml/nodes/families.h"
+
+namespace gs::vrml {
+namespace {
+
+// Geometric property nodes (VRML97 4.6.3.2).
+constexpr NodeRow kRows[] = {
+    {"Color", "6.9", Role::geometric_property, R"(
+  exposedField MFColor    color            []               # [0,1]
+)"},
+    {"Coordinate", "6.12", Role::geometric_property, R"(
+  exposedField MFVec3f    point            []               # (-inf,inf)
+)"},
+    {"Normal", "6.30", Role::geometric_property, R"(
+  exposedField MFVec3f    vector           []               # (-inf,inf)
+)"},
+    {"TextureCoordinate", "6.48", Role::geometric_property, R"(
+  exposedField MFVec2f    point            []               # (-inf,inf)
+)"},
+};
+
+}  // namespace
+
+std::span<const NodeRow> geometric_properties_rows() { return kRows; }
+
+}  // namespace gs::vrml

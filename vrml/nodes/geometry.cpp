@@ -1,0 +1,105 @@
+#include "vrml/mesh/tessellators.h"
+#include "vrml/nodes/families.h"
+
+namespace gs::vrml {
+namespace {
+
+// Geometry nodes (VRML97 4.6.3) and the meshes they make.
+constexpr NodeRow kRows[] = {
+    {"Box", "6.7", Role::geometry, R"(
+  field        SFVec3f    size             2 2 2            # (0,inf)
+)", tessellate_box},
+    {"Cone", "6.11", Role::geometry, R"(
+  field        SFFloat    bottomRadius     1                # (0,inf)
+  field        SFFloat    height           2                # (0,inf)
+  field        SFBool     side             TRUE
+  field        SFBool     bottom           TRUE
+)", tessellate_cone},
+    {"Cylinder", "6.14", Role::geometry, R"(
+  field        SFBool     bottom           TRUE
+  field        SFFloat    height           2                # (0,inf)
+  field        SFFloat    radius           1                # (0,inf)
+  field        SFBool     side             TRUE
+  field        SFBool     top              TRUE
+)", tessellate_cylinder},
+    {"ElevationGrid", "6.17", Role::geometry, R"(
+  eventIn      MFFloat    set_height
+  exposedField SFNode     color            NULL
+  exposedField SFNode     normal           NULL
+  exposedField SFNode     texCoord         NULL
+  field        MFFloat    height           []               # (-inf,inf)
+  field        SFBool     ccw              TRUE
+  field        SFBool     colorPerVertex   TRUE
+  field        SFFloat    creaseAngle      0                # [0,inf]
+  field        SFBool     normalPerVertex  TRUE
+  field        SFBool     solid            TRUE
+  field        SFInt32    xDimension       0                # [0,inf)
+  field        SFFloat    xSpacing         1.0              # (0,inf)
+  field        SFInt32    zDimension       0                # [0,inf)
+  field        SFFloat    zSpacing         1.0              # (0,inf)
+)", tessellate_elevation_grid},
+    {"Extrusion", "6.18", Role::geometry, R"(
+  eventIn      MFVec2f    set_crossSection
+  eventIn      MFRotation set_orientation
+  eventIn      MFVec2f    set_scale
+  eventIn      MFVec3f    set_spine
+  field        SFBool     beginCap         TRUE
+  field        SFBool     ccw              TRUE
+  field        SFBool     convex           TRUE
+  field        SFFloat    creaseAngle      0                # [0,inf)
+  field        MFVec2f    crossSection     [ 1 1, 1 -1, -1 -1, -1 1, 1  1 ]  # (-inf,inf)
+  field        SFBool     endCap           TRUE
+  field        MFRotation orientation      0 0 1 0          # [-1,1],(-inf,inf)
+  field        MFVec2f    scale            1 1              # (0,inf)
+  field        SFBool     solid            TRUE
+  field        MFVec3f    spine            [ 0 0 0, 0 1 0 ]  # (-inf,inf)
+)", tessellate_extrusion},
+    {"IndexedFaceSet", "6.23", Role::geometry, R"(
+  eventIn      MFInt32    set_colorIndex
+  eventIn      MFInt32    set_coordIndex
+  eventIn      MFInt32    set_normalIndex
+  eventIn      MFInt32    set_texCoordIndex
+  exposedField SFNode     color            NULL
+  exposedField SFNode     coord            NULL
+  exposedField SFNode     normal           NULL
+  exposedField SFNode     texCoord         NULL
+  field        SFBool     ccw              TRUE
+  field        MFInt32    colorIndex       []               # [-1,inf)
+  field        SFBool     colorPerVertex   TRUE
+  field        SFBool     convex           TRUE
+  field        MFInt32    coordIndex       []               # [-1,inf)
+  field        SFFloat    creaseAngle      0                # [0,inf)
+  field        MFInt32    normalIndex      []               # [-1,inf)
+  field        SFBool     normalPerVertex  TRUE
+  field        SFBool     solid            TRUE
+  field        MFInt32    texCoordIndex    []               # [-1,inf)
+)", tessellate_indexed_face_set},
+    {"IndexedLineSet", "6.24", Role::geometry, R"(
+  eventIn      MFInt32    set_colorIndex
+  eventIn      MFInt32    set_coordIndex
+  exposedField SFNode     color            NULL
+  exposedField SFNode     coord            NULL
+  field        MFInt32    colorIndex       []               # [-1,inf)
+  field        SFBool     colorPerVertex   TRUE
+  field        MFInt32    coordIndex       []               # [-1,inf)
+)", tessellate_indexed_line_set},
+    {"PointSet", "6.36", Role::geometry, R"(
+  exposedField SFNode     color            NULL
+  exposedField SFNode     coord            NULL
+)", tessellate_point_set},
+    {"Sphere", "6.43", Role::geometry, R"(
+  field        SFFloat    radius           1                # (0,inf)
+)", tessellate_sphere},
+    {"Text", "6.47", Role::geometry, R"(
+  exposedField MFString   string           []
+  exposedField SFNode     fontStyle        NULL
+  exposedField MFFloat    length           []               # [0,inf)
+  exposedField SFFloat    maxExtent        0.0              # [0,inf)
+)"},
+};
+
+}  // namespace
+
+std::span<const NodeRow> geometry_rows() { return kRows; }
+
+}  // namespace gs::vrml

@@ -1,0 +1,50 @@
+#include "vrml/nodes/families.h"
+
+namespace gs::vrml {
+namespace {
+
+// Interpolators (VRML97 4.6.8).
+constexpr NodeRow kRows[] = {
+    {"ColorInterpolator", "6.10", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFColor    keyValue         []               # [0,1]
+  eventOut     SFColor    value_changed
+)"},
+    {"CoordinateInterpolator", "6.13", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFVec3f    keyValue         []               # (-inf,inf)
+  eventOut     MFVec3f    value_changed
+)"},
+    {"NormalInterpolator", "6.31", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFVec3f    keyValue         []               # (-inf,inf)
+  eventOut     MFVec3f    value_changed
+)"},
+    {"OrientationInterpolator", "6.32", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFRotation keyValue         []               # [-1,1],(-inf,inf)
+  eventOut     SFRotation value_changed
+)"},
+    {"PositionInterpolator", "6.37", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFVec3f    keyValue         []               # (-inf,inf)
+  eventOut     SFVec3f    value_changed
+)"},
+    {"ScalarInterpolator", "6.39", Role::child | Role::interpolator, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField MFFloat    key              []               # (-inf,inf)
+  exposedField MFFloat    keyValue         []               # (-inf,inf)
+  eventOut     SFFloat    value_changed
+)"},
+};
+
+}  // namespace
+
+std::span<const NodeRow> interpolators_rows() { return kRows; }
+
+}  // namespace gs::vrml

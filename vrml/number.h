@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace gs::vrml {
+
+/// Reads the whole of `text` as a number of VRML97 clause 5 (5.5 `sffloatValue`, 5.6 `sfint32Value`):
+/// decimal with optional sign, fraction and exponent, correctly rounded; integers also as 0x hex,
+/// whose 32 bits are taken as they are. False, and `value` untouched, where it is none. A float too
+/// large becomes an infinity, one too small zero. Safe for untrusted input.
+[[nodiscard]] bool parse_number(std::string_view text, float& value);
+[[nodiscard]] bool parse_number(std::string_view text, double& value);
+[[nodiscard]] bool parse_number(std::string_view text, std::int32_t& value);
+
+/// Where a bulk read has come to.
+struct NumberRun {
+  const char* next;           // first byte that was not used; never inside a number
+  std::size_t count;          // numbers written
+  std::size_t lines;          // line feeds passed
+  const char* line_start;     // behind the last of them; null when there was none
+};
+
+/// Reads numbers parted by blanks, tabs, commas and line feeds for as long as they have the plain form
+/// that nearly all files use, writing at most `capacity` of them to `out`. Stops, without an error, in
+/// front of anything else: the slow path knows what to do with comments, carriage returns, exponents,
+/// very long numbers, brackets and rubbish. Looks at no byte at or after `end`, and stops some bytes
+/// before it. Correctly rounded; the speed of the parser is the speed of these loops.
+[[nodiscard]] NumberRun parse_floats(const char* begin, const char* end, float* out, std::size_t capacity);
+[[nodiscard]] NumberRun parse_integers(const char* begin, const char* end, std::int32_t* out, std::size_t capacity);
+
+}  // namespace gs::vrml

@@ -1,0 +1,274 @@
+#include "vrml/parser.h"
+
+#include "vrml/parser_state.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kHeaderWindow = 1024;
+// A statement that does not fit into what has arrived is tried again when this part more has come, so
+// that a hostile sender of single bytes costs a bounded multiple of the text.
+constexpr std::size_t kEagerRetry = 64 * 1024;
+constexpr std::size_t kRetryGrowth = 8;
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
+  return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+bool looks_binary(std::string_view text) {
+  std::size_t odd = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte == 0) return true;
+    if (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v') ++odd;
+  }
+  return odd * 20 > text.size();
+}
+
+std::string first_word(std::string_view line) {
+  const std::size_t end = line.find_first_of(" \t");
+  return std::string(line.substr(0, end));
+}
+
+// The header as its author meant it: blanks squeezed, lower case.
+std::string normalised(std::string_view line) {
+  std::string out;
+  for (const char c : line) {
+    const bool is_blank = c == ' ' || c == '\t';
+    if (is_blank && (out.empty() || out.back() == ' ')) continue;
+    out += is_blank ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+}  // namespace
+
+std::string describe(const Token& token) {
+  switch (token.kind) {
+    case TokenKind::end: return "the end of the file";
+    case TokenKind::string: return "a string";
+    case TokenKind::bad:
+      if (token.text.size() == 1) {
+        const auto byte = static_cast<unsigned char>(token.text.front());
+        if (byte < 0x20 || byte == 0x7f) return "byte " + std::to_string(byte);
+      }
+      break;
+    default: break;
+  }
+  constexpr std::size_t kLongest = 40;
+  std::string text;
+  for (const char c : token.text.substr(0, kLongest)) text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
+}
+
+Parser::State::State(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
+    : scene(scene_graph), diagnostics(diagnostic_list) {
+  frames.emplace_back();
+  scopes.emplace_back();
+}
+
+void Parser::State::report(Severity severity, SourceLocation location, std::string message) {
+  diagnostics.add({severity, scene.file_name(), location, std::move(message)});
+}
+
+void Parser::State::warn_once(bool& said, SourceLocation location, std::string message) {
+  if (!std::exchange(said, true)) warn(location, std::move(message));
+}
+
+void Parser::State::refuse(std::string message, SourceLocation location) {
+  error(location, std::move(message));
+  outcome = ParseOutcome::refused;
+}
+
+bool Parser::State::open(Frame frame) {
+  if (frames.size() >= scene.limits().nesting) {
+    if (!std::exchange(said_limit, true))
+      error(frame.start, "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; what lies deeper is left out");
+    Frame skip;
+    skip.kind = Frame::Kind::skip;
+    skip.start = frame.start;
+    // Every construct but the pixels of an image has just read its opening bracket.
+    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
+    frames.push_back(std::move(skip));
+    return false;
+  }
+  frames.push_back(std::move(frame));
+  return true;
+}
+
+Step Parser::State::read_header() {
+  const char* begin = lexer.unread();
+  const char* end = lexer.window_end();
+  if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
+  const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
+  const std::size_t line_end = text.find_first_of("\r\n");
+  const bool whole = line_end != std::string_view::npos || text.size() == kHeaderWindow || lexer.is_last_window();
+  if (!whole) return Step::need_more;
+  header_read = true;
+  if (text.empty()) {
+    refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    return Step::finished;
+  }
+  lexer.advance(begin, 0, nullptr);
+  const std::string_view line = text.substr(0, line_end);
+  const std::string header = normalised(line);
+  const SourceLocation top{1, 1};
+  if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
+    if (looks_binary(text)) {
+      refuse("a binary file behind a VRML97 header; expected UTF-8 text");
+      return Step::finished;
+    }
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") warn(top, "the header is not written '#VRML V2.0 utf8'");
+    return Step::done;
+  }
+  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
+    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#x3d")) {
+    refuse("an X3D file in classic encoding; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#inventor")) {
+    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "<")) {
+    refuse(text.find("X3D") != std::string_view::npos ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
+                                                      : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
+           top);
+  } else if (looks_binary(text)) {
+    refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  } else if (starts_with_ignoring_case(header, "#vrml")) {
+    warn(top, "unknown header '" + first_word(line.substr(0, 60)) + " ...', read as '#VRML V2.0 utf8'");
+  } else {
+    headerless = true;
+  }
+  return outcome == ParseOutcome::refused ? Step::finished : Step::done;
+}
+
+Step Parser::State::step() {
+  if (outcome == ParseOutcome::refused) return Step::finished;
+  if (!header_read) return read_header();
+  switch (frames.back().kind) {
+    case Frame::Kind::statements:
+    case Frame::Kind::prototype_body: return statement_step();
+    case Frame::Kind::prototype_interface: return interface_step();
+    case Frame::Kind::external_url: return external_url_step();
+    case Frame::Kind::node_body: return node_body_step();
+    case Frame::Kind::node_list: return node_list_step();
+    case Frame::Kind::values: return values_step();
+    case Frame::Kind::image: return image_step();
+    case Frame::Kind::skip: return skip_step();
+  }
+  return Step::finished;
+}
+
+void Parser::State::run(const char* begin, const char* end, bool last) {
+  lexer.set_window(begin, end, last);
+  for (;;) {
+    const Lexer::Position start = lexer.position();
+    const Step result = step();
+    if (result == Step::done) continue;
+    if (result == Step::need_more) lexer.go_back(start);
+    return;
+  }
+}
+
+// Reports what the end of the text cuts short, once.
+void Parser::State::report_end_inside(const Frame& frame) {
+  if (std::exchange(end_reported, true)) return;
+  std::string what = "a statement";
+  if (frame.kind == Frame::Kind::node_body) what = std::string(frame.type->name);
+  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
+  if (frame.kind == Frame::Kind::image) what = "an image";
+  if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
+  if (frame.kind == Frame::Kind::skip) what = "a part that is skipped";
+  const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
+                    frame.kind == Frame::Kind::prototype_interface;
+  error(lexer.location(), "the file ends inside " + what + " that begins at line " + std::to_string(frame.start.line) +
+                              (frame.kind == Frame::Kind::image ? "" : list ? "; expected ']'" : "; expected '}'"));
+}
+
+ParseOutcome Parser::State::close() {
+  if (outcome == ParseOutcome::refused) return outcome;
+  if (frames.size() > 1) {
+    report_end_inside(frames.back());
+    while (frames.size() > 1) {
+      Frame& frame = frames.back();
+      if (frame.kind == Frame::Kind::node_body) {
+        finish_pending();
+        end_node();
+        continue;
+      }
+      if (frame.kind == Frame::Kind::prototype_interface) --interfaces_open;
+      if (frame.kind == Frame::Kind::prototype_body) end_scope();
+      frames.pop_back();
+    }
+  }
+  end_scope();
+  if (!anything_read && headerless) refuse("the file holds nothing; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
+  return outcome;
+}
+
+Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
+Parser::~Parser() = default;
+
+void Parser::push(std::string_view piece) {
+  State& s = *state_;
+  if (piece.empty() || s.outcome == ParseOutcome::refused) return;
+  if (s.carry.empty()) {
+    s.run(piece.data(), piece.data() + piece.size(), false);
+    s.carry.assign(s.lexer.unread(), s.lexer.window_end());
+    // The window is gone; the lexer must know its place before the next one is set.
+    s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+  } else {
+    s.carry.append(piece);
+    if (s.carry.size() < s.retry_size) return;
+    std::string window = std::exchange(s.carry, {});
+    s.run(window.data(), window.data() + window.size(), false);
+    s.carry.assign(s.lexer.unread(), s.lexer.window_end());
+    s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+  }
+  s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
+}
+
+ParseOutcome Parser::finish() {
+  State& s = *state_;
+  const std::string window = std::exchange(s.carry, {});
+  s.run(window.data(), window.data() + window.size(), true);
+  return s.close();
+}
+
+ParseOutcome Parser::parse_whole(std::string_view text) {
+  // A null window means "none yet" to the lexer.
+  if (text.data() == nullptr) text = "";
+  state_->run(text.data(), text.data() + text.size(), true);
+  return state_->close();
+}
+
+bool parse_interface(std::string_view text, NodeType& type) {
+  SceneGraph scene("node table");
+  Diagnostics diagnostics;
+  return Parser(scene, diagnostics).read_interface(text, type) && diagnostics.errors() == 0;
+}
+
+bool Parser::read_interface(std::string_view text, NodeType& type) {
+  const std::string whole = std::string(text) + "\n]";
+  state_->header_read = state_->table_text = true;
+  Frame frame;
+  frame.kind = Frame::Kind::prototype_interface;
+  frame.declaring = &type;
+  state_->frames.push_back(std::move(frame));
+  state_->run(whole.data(), whole.data() + whole.size(), true);
+  return state_->lexer.unread() == whole.data() + whole.size();
+}
+
+ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics) {
+  return Parser(scene, diagnostics).parse_whole(text);
+}
+
+}  // namespace gs::vrml

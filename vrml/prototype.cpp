@@ -1,0 +1,134 @@
+#include "vrml/prototype.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::vrml {
+namespace {
+
+// Copies nodes out of one arena into another (or the same): those of a PROTO's body, and, from another
+// scene, whatever their values point at besides.
+class Copier {
+ public:
+  Copier(SceneGraph& to, const Prototype& prototype) : to_(to), from_(*prototype.scene), prototype_(prototype) {}
+
+  // All nodes of the body; false when there is no room for them.
+  bool copy_body(std::uint32_t& first) {
+    const std::vector<NodeId>& body = prototype_.nodes;
+    if (body.empty() || !to_.reserve_expansion(body.size())) return false;
+    first = static_cast<std::uint32_t>(to_.node_count() + 1);
+    for (const NodeId id : body) {
+      const Node& original = from_.node(id);
+      const NodeId made = to_.create(*original.type, original.location);
+      if (!made) return false;
+    }
+    first_ = first;
+    for (std::size_t i = 0; i < body.size(); ++i) copy_values(from_.node(body[i]), copy_at(i));
+    return true;
+  }
+
+  NodeId of(NodeId original) {
+    const auto found = std::lower_bound(prototype_.nodes.begin(), prototype_.nodes.end(), original,
+                                        [](NodeId a, NodeId b) { return a.index < b.index; });
+    if (found != prototype_.nodes.end() && *found == original)
+      return copy_at(static_cast<std::size_t>(found - prototype_.nodes.begin()));
+    return &from_ == &to_ ? original : import(original);
+  }
+
+  /// Nodes of another scene that a value of that scene points at.
+  FieldValue import(FieldValue value) {
+    if (&from_ != &to_) rewrite(value);
+    return value;
+  }
+
+ private:
+  NodeId copy_at(std::size_t place) const { return to_.id_at(first_ + static_cast<std::uint32_t>(place)); }
+
+  void copy_values(const Node& original, NodeId made) {
+    Node& copy = to_.node(made);
+    copy.name = original.name;
+    for (std::size_t i = 0; i < original.type->defaults.size(); ++i) {
+      copy.values[i] = original.values[i];
+      rewrite(copy.values[i]);
+    }
+  }
+
+  void rewrite(FieldValue& value) {
+    if (auto* node = std::get_if<SFNode>(&value)) {
+      if (*node) *node = of(*node);
+    } else if (auto* nodes = std::get_if<MFNode>(&value)) {
+      for (std::size_t i = 0; i < nodes->size(); ++i) {
+        const NodeId copy = (*nodes)[i] ? of((*nodes)[i]) : NodeId{};
+        nodes->mutable_data()[i] = copy;
+      }
+    }
+  }
+
+  // A node outside of the body, in another scene. Copied once; its own references follow from a list, so
+  // that long chains need no stack.
+  NodeId import(NodeId original) {
+    const auto known = imported_.find(original.index);
+    if (known != imported_.end()) return known->second;
+    if (!from_.contains(original) || !to_.reserve_expansion(1)) return {};
+    const Node& node = from_.node(original);
+    const NodeId made = to_.create(*node.type, node.location);
+    imported_[original.index] = made;
+    if (!made) return {};
+    waiting_.push_back(original);
+    if (waiting_.size() > 1) return made;  // the loop below is running already
+    for (std::size_t i = 0; i < waiting_.size(); ++i) copy_values(from_.node(waiting_[i]), imported_[waiting_[i].index]);
+    waiting_.clear();
+    return made;
+  }
+
+  SceneGraph& to_;
+  const SceneGraph& from_;
+  const Prototype& prototype_;
+  std::uint32_t first_ = 0;
+  std::unordered_map<std::uint32_t, NodeId> imported_;
+  std::vector<NodeId> waiting_;
+};
+
+// The copy of one body. Instances inside it, and those that imported values bring, are appended to `inner`.
+bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& inner) {
+  const NodeType& type = *scene.node(instance).type;
+  if (type.kind != NodeType::Kind::prototype || !type.prototype->complete) return true;
+  if (!scene.node(instance).expansion.empty() || scene.node(instance).in_prototype_body) return true;
+  const Prototype& prototype = *type.prototype;
+  if (prototype.nodes.empty()) return true;
+  Copier copier(scene, prototype);
+  std::uint32_t first = 0;
+  const auto before = static_cast<std::uint32_t>(scene.node_count());
+  if (!copier.copy_body(first)) return false;
+  for (const IsMapping& mapping : prototype.mappings) {
+    if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
+    scene.node(copier.of(mapping.node)).values[mapping.inner->slot] = scene.node(instance).values[mapping.outer->slot];
+  }
+  MFNode expansion;
+  for (const Statement& statement : prototype.statements) {
+    if (statement.kind == Statement::Kind::node) expansion.push_back(copier.of(statement.node));
+    if (statement.kind == Statement::Kind::route)
+      scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to), statement.route.event_out,
+                                statement.route.event_in});
+  }
+  scene.node(instance).expansion = expansion;
+  scene.node(instance).expansion_first = first;
+  for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i)
+    if (scene.node(scene.id_at(i)).type->kind == NodeType::Kind::prototype) inner.push_back(scene.id_at(i));
+  return true;
+}
+
+}  // namespace
+
+bool instantiate(SceneGraph& scene, NodeId instance) {
+  std::vector<NodeId> waiting{instance};
+  while (!waiting.empty()) {
+    const NodeId next = waiting.back();
+    waiting.pop_back();
+    if (!instantiate_one(scene, next, waiting)) return false;
+  }
+  return true;
+}
+
+}  // namespace gs::vrml
