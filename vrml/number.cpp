@@ -3,9 +3,7 @@
 #include <fast_float/fast_float.h>
 
 #include <array>
-#include <bit>
 #include <charconv>
-#include <limits>
 
 #include "vrml/number_paths.h"
 
@@ -23,10 +21,6 @@ constexpr std::array<std::uint8_t, 256> kClass = [] {
   return table;
 }();
 
-// Every power of ten that a double holds exactly.
-constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                                 1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                                 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 // So many digits always fit 64 bits.
 constexpr std::ptrdiff_t kMaxDigits = 19;
 
@@ -52,21 +46,6 @@ const char* skip_separators(const char* p, const char* guard, NumberRun& run) {
   return p;
 }
 
-// mantissa * 10^exponent to the nearest float. False where the double product is too near to the middle
-// between two floats to tell: its error is less than two units in its last place (one from a mantissa of
-// more than 53 bits, half of one from the product), and a float keeps 29 bits less.
-bool scale(std::uint64_t mantissa, int exponent, float& value) {
-  constexpr int last = static_cast<int>(kPowersOfTen.size()) - 1;
-  if (exponent < -last || exponent > last) return false;
-  const auto m = static_cast<double>(mantissa);
-  const double product = exponent < 0 ? m / kPowersOfTen[static_cast<unsigned>(-exponent)]
-                                      : m * kPowersOfTen[static_cast<unsigned>(exponent)];
-  const auto bits = std::bit_cast<std::uint64_t>(product);
-  if ((bits & 0x1fffffffu) - 0x0ffffffcu <= 8u || product > 1e38) return false;
-  value = static_cast<float>(product);
-  return true;
-}
-
 // The digits at `p`, which move it; the value is only right for kMaxDigits of them.
 void read_digits(const char*& p, std::uint64_t& value) {
   for (unsigned digit; (digit = digit_of(*p)) < 10; ++p) value = value * 10 + digit;
@@ -79,8 +58,9 @@ bool read_sign(const char*& p) {
   return negative;
 }
 
-// One number at `p`, in front of a guard. False, and `p` as it was, where it is none or has no end.
-bool read_number(const char*& p, float& value) {
+}  // namespace
+
+bool number_paths::read_number(const char*& p, float& value) {
   const char* q = p;
   const bool negative = read_sign(q);
   const char* const digits = q;
@@ -107,7 +87,7 @@ bool read_number(const char*& p, float& value) {
     exponent += down ? -shift : shift;
   }
   float magnitude = 0;
-  if (count > kMaxDigits || !scale(mantissa, exponent, magnitude)) {
+  if (count > kMaxDigits || !number_paths::scale(mantissa, exponent, magnitude)) {
     if (fast_float::from_chars(digits, q, magnitude).ptr != q) return false;
   }
   value = negative ? -magnitude : magnitude;
@@ -115,7 +95,7 @@ bool read_number(const char*& p, float& value) {
   return true;
 }
 
-bool read_number(const char*& p, std::int32_t& value) {
+bool number_paths::read_number(const char*& p, std::int32_t& value) {
   const char* q = p;
   const bool negative = read_sign(q);
   const char* const digits = q;
@@ -130,13 +110,15 @@ bool read_number(const char*& p, std::int32_t& value) {
   return true;
 }
 
+namespace {
+
 template <class T>
 void read_plain_run(NumberRun& run, const char* guard, T* out, std::size_t target) {
   const char* p = run.next;
   std::size_t count = run.count;
   while (count < target) {
     p = skip_separators(p, guard, run);
-    if (p >= guard || !read_number(p, out[count])) break;
+    if (p >= guard || !number_paths::read_number(p, out[count])) break;
     ++count;
   }
   run.next = p;

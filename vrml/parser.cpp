@@ -22,19 +22,15 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
          });
 }
 
-bool looks_binary(std::string_view text) {
+// `nul_tells`: a single NUL byte is proof, as it is where no header vouches for the text.
+bool looks_binary(std::string_view text, bool nul_tells) {
   std::size_t odd = 0;
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
-    if (byte == 0) return true;
+    if (byte == 0 && nul_tells) return true;
     if (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v') ++odd;
   }
   return odd * 20 > text.size();
-}
-
-std::string first_word(std::string_view line) {
-  const std::size_t end = line.find_first_of(" \t");
-  return std::string(line.substr(0, end));
 }
 
 // The header as its author meant it: blanks squeezed, lower case.
@@ -122,7 +118,7 @@ Step Parser::State::read_header() {
   const std::string header = normalised(line);
   const SourceLocation top{1, 1};
   if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
-    if (looks_binary(text)) {
+    if (looks_binary(text, false)) {
       refuse("a binary file behind a VRML97 header; expected UTF-8 text");
       return Step::finished;
     }
@@ -139,10 +135,10 @@ Step Parser::State::read_header() {
     refuse(text.find("X3D") != std::string_view::npos ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
                                                       : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
            top);
-  } else if (looks_binary(text)) {
+  } else if (looks_binary(text, true)) {
     refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   } else if (starts_with_ignoring_case(header, "#vrml")) {
-    warn(top, "unknown header '" + first_word(line.substr(0, 60)) + " ...', read as '#VRML V2.0 utf8'");
+    warn(top, "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
   } else {
     headerless = true;
   }
@@ -204,7 +200,10 @@ ParseOutcome Parser::State::close() {
         continue;
       }
       if (frame.kind == Frame::Kind::prototype_interface) --interfaces_open;
-      if (frame.kind == Frame::Kind::prototype_body) end_scope();
+      if (frame.kind == Frame::Kind::prototype_body) {
+        end_scope();
+        continue;
+      }
       frames.pop_back();
     }
   }

@@ -214,7 +214,8 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
     const Step step = value(*field_type, pending->initial, pending->name);
     if (step == Step::need_more) return step;
   }
-  if (script && access == AccessType::exposedField) error(name.location, "a Script cannot have the exposedField " + describe(name));
+  if (script && !table_text && access == AccessType::exposedField)
+    warn(name.location, "a Script has no exposedFields in VRML97 (6.40); " + describe(name) + " is taken all the same");
   if (known) {
     if (!(script && known->access == access && known->type == *field_type))
       error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one counts");

@@ -92,6 +92,7 @@ struct Parser::State {
   Step external_url_step();
   void finish_pending();
   void end_scope();
+  void add_type_statement(const NodeType& type);
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
   [[nodiscard]] bool in_prototype_body() const { return scopes.back().prototype && interfaces_open == 0; }
 

@@ -14,7 +14,6 @@ Step Parser::State::statement_step() {
   if (token.kind == TokenKind::end) return Step::finished;
   if (token.kind == TokenKind::close_brace && in_body) {
     end_scope();
-    frames.pop_back();
     return Step::done;
   }
   if (token.kind == TokenKind::word) {
@@ -115,6 +114,8 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
           type ? "expected '{' after " + std::string(token.text) + ", found " + describe(brace)
                : "expected a node, found " + describe(token));
     lexer.go_back(behind_type);
+    // Statements of X3D (META "name" "content", PROFILE, ...) are passed over with what belongs to them.
+    if (brace.kind == TokenKind::string) skip_value();
     return Step::done;
   }
   Frame frame;
@@ -377,10 +378,8 @@ Step Parser::State::external_url_step() {
     NodeType& type = *frame.declaring;
     type.url = std::get<MFString>(frame.pending->initial);
     scopes.back().types[type.name] = &type;
-    std::vector<Statement>& statements =
-        scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
-    statements.push_back({Statement::Kind::prototype, {}, &type, {}});
     frames.pop_back();
+    add_type_statement(type);
     return Step::done;
   }
   auto pending = std::make_unique<InterfaceDeclaration>();
@@ -395,7 +394,7 @@ Step Parser::State::external_url_step() {
   return Step::done;
 }
 
-// The scope on top, of a PROTO body or of the file, is complete.
+// The scope on top, of a PROTO body or of the file, is complete; the frame of a body is closed.
 void Parser::State::end_scope() {
   const std::vector<Scope::UnresolvedRoute> routes = std::exchange(scopes.back().unresolved_routes, {});
   for (const Scope::UnresolvedRoute& route : routes) add_route(route, true);
@@ -410,9 +409,19 @@ void Parser::State::end_scope() {
     break;
   }
   scopes.back().types[type->name] = type;
-  std::vector<Statement>& statements =
-      scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
-  statements.push_back({Statement::Kind::prototype, {}, type, {}});
+  frames.pop_back();
+  add_type_statement(*type);
+}
+
+// A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.
+void Parser::State::add_type_statement(const NodeType& type) {
+  std::vector<Statement>& list = scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
+  auto place = list.end();
+  const Frame::Kind inside = frames.back().kind;
+  if (inside != Frame::Kind::statements && inside != Frame::Kind::prototype_body)
+    while (place != list.begin() && (--place)->kind != Statement::Kind::node) {
+    }
+  list.insert(place, {Statement::Kind::prototype, {}, &type, {}});
 }
 
 }  // namespace gs::vrml

@@ -52,12 +52,8 @@ class Builder {
     mesh_.indices.push_back(b);
     mesh_.indices.push_back(c);
   }
-  /// The box that the whole primitive fills: exact, whatever the number of segments.
-  [[nodiscard]] Mesh finish(glm::vec3 half) {
-    if (!mesh_.indices.empty()) {
-      mesh_.bounds.add(-half);
-      mesh_.bounds.add(half);
-    }
+  [[nodiscard]] Mesh finish() {
+    for (const glm::vec3& position : mesh_.positions) mesh_.bounds.add(position);
     return std::move(mesh_);
   }
 
@@ -105,7 +101,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
     builder.triangle(a, b, c);
     builder.triangle(a, c, d);
   }
-  return builder.finish(half);
+  return builder.finish();
 }
 
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -135,7 +131,7 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
       builder.triangle(2 * i, 2 * i + 2, 2 * i + 1);
   }
   if (scene.get<SFBool>(geometry, "bottom")) add_disc(builder, around, radius, -half, false);
-  return builder.finish({radius, half, radius});
+  return builder.finish();
 }
 
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -161,7 +157,7 @@ Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOpt
   }
   if (scene.get<SFBool>(geometry, "top")) add_disc(builder, around, radius, half, true);
   if (scene.get<SFBool>(geometry, "bottom")) add_disc(builder, around, radius, -half, false);
-  return builder.finish({radius, half, radius});
+  return builder.finish();
 }
 
 Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -192,7 +188,7 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
       if (row != 0) builder.triangle(a, a + 1, row + 1 == static_cast<std::uint32_t>(stacks) ? b : b + 1);
       if (row + 1 != static_cast<std::uint32_t>(stacks)) builder.triangle(a, b + 1, b);
     }
-  return builder.finish(glm::vec3(radius));
+  return builder.finish();
 }
 
 }  // namespace gs::vrml

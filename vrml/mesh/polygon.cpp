@@ -1,0 +1,262 @@
+#include "vrml/mesh/polygon.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kStepsPerCorner = 512;
+constexpr std::size_t kStepsAtLeast = 4096;
+constexpr std::size_t kGridFrom = 48;       // reflex corners from which a grid pays
+constexpr std::size_t kMaximumGridSize = 1024;
+
+[[nodiscard]] std::size_t cell_of(double place, std::size_t size) {
+  const auto last = static_cast<double>(size - 1);
+  return place > 0 ? static_cast<std::size_t>(place < last ? place : last) : 0;
+}
+
+}  // namespace
+
+glm::dvec3 newell_vector(std::span<const glm::vec3> polygon) {
+  glm::dvec3 sum(0);
+  if (polygon.size() < 3) return sum;
+  const glm::dvec3 origin(polygon[0]);
+  glm::dvec3 edge = glm::dvec3(polygon[1]) - origin;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const glm::dvec3 next = glm::dvec3(polygon[i]) - origin;
+    sum += glm::cross(edge, next);
+    edge = next;
+  }
+  return sum;
+}
+
+std::span<const std::uint32_t> PolygonTriangulator::triangulate(std::span<const glm::vec3> polygon) {
+  triangles_.clear();
+  const std::size_t count = polygon.size();
+  if (count < 3 || count >= kNone) return {};
+  const glm::dvec3 normal = newell_vector(polygon);
+  if (count == 3) {
+    triangles_ = {0, 1, 2};
+  } else if (count == 4) {
+    quadrilateral(polygon, normal);
+  } else {
+    project(polygon, normal);
+    link();
+    clip();
+  }
+  return triangles_;
+}
+
+void PolygonTriangulator::quadrilateral(std::span<const glm::vec3> polygon, const glm::dvec3& normal) {
+  const glm::dvec3 a(polygon[0]), b(polygon[1]), c(polygon[2]), d(polygon[3]);
+  const bool first_diagonal = glm::dot(glm::cross(b - a, c - a), normal) > 0 &&
+                              glm::dot(glm::cross(c - a, d - a), normal) > 0;
+  if (first_diagonal)
+    triangles_ = {0, 1, 2, 0, 2, 3};
+  else
+    triangles_ = {1, 2, 3, 1, 3, 0};
+}
+
+/// Leaves out the axis that is nearest to the normal. Unlike a rotation into the plane this keeps
+/// the coordinates as they are, so that collinear and coincident corners stay so. Mirrored where
+/// needed to make the polygon counter-clockwise.
+void PolygonTriangulator::project(std::span<const glm::vec3> polygon, const glm::dvec3& normal) {
+  const glm::dvec3 size(std::abs(normal.x), std::abs(normal.y), std::abs(normal.z));
+  const int dropped = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+  int u = (dropped + 1) % 3, v = (dropped + 2) % 3;
+  if (normal[dropped] < 0) std::swap(u, v);
+  points_.resize(polygon.size());
+  for (std::size_t i = 0; i < polygon.size(); ++i) points_[i] = {polygon[i][u], polygon[i][v]};
+}
+
+/// Makes the ring of corners, without ones that coincide with the corner before.
+void PolygonTriangulator::link() {
+  const auto count = static_cast<std::uint32_t>(points_.size());
+  previous_.resize(count);
+  next_.resize(count);
+  place_.assign(count, kNone);
+  reflex_.clear();
+  cell_head_.clear();
+  grid_size_ = 0;
+  remaining_ = count;
+  steps_left_ = count * kStepsPerCorner + kStepsAtLeast;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    previous_[i] = i == 0 ? count - 1 : i - 1;
+    next_[i] = i + 1 == count ? 0 : i + 1;
+  }
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (remaining_ > 2 && points_[i] == points_[previous_[i]]) unlink(i);
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (next_[previous_[i]] == i) refresh(i);
+  if (reflex_.size() >= kGridFrom) build_grid();
+}
+
+double PolygonTriangulator::area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  const glm::dvec2 ab = points_[b] - points_[a], ac = points_[c] - points_[a];
+  return ab.x * ac.y - ab.y * ac.x;
+}
+
+/// Takes a corner out of the ring; its own links stay.
+void PolygonTriangulator::unlink(std::uint32_t corner) {
+  next_[previous_[corner]] = next_[corner];
+  previous_[next_[corner]] = previous_[corner];
+  --remaining_;
+  if (place_[corner] == kNone) return;
+  place_[reflex_.back()] = place_[corner];
+  reflex_[place_[corner]] = reflex_.back();
+  reflex_.pop_back();
+  place_[corner] = kNone;
+}
+
+/// Puts a corner of the ring into the list of reflex corners or takes it out, after its neighbours changed.
+void PolygonTriangulator::refresh(std::uint32_t corner) {
+  const bool reflex = !(area(previous_[corner], corner, next_[corner]) > 0);
+  if (reflex == (place_[corner] != kNone)) return;
+  if (reflex) {
+    place_[corner] = static_cast<std::uint32_t>(reflex_.size());
+    reflex_.push_back(corner);
+    if (grid_size_ != 0 && !in_grid_[corner]) enter_grid(corner);
+  } else {
+    place_[reflex_.back()] = place_[corner];
+    reflex_[place_[corner]] = reflex_.back();
+    reflex_.pop_back();
+    place_[corner] = kNone;
+  }
+}
+
+std::size_t PolygonTriangulator::column(double x) const {
+  return cell_of((x - grid_origin_.x) * grid_scale_.x, grid_size_);
+}
+
+std::size_t PolygonTriangulator::row(double y) const {
+  return cell_of((y - grid_origin_.y) * grid_scale_.y, grid_size_);
+}
+
+void PolygonTriangulator::enter_grid(std::uint32_t corner) {
+  const std::size_t cell = row(points_[corner].y) * grid_size_ + column(points_[corner].x);
+  cell_next_[corner] = cell_head_[cell];
+  cell_head_[cell] = corner;
+  in_grid_[corner] = true;
+}
+
+void PolygonTriangulator::build_grid() {
+  glm::dvec2 lower = points_[reflex_[0]], upper = lower;
+  for (const std::uint32_t corner : reflex_) {
+    lower = {std::min(lower.x, points_[corner].x), std::min(lower.y, points_[corner].y)};
+    upper = {std::max(upper.x, points_[corner].x), std::max(upper.y, points_[corner].y)};
+  }
+  grid_size_ = static_cast<std::size_t>(std::sqrt(static_cast<double>(reflex_.size()))) + 1;
+  grid_size_ = std::min(grid_size_, kMaximumGridSize);
+  grid_filling_ = reflex_.size();
+  grid_origin_ = lower;
+  const auto cells = static_cast<double>(grid_size_);
+  grid_scale_ = {upper.x > lower.x ? cells / (upper.x - lower.x) : 0, upper.y > lower.y ? cells / (upper.y - lower.y) : 0};
+  cell_head_.assign(grid_size_ * grid_size_, kNone);
+  cell_next_.resize(points_.size());
+  in_grid_.assign(points_.size(), false);
+  for (const std::uint32_t corner : reflex_) enter_grid(corner);
+}
+
+/// True when a reflex corner stands in the way of cutting the ear at `tip`. One that coincides with a
+/// corner of the ear (as cuts to holes make them) does not: if its edges ran into the ear, another
+/// reflex corner would lie inside.
+bool PolygonTriangulator::blocks(std::uint32_t corner, std::uint32_t tip, Strictness strictness) const {
+  const std::uint32_t a = previous_[tip], c = next_[tip];
+  const glm::dvec2 p = points_[corner];
+  if (p == points_[a] || p == points_[tip] || p == points_[c]) return false;
+  const double in_a = area(a, tip, corner), in_b = area(tip, c, corner), in_c = area(c, a, corner);
+  if (strictness == Strictness::clear) return in_a >= 0 && in_b >= 0 && in_c >= 0;
+  return in_a > 0 && in_b > 0 && in_c > 0;
+}
+
+bool PolygonTriangulator::is_ear(std::uint32_t tip, Strictness strictness) {
+  if (place_[tip] != kNone) return false;
+  if (strictness == Strictness::any_convex) return true;
+  const auto spend = [this](std::size_t steps) { steps_left_ -= std::min(steps_left_, steps); };
+  if (grid_size_ != 0) {
+    const glm::dvec2 a = points_[previous_[tip]], b = points_[tip], c = points_[next_[tip]];
+    const std::size_t left = column(std::min({a.x, b.x, c.x})), right = column(std::max({a.x, b.x, c.x}));
+    const std::size_t bottom = row(std::min({a.y, b.y, c.y})), top = row(std::max({a.y, b.y, c.y}));
+    const std::size_t cells = (right - left + 1) * (top - bottom + 1);
+    if (cells < reflex_.size()) {
+      spend(cells);
+      for (std::size_t y = bottom; y <= top; ++y)
+        for (std::size_t x = left; x <= right; ++x)
+          for (std::uint32_t corner = cell_head_[y * grid_size_ + x]; corner != kNone; corner = cell_next_[corner]) {
+            spend(1);
+            if (place_[corner] != kNone && blocks(corner, tip, strictness)) return false;
+          }
+      return true;
+    }
+  }
+  for (const std::uint32_t corner : reflex_) {
+    spend(1);
+    if (blocks(corner, tip, strictness)) return false;
+  }
+  return true;
+}
+
+/// Removes corners that coincide with the next one and tips of zero width, which cover nothing.
+bool PolygonTriangulator::remove_spikes(std::uint32_t& current) {
+  bool removed = false;
+  std::uint32_t corner = current;
+  for (std::size_t left = remaining_; left > 0 && remaining_ > 3; --left) {
+    const std::uint32_t a = previous_[corner], c = next_[corner];
+    const glm::dvec2 back = points_[a] - points_[corner], forth = points_[c] - points_[corner];
+    const bool spike = area(a, corner, c) == 0 && glm::dot(back, forth) > 0;
+    if (spike || points_[corner] == points_[c]) {
+      unlink(corner);
+      refresh(a);
+      refresh(c);
+      removed = true;
+      current = a;
+      corner = a;
+    } else {
+      corner = c;
+    }
+  }
+  return removed;
+}
+
+/// Gives up on ears: a fan over what is left, without its empty triangles.
+void PolygonTriangulator::fan(std::uint32_t start) {
+  for (std::uint32_t b = next_[start]; next_[b] != start; b = next_[b])
+    if (area(start, b, next_[b]) != 0) triangles_.insert(triangles_.end(), {start, b, next_[b]});
+}
+
+void PolygonTriangulator::clip() {
+  std::uint32_t current = 0;
+  while (next_[previous_[current]] != current) ++current;  // link() may have dropped the first ones
+  Strictness strictness = Strictness::clear;
+  std::size_t failed = 0;
+  while (remaining_ > 3 && steps_left_ > 0) {
+    --steps_left_;
+    const std::uint32_t a = previous_[current], c = next_[current];
+    if (is_ear(current, strictness)) {
+      triangles_.insert(triangles_.end(), {a, current, c});
+      unlink(current);
+      refresh(a);
+      refresh(c);
+      if (grid_size_ != 0 && reflex_.size() * 4 < grid_filling_) {
+        grid_size_ = 0;
+        if (reflex_.size() >= kGridFrom) build_grid();
+      }
+      current = next_[c];  // not the neighbour: fans of slivers come from always cutting at one corner
+      failed = 0;
+      strictness = Strictness::clear;
+    } else {
+      current = c;
+      if (++failed < remaining_) continue;
+      failed = 0;
+      if (strictness == Strictness::clear && remove_spikes(current)) continue;
+      if (strictness == Strictness::any_convex) break;
+      strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;
+    }
+  }
+  if (remaining_ >= 3) fan(current);
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::vrml {
+
+/// Newell's vector of a polygon, its corners relative to the first one: its direction is the normal
+/// by the right hand rule, its length twice the area. Exact to the rounding of doubles.
+[[nodiscard]] glm::dvec3 newell_vector(std::span<const glm::vec3> polygon);
+
+/// Cuts polygons, also concave ones and ones whose holes are reached by a cut (VRML97 6.23,
+/// `convex FALSE`), into triangles by ear clipping. Keeps its memory from one polygon to the next.
+///
+/// Takes any finite coordinates. A simple planar polygon of n corners gives n - 2 triangles that
+/// cover it exactly, fewer where corners coincide; any other gives some triangles between its
+/// corners. Costs about n log n for polygons met in practice; at most 512 n steps, after which what
+/// is left becomes a fan.
+class PolygonTriangulator {
+ public:
+  /// Three indices into `polygon` a triangle, in the winding of the polygon. Valid until the next call.
+  [[nodiscard]] std::span<const std::uint32_t> triangulate(std::span<const glm::vec3> polygon);
+
+ private:
+  enum class Strictness : std::uint8_t { clear, interior_clear, any_convex };
+
+  void quadrilateral(std::span<const glm::vec3> polygon, const glm::dvec3& normal);
+  void project(std::span<const glm::vec3> polygon, const glm::dvec3& normal);
+  void link();
+  void clip();
+  void fan(std::uint32_t start);
+  bool remove_spikes(std::uint32_t& current);
+  void unlink(std::uint32_t corner);
+  void refresh(std::uint32_t corner);
+  void build_grid();
+  void enter_grid(std::uint32_t corner);
+  [[nodiscard]] bool is_ear(std::uint32_t tip, Strictness strictness);
+  [[nodiscard]] bool blocks(std::uint32_t corner, std::uint32_t tip, Strictness strictness) const;
+  [[nodiscard]] double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  [[nodiscard]] std::size_t column(double x) const;
+  [[nodiscard]] std::size_t row(double y) const;
+
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  std::vector<std::uint32_t> triangles_;
+  std::vector<glm::dvec2> points_;
+  std::vector<std::uint32_t> previous_, next_;
+  // Corners that are not strictly convex, the only ones that can stand in an ear: as a list, each
+  // corner's place in that list, and, when they are many, in the cells of a grid. Cells keep
+  // corners that have left the list since.
+  std::vector<std::uint32_t> reflex_, place_;
+  std::vector<std::uint32_t> cell_head_, cell_next_;
+  std::vector<bool> in_grid_;
+  glm::dvec2 grid_origin_{0}, grid_scale_{0};
+  std::size_t grid_size_ = 0;
+  std::size_t grid_filling_ = 0;
+  std::size_t remaining_ = 0;
+  std::size_t steps_left_ = 0;
+};
+
+}  // namespace gs::vrml
