@@ -15,6 +15,8 @@ constexpr std::size_t kHeaderWindow = 1024;
 // that a hostile sender of single bytes costs a bounded multiple of the text.
 constexpr std::size_t kEagerRetry = 64 * 1024;
 constexpr std::size_t kRetryGrowth = 8;
+// How much of a new piece is joined to what the last one left.
+constexpr std::size_t kJoin = 4096;
 
 bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
   return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
@@ -105,16 +107,15 @@ Step Parser::State::read_header() {
   const char* end = lexer.window_end();
   if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
   const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
-  const std::size_t line_end = text.find_first_of("\r\n");
-  const bool whole = line_end != std::string_view::npos || text.size() == kHeaderWindow || lexer.is_last_window();
-  if (!whole) return Step::need_more;
+  // Always judged by the same bytes, whatever pieces they come in.
+  if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
   header_read = true;
   if (text.empty()) {
     refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
     return Step::finished;
   }
   lexer.advance(begin, 0, nullptr);
-  const std::string_view line = text.substr(0, line_end);
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
   const std::string header = normalised(line);
   const SourceLocation top{1, 1};
   if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
@@ -216,23 +217,40 @@ ParseOutcome Parser::State::close() {
 Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
 Parser::~Parser() = default;
 
+// The bytes that could not be used are joined with just enough of the next piece to use them; from there
+// on the piece is read in place.
 void Parser::push(std::string_view piece) {
   State& s = *state_;
-  if (piece.empty() || s.outcome == ParseOutcome::refused) return;
-  if (s.carry.empty()) {
-    s.run(piece.data(), piece.data() + piece.size(), false);
-    s.carry.assign(s.lexer.unread(), s.lexer.window_end());
-    // The window is gone; the lexer must know its place before the next one is set.
+  while (!piece.empty() && s.outcome != ParseOutcome::refused) {
+    if (s.carry.empty()) {
+      s.run(piece.data(), piece.data() + piece.size(), false);
+      s.carry.assign(s.lexer.unread(), s.lexer.window_end());
+      piece = {};
+    } else {
+      const std::size_t old_size = s.carry.size();
+      const std::size_t joined = std::min(piece.size(), std::max(kJoin, old_size / kRetryGrowth));
+      s.carry.append(piece.substr(0, joined));
+      if (s.carry.size() < s.retry_size) {
+        piece.remove_prefix(joined);
+        continue;
+      }
+      const std::string window = std::exchange(s.carry, {});
+      s.run(window.data(), window.data() + window.size(), false);
+      const auto used = static_cast<std::size_t>(s.lexer.unread() - window.data());
+      if (used >= old_size) {
+        piece.remove_prefix(used - old_size);
+      } else {
+        s.carry = window.substr(used);
+        piece.remove_prefix(joined);
+      }
+      // The window goes; the lexer takes its place in the text over to the next one.
+      s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+      s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
+      continue;
+    }
     s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
-  } else {
-    s.carry.append(piece);
-    if (s.carry.size() < s.retry_size) return;
-    std::string window = std::exchange(s.carry, {});
-    s.run(window.data(), window.data() + window.size(), false);
-    s.carry.assign(s.lexer.unread(), s.lexer.window_end());
-    s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+    s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
   }
-  s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
 }
 
 ParseOutcome Parser::finish() {

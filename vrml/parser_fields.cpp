@@ -116,6 +116,7 @@ Step Parser::State::field(const Token& name) {
     const std::uint64_t bit = std::uint64_t{1} << declaration->slot;
     if (frames[index].fields_seen & bit) warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one counts");
     frames[index].fields_seen |= bit;
+    scene.node(frames[index].node).fields_set |= bit;
   }
   // A single node is checked here, the nodes of a list where they are read.
   if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body && type.kind == NodeType::Kind::built_in)

@@ -182,7 +182,7 @@ void Parser::State::place(NodeId node, FieldValue* into) {
 void Parser::State::end_node() {
   const NodeId node = frames.back().node;
   frames.pop_back();
-  if (scene.node(node).type->kind != NodeType::Kind::prototype) return;
+  if (!scene.node(node).type->prototype) return;
   if (!instantiate(scene, node) && !std::exchange(said_limit, true))
     error(scene.node(node).location, "PROTO instances make more than " + std::to_string(scene.limits().expanded_nodes) +
                                          " nodes; the rest stay empty");

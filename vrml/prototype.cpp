@@ -48,6 +48,7 @@ class Copier {
   void copy_values(const Node& original, NodeId made) {
     Node& copy = to_.node(made);
     copy.name = original.name;
+    copy.fields_set = original.fields_set;
     for (std::size_t i = 0; i < original.type->defaults.size(); ++i) {
       copy.values[i] = original.values[i];
       rewrite(copy.values[i]);
@@ -93,7 +94,7 @@ class Copier {
 // The copy of one body. Instances inside it, and those that imported values bring, are appended to `inner`.
 bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& inner) {
   const NodeType& type = *scene.node(instance).type;
-  if (type.kind != NodeType::Kind::prototype || !type.prototype->complete) return true;
+  if (!type.prototype || !type.prototype->complete) return true;
   if (!scene.node(instance).expansion.empty() || scene.node(instance).in_prototype_body) return true;
   const Prototype& prototype = *type.prototype;
   if (prototype.nodes.empty()) return true;
@@ -103,7 +104,13 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   if (!copier.copy_body(first)) return false;
   for (const IsMapping& mapping : prototype.mappings) {
     if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
-    scene.node(copier.of(mapping.node)).values[mapping.inner->slot] = scene.node(instance).values[mapping.outer->slot];
+    // An EXTERNPROTO may declare less than the PROTO; the rest has the PROTO's own values.
+    const InterfaceDeclaration* own = type.find_field(mapping.outer->name);
+    FieldValue value = own && own->type == mapping.outer->type ? scene.node(instance).values[own->slot]
+                                                              : copier.import(mapping.outer->initial);
+    Node& inner_node = scene.node(copier.of(mapping.node));
+    inner_node.values[mapping.inner->slot] = std::move(value);
+    if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
   }
   MFNode expansion;
   for (const Statement& statement : prototype.statements) {
@@ -115,7 +122,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   scene.node(instance).expansion = expansion;
   scene.node(instance).expansion_first = first;
   for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i)
-    if (scene.node(scene.id_at(i)).type->kind == NodeType::Kind::prototype) inner.push_back(scene.id_at(i));
+    if (scene.node(scene.id_at(i)).type->prototype) inner.push_back(scene.id_at(i));
   return true;
 }
 
@@ -129,6 +136,36 @@ bool instantiate(SceneGraph& scene, NodeId instance) {
     if (!instantiate_one(scene, next, waiting)) return false;
   }
   return true;
+}
+
+bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source) {
+  if (external.prototype || !source.prototype) return true;
+  external.prototype = std::make_unique<Prototype>(*source.prototype);
+  external.role = source.role;
+  Copier copier(scene, *external.prototype);
+  // Only nodes that exist now: those that are made below get their values from these.
+  const auto count = static_cast<std::uint32_t>(scene.node_count());
+  for (const InterfaceDeclaration& declaration : external.interfaces) {
+    if (declaration.slot < 0) continue;
+    const InterfaceDeclaration* given = source.find_field(declaration.name);
+    if (!given || given->type != declaration.type) continue;
+    const FieldValue value = copier.import(given->initial);
+    external.defaults[declaration.slot] = value;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+      Node& node = scene.node(scene.id_at(i));
+      const bool set = declaration.slot >= 64 || (node.fields_set >> declaration.slot & 1);
+      if (node.type == &external && !set) node.values[declaration.slot] = value;
+    }
+  }
+  for (std::uint32_t i = 1; i <= count; ++i)
+    if (scene.node(scene.id_at(i)).type == &external && !instantiate(scene, scene.id_at(i))) return false;
+  return true;
+}
+
+const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
+  for (const Statement& statement : scene.statements())
+    if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name)) return statement.type;
+  return nullptr;
 }
 
 }  // namespace gs::vrml

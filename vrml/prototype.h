@@ -10,4 +10,13 @@ namespace gs::vrml {
 /// PROTO's declaration or has content already. False when `limits.nodes` stopped it.
 bool instantiate(SceneGraph& scene, NodeId instance);
 
+/// Gives an EXTERNPROTO of `scene` the body of PROTO `source` (VRML97 4.9), whose scene must be attached
+/// to `scene` as a library or live as long. Fields that an instance does not set get `source`'s defaults,
+/// and all instances that the scene has are instantiated. False when `limits.nodes` stopped it.
+bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source);
+
+/// The PROTO of `scene` that `#name` of an EXTERNPROTO url means: the one of that name, or, without a
+/// name, the first (VRML97 4.9.2). Null where there is none.
+[[nodiscard]] const NodeType* find_prototype(const SceneGraph& scene, std::string_view name);
+
 }  // namespace gs::vrml

@@ -23,6 +23,7 @@ struct Node {
   SourceLocation location;
   std::uint32_t value_capacity = 0;
   std::uint32_t generation = 1;
+  std::uint64_t fields_set = 0;      // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
   bool in_prototype_body = false;    // part of a PROTO's declaration, not of the world
   MFNode expansion;                  // of a PROTO instance: the nodes of its body; the first one stands for it
   std::uint32_t expansion_first = 0; // of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "vrml/mesh/vertices.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::vrml {
+
+/// Walks the faces of a coordIndex. Any negative number ends a face; the last end may be missing
+/// (VRML97 6.23). Passes over faces that cannot be drawn: fewer than three different vertices, or a
+/// vertex that does not exist or is not finite. Corners that repeat the one before (or the first one
+/// at the end, as exporters write it) are left out.
+class FaceReader {
+ public:
+  /// Neither `coord_index` nor `vertices` is copied. With `ccw` FALSE the corners come in reverse.
+  FaceReader(std::span<const std::int32_t> coord_index, const UsableVertices& vertices, bool ccw, std::size_t start = 0,
+             std::size_t face = 0)
+      : index_(coord_index), vertices_(vertices), ccw_(ccw), next_(start), next_face_(face) {}
+
+  /// Goes to the next face that can be drawn. False at the end.
+  bool next() {
+    while (next_ < index_.size())
+      if (read()) return true;
+    return false;
+  }
+  /// Reads one face. False when it is passed over. Only while !at_end().
+  bool read();
+  [[nodiscard]] bool at_end() const { return next_ >= index_.size(); }
+  /// Place in coordIndex behind the face, and the ordinal of the face there.
+  [[nodiscard]] std::size_t position() const { return next_; }
+  [[nodiscard]] std::size_t next_face() const { return next_face_; }
+
+  /// Ordinal of the face, counting every one.
+  [[nodiscard]] std::size_t face() const { return next_face_ - 1; }
+  /// Places in coordIndex, at least three, counter-clockwise.
+  [[nodiscard]] std::span<const std::uint32_t> corners() const { return {corners_.data(), count_}; }
+  [[nodiscard]] std::uint32_t vertex(std::uint32_t corner) const { return static_cast<std::uint32_t>(index_[corner]); }
+
+ private:
+  std::span<const std::int32_t> index_;
+  const UsableVertices& vertices_;
+  bool ccw_;
+  std::size_t next_;
+  std::size_t next_face_;
+  std::size_t count_ = 0;
+  std::vector<std::uint32_t> corners_;
+};
+
+inline bool FaceReader::read() {
+  const std::size_t begin = next_;
+  std::size_t end = begin;
+  while (end < index_.size() && index_[end] >= 0) ++end;
+  next_ = end + 1;
+  ++next_face_;
+  count_ = 0;
+  if (end - begin < 3) return false;
+  if (corners_.size() < end - begin) corners_.resize(std::max(end - begin, 2 * corners_.size()));
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!vertices_.contains(static_cast<std::uint32_t>(index_[i]))) return false;
+    if (count_ > 0 && index_[corners_[count_ - 1]] == index_[i]) continue;
+    corners_[count_++] = static_cast<std::uint32_t>(i);
+  }
+  while (count_ > 1 && index_[corners_[0]] == index_[corners_[count_ - 1]]) --count_;
+  if (count_ < 3) return false;
+  if (count_ > 3) {
+    const std::int32_t a = index_[corners_[0]], b = index_[corners_[1]];
+    const auto third = [&](std::uint32_t corner) { return index_[corner] != a && index_[corner] != b; };
+    if (std::none_of(corners_.begin() + 2, corners_.begin() + static_cast<std::ptrdiff_t>(count_), third)) return false;
+  }
+  if (!ccw_) std::reverse(corners_.begin() + 1, corners_.begin() + static_cast<std::ptrdiff_t>(count_));
+  return true;
+}
+
+}  // namespace gs::vrml

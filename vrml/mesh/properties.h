@@ -1,0 +1,27 @@
+#pragma once
+
+#include "vrml/scene_graph.h"
+
+namespace gs::vrml {
+
+// The values of the geometric property node (VRML97 4.6.3.2), or of a PROTO instance of one, that
+// stands in the field of that name of `geometry`. Shared with the node; empty where there is none.
+
+[[nodiscard]] inline MFVec3f coordinates_of(const SceneGraph& scene, NodeId geometry) {
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), "Coordinate");
+  return node ? scene.get<MFVec3f>(node, "point") : MFVec3f{};
+}
+[[nodiscard]] inline MFVec3f normals_of(const SceneGraph& scene, NodeId geometry) {
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "normal"), "Normal");
+  return node ? scene.get<MFVec3f>(node, "vector") : MFVec3f{};
+}
+[[nodiscard]] inline MFColor colors_of(const SceneGraph& scene, NodeId geometry) {
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "color"), "Color");
+  return node ? scene.get<MFColor>(node, "color") : MFColor{};
+}
+[[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "texCoord"), "TextureCoordinate");
+  return node ? scene.get<MFVec2f>(node, "point") : MFVec2f{};
+}
+
+}  // namespace gs::vrml
