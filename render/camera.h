@@ -10,10 +10,10 @@ namespace gs::render {
 /// Where the viewer is and what the lens sees. World space is metres, right-handed, Y up; the camera
 /// looks along its own -Z (VRML97 4.4.5, 6.53).
 struct Camera {
-  glm::mat4 world_from_camera{1.0f};   // rigid: rotation and translation only
-  float field_of_view = 0.785398f;     // radians, the smaller of the two angles (6.53)
-  float near_plane = 0;                // metres; 0: chosen from the bounds of what is drawn
-  float far_plane = 0;                 // metres; 0: likewise
+  glm::mat4 world_from_camera{1.0f};  // rigid: rotation and translation only
+  float field_of_view = 0.785398f;    // radians, the smaller of the two angles (6.53)
+  float near_plane = 0;               // metres; 0: chosen from the bounds of what is drawn
+  float far_plane = 0;                // metres; 0: likewise
 };
 
 /// Clip space of OpenGL from camera space. `near_plane` and `far_plane` must be set.

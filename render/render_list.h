@@ -76,11 +76,28 @@ struct RenderList {
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
   NavigationState navigation;
-  vrml::Bounds bounds;                     // world space, of all items
+  vrml::Bounds bounds;  // world space, of all items
 };
 
-/// Meshes of geometry nodes, made once and kept while the world lives. Drop it with the world.
-using MeshCache = std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::Mesh>>;
+/// What collect makes of nodes once and keeps while the world lives. Drop it with the world.
+///
+/// Meshes are not watched: after a change to a geometry node, or to a node below it, call `erase`
+/// with the geometry node. Images of PixelTextures follow their field by themselves.
+struct MeshCache {
+  struct Entry {
+    std::shared_ptr<const vrml::Mesh> mesh;
+    bool texture_coordinates = false;  // whether they were asked for
+  };
+  struct PixelEntry {
+    vrml::PixelImage source;  // shares its storage with the field while that is unchanged
+    std::shared_ptr<const Image> image;
+  };
+  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
+  std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
+
+  void erase(const vrml::Node* geometry) { meshes.erase(geometry); }
+  void clear() { *this = {}; }
+};
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
 /// Safe for any graph a file can describe: cycles are cut, depth and the number of items are bounded.

@@ -17,7 +17,7 @@ struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
   bool headlight = true;
-  std::optional<glm::vec3> background;           // one colour in place of the world's Background
+  std::optional<glm::vec3> background;  // one colour in place of the world's Background
 };
 
 struct FrameStatistics {
@@ -36,7 +36,8 @@ class Renderer {
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
   /// Draws off screen and reads the picture back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
-                                                                const DrawOptions& options, FrameStatistics* statistics = nullptr);
+                                                                const DrawOptions& options,
+                                                                FrameStatistics* statistics = nullptr);
   /// The GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
 

@@ -144,7 +144,16 @@ Token Lexer::next() {
   }
   if (class_of(*next_) == unused) return single(TokenKind::bad);
   const char* p = next_;
-  while (p != end_ && class_of(*p) == word_byte) ++p;
+  for (; p != end_; ++p) {
+    if (class_of(*p) == word_byte) continue;
+    // What some programs print for no number (1.#QNAN, -1.#IND) is no comment.
+    if (*p != '#' || p == next_ || p[-1] != '.') break;
+    if (p + 1 == end_) {
+      if (!last_) p = end_;
+      break;
+    }
+    if (p[1] != 'Q' && p[1] != 'I' && p[1] != 'S') break;
+  }
   if (p == end_ && !last_) return {TokenKind::need_more, {}, location()};
   Token token{TokenKind::word, {next_, static_cast<std::size_t>(p - next_)}, location()};
   next_ = p;

@@ -117,6 +117,7 @@ void read_plain_run(NumberRun& run, const char* guard, T* out, std::size_t targe
   const char* p = run.next;
   std::size_t count = run.count;
   while (count < target) {
+    number_paths::fetch_ahead(p);
     p = skip_separators(p, guard, run);
     if (p >= guard || !number_paths::read_number(p, out[count])) break;
     ++count;
@@ -135,10 +136,10 @@ NumberRun portable(const char* begin, const char* end, T* out, std::size_t capac
 
 template <class T>
 bool parse_decimal(std::string_view text, T& value) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  if (text.empty() || text.front() == '+') return false;
-  const char first = text.front() == '-' && text.size() > 1 ? text[1] : text.front();
-  if (!is_digit(first) && first != '.') return false;  // from_chars also takes "inf" and "nan"
+  const std::size_t sign = text.starts_with('+') || text.starts_with('-');
+  // from_chars also takes "inf" and "nan"
+  if (text.size() == sign || (!is_digit(text[sign]) && text[sign] != '.')) return false;
+  if (text.front() == '+') text.remove_prefix(1);
   T parsed{};
   const auto result = fast_float::from_chars(text.data(), text.data() + text.size(), parsed);
   if (result.ptr != text.data() + text.size()) return false;

@@ -16,17 +16,18 @@ namespace gs::vrml {
 
 /// Where a bulk read has come to.
 struct NumberRun {
-  const char* next;           // first byte that was not used; never inside a number
-  std::size_t count;          // numbers written
-  std::size_t lines;          // line feeds passed
-  const char* line_start;     // behind the last of them; null when there was none
+  const char* next;        // first byte that was not used; never inside a number
+  std::size_t count;       // numbers written
+  std::size_t lines;       // line feeds passed
+  const char* line_start;  // behind the last of them; null when there was none
 };
 
-/// Reads numbers parted by blanks, tabs, commas and line feeds for as long as they have the plain form
-/// that nearly all files use, writing at most `capacity` of them to `out`. Stops, without an error, in
-/// front of anything else: the slow path knows what to do with comments, carriage returns, exponents,
-/// very long numbers, brackets and rubbish. Looks at no byte at or after `end`, and stops some bytes
-/// before it. Correctly rounded; the speed of the parser is the speed of these loops.
+/// Reads decimal numbers parted by blanks, tabs, commas and line ends (LF or CRLF), writing at most
+/// `capacity` of them to `out`; what is behind the last number there, up to `capacity`, may be overwritten.
+/// Stops, without an error, in front of anything else: the slow path knows what to do with comments, bare
+/// carriage returns, hexadecimal integers, brackets and rubbish. Looks at no byte at or after `end`, and
+/// leaves a number there of which it cannot see the end. Correctly rounded; the speed of the parser is the
+/// speed of these loops. Safe for untrusted input.
 [[nodiscard]] NumberRun parse_floats(const char* begin, const char* end, float* out, std::size_t capacity);
 [[nodiscard]] NumberRun parse_integers(const char* begin, const char* end, std::int32_t* out, std::size_t capacity);
 

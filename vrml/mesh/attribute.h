@@ -13,11 +13,11 @@ namespace gs::vrml {
 /// How the values of a Color, Normal or TextureCoordinate node meet the corners of the faces or
 /// polylines of a coordIndex (VRML97 6.23, 6.24).
 enum class Binding : std::uint8_t {
-  none,            // there are no values
-  by_vertex,       // one a coordinate, chosen by coordIndex
-  by_corner,       // chosen by an index that stands where the corner's coordIndex stands
-  by_face,         // one a face, in order
-  by_face_index,   // one a face, chosen by the face's index
+  none,           // there are no values
+  by_vertex,      // one a coordinate, chosen by coordIndex
+  by_corner,      // chosen by an index that stands where the corner's coordIndex stands
+  by_face,        // one a face, in order
+  by_face_index,  // one a face, chosen by the face's index
 };
 
 /// No value for this corner.
@@ -43,20 +43,37 @@ struct Attribute {
   [[nodiscard]] std::uint32_t find(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
     std::uint32_t wanted = kMissing;
     switch (binding) {
-      case Binding::none: return kMissing;
-      case Binding::by_vertex: wanted = vertex; break;
-      case Binding::by_corner: wanted = corner < index.size() ? static_cast<std::uint32_t>(index[corner]) : kMissing; break;
-      case Binding::by_face: wanted = static_cast<std::uint32_t>(face); break;
-      case Binding::by_face_index: wanted = face < index.size() ? static_cast<std::uint32_t>(index[face]) : kMissing; break;
+      case Binding::none:
+        return kMissing;
+      case Binding::by_vertex:
+        wanted = vertex;
+        break;
+      case Binding::by_corner:
+        wanted = corner < index.size() ? static_cast<std::uint32_t>(index[corner]) : kMissing;
+        break;
+      case Binding::by_face:
+        wanted = static_cast<std::uint32_t>(face);
+        break;
+      case Binding::by_face_index:
+        wanted = face < index.size() ? static_cast<std::uint32_t>(index[face]) : kMissing;
+        break;
     }
     return wanted < values.size() ? wanted : kMissing;
+  }
+
+  /// The same, but where the value is missing the one of the vertex itself or the last one; kMissing
+  /// only when there are none.
+  [[nodiscard]] std::uint32_t find_or_nearest(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
+    const std::uint32_t found = find(corner, vertex, face);
+    if (found != kMissing || values.empty()) return found;
+    return vertex < values.size() ? vertex : static_cast<std::uint32_t>(values.size() - 1);
   }
 
   /// Exporters often write the coordIndex a second time. Says so by the binding, which allows sharing.
   void simplify(std::span<const std::int32_t> coord_index);
 
   /// Brings a by_vertex attribute to `count` values, sharing them if they are so many already. Adds `filling`.
-  void fit(std::size_t count, const T& filling) {
+  void fit(std::size_t count, T filling) {
     const std::size_t had = values.size();
     if (had == count) return;
     if (had > count) {

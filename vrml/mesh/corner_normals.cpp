@@ -13,13 +13,44 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kMostPairs = 256;  // faces around a vertex that are compared one by one
-constexpr int kGroupsAcross = 16;        // directions are grouped on a map of the sphere of 16 x 16
+constexpr std::size_t kMostPairs = 256;    // faces around a vertex that are compared one by one
+constexpr std::size_t kMostSearched = 32;  // values of a vertex that are compared with a new one
+constexpr glm::vec3 kNoNormal{0, 0, 1};    // where nothing says better
+constexpr int kGroupsAcross = 16;          // directions are grouped on a map of the sphere of 16 x 16
 
 /// A face of no area has weight 0 and no say.
 struct FaceNormal {
   glm::vec3 unit{0};
   float weight = 0;
+};
+
+/// The faces around the vertex at hand, laid out for loops over all of them.
+struct Neighbours {
+  std::vector<float> x, y, z, weight, chosen;
+
+  void resize(std::size_t count) {
+    if (x.size() >= count) return;
+    for (std::vector<float>* values : {&x, &y, &z, &weight, &chosen}) values->resize(2 * count);
+  }
+  void set(std::size_t i, const FaceNormal& face) {
+    x[i] = face.unit.x;
+    y[i] = face.unit.y;
+    z[i] = face.unit.z;
+    weight[i] = face.weight;
+  }
+  [[nodiscard]] glm::vec3 unit(std::size_t i) const { return {x[i], y[i], z[i]}; }
+
+  /// Weighted sum of those of the first `count` whose angle with number `own` has a cosine above
+  /// `cosine`; its own is always one of them. No branches: which ones are chosen is hard to foretell.
+  [[nodiscard]] glm::vec3 sum_near(std::size_t own, std::size_t count, float cosine) {
+    const glm::vec3 axis = unit(own);
+    for (std::size_t i = 0; i < count; ++i)
+      chosen[i] = axis.x * x[i] + axis.y * y[i] + axis.z * z[i] > cosine ? weight[i] : 0.0f;
+    chosen[own] = weight[own];
+    glm::vec3 sum(0);
+    for (std::size_t i = 0; i < count; ++i) sum += glm::vec3(x[i], y[i], z[i]) * chosen[i];
+    return sum;
+  }
 };
 
 struct FaceCorner {
@@ -72,23 +103,31 @@ class CreaseSmoother {
 
   [[nodiscard]] Attribute<glm::vec3> run(const UsableVertices& vertices, bool ccw) {
     read_faces(vertices, ccw);
-    sort_corners();
-    values_.resize(points_.size());
-    std::fill_n(values_.mutable_data(), points_.size(), glm::vec3(0, 0, 1));
+    sort_corners(vertices, ccw);
+    first_ = values_.prepare(points_.size());
+    values_.commit(points_.size());
+    std::fill_n(first_, points_.size(), kNoNormal);
     for (std::size_t vertex = 0; vertex < points_.size(); ++vertex) {
       const std::span<const FaceCorner> around(corners_.data() + ends_[vertex], ends_[vertex + 1] - ends_[vertex]);
       if (!around.empty()) smooth(static_cast<std::uint32_t>(vertex), around);
     }
+    values_.append(more_);
     return {std::move(values_), true, std::move(index_)};
   }
 
  private:
+  struct Value {
+    glm::vec3 normal;
+    std::uint32_t place;
+  };
+
   void read_faces(const UsableVertices& vertices, bool ccw);
-  void sort_corners();
+  void sort_corners(const UsableVertices& vertices, bool ccw);
   void smooth(std::uint32_t vertex, std::span<const FaceCorner> around);
-  [[nodiscard]] bool smooth_all(std::uint32_t vertex);
+  [[nodiscard]] bool smooth_all(std::uint32_t vertex, std::span<const FaceCorner> around);
   void smooth_pairs(std::uint32_t vertex, std::span<const FaceCorner> around);
   void smooth_groups(std::uint32_t vertex, std::span<const FaceCorner> around);
+  [[nodiscard]] std::uint32_t find_or_add(std::uint32_t vertex, const glm::vec3& normal);
   [[nodiscard]] std::uint32_t add(std::uint32_t vertex, const glm::vec3& normal);
   void use(std::uint32_t corner, std::uint32_t value);
 
@@ -98,12 +137,13 @@ class CreaseSmoother {
   float cosine_ = 1, half_cosine_ = 1;
 
   std::vector<FaceNormal> faces_;
-  std::vector<FaceCorner> unsorted_;   // in the order of the faces
-  std::vector<FaceCorner> corners_;    // in the order of the vertices
-  std::vector<std::uint32_t> ends_;    // those of vertex v are [ends_[v], ends_[v + 1])
-  std::vector<FaceNormal> near_;       // the faces around the vertex at hand
-  std::vector<std::uint32_t> own_;     // values made for it
-  Array<glm::vec3> values_;
+  std::vector<FaceCorner> corners_;  // in the order of the vertices
+  std::vector<std::uint32_t> ends_;  // those of vertex v are [ends_[v], ends_[v + 1])
+  Neighbours near_;
+  std::vector<Value> own_;       // values made for the vertex at hand
+  Array<glm::vec3> values_;      // the first one of each vertex, at the vertex's place
+  glm::vec3* first_ = nullptr;   // into values_
+  std::vector<glm::vec3> more_;  // go behind them
   MFInt32 index_;
 };
 
@@ -117,7 +157,6 @@ void CreaseSmoother::read_faces(const UsableVertices& vertices, bool ccw) {
 
   ends_.assign(points_.size() + 1, 0);
   faces_.reserve(coord_index_.size() / 4 + 1);
-  unsorted_.reserve(coord_index_.size());
   std::vector<glm::vec3> scratch;
   FaceReader reader(coord_index_, vertices, ccw);
   while (reader.next()) {
@@ -128,33 +167,30 @@ void CreaseSmoother::read_faces(const UsableVertices& vertices, bool ccw) {
       face.unit = glm::vec3(area / length);
       face.weight = static_cast<float>(std::clamp(length * scale, 1e-12, 1e12));
     }
-    for (const std::uint32_t corner : reader.corners()) {
-      unsorted_.push_back({corner, static_cast<std::uint32_t>(faces_.size())});
-      ++ends_[reader.vertex(corner) + 1];
-    }
+    for (const std::uint32_t corner : reader.corners()) ++ends_[reader.vertex(corner) + 1];
     faces_.push_back(face);
   }
 }
 
-void CreaseSmoother::sort_corners() {
+/// Sorts the corners by vertex. Reads the faces again, which is cheaper than to keep their corners.
+void CreaseSmoother::sort_corners(const UsableVertices& vertices, bool ccw) {
   for (std::size_t i = 1; i < ends_.size(); ++i) ends_[i] += ends_[i - 1];
-  corners_.resize(unsorted_.size());
+  corners_.resize(ends_.back());
   std::vector<std::uint32_t> next(ends_.begin(), ends_.end() - 1);
-  for (const FaceCorner& corner : unsorted_)
-    corners_[next[static_cast<std::size_t>(coord_index_[corner.corner])]++] = corner;
-  unsorted_ = {};
+  FaceReader reader(coord_index_, vertices, ccw);
+  for (std::uint32_t face = 0; reader.next(); ++face)
+    for (const std::uint32_t corner : reader.corners()) corners_[next[reader.vertex(corner)]++] = {corner, face};
 }
 
-/// The first value of a vertex has the vertex's own place.
 std::uint32_t CreaseSmoother::add(std::uint32_t vertex, const glm::vec3& normal) {
   std::uint32_t place = vertex;
   if (own_.empty()) {
-    values_.mutable_data()[vertex] = normal;
+    first_[vertex] = normal;
   } else {
-    place = static_cast<std::uint32_t>(values_.size());
-    values_.push_back(normal);
+    place = static_cast<std::uint32_t>(points_.size() + more_.size());
+    more_.push_back(normal);
   }
-  own_.push_back(place);
+  own_.push_back({normal, place});
   return place;
 }
 
@@ -166,9 +202,9 @@ void CreaseSmoother::use(std::uint32_t corner, std::uint32_t value) {
 
 void CreaseSmoother::smooth(std::uint32_t vertex, std::span<const FaceCorner> around) {
   own_.clear();
-  near_.clear();
-  for (const FaceCorner& corner : around) near_.push_back(faces_[corner.face]);
-  if (smooth_all(vertex)) return;
+  if (smooth_all(vertex, around)) return;
+  near_.resize(around.size());
+  for (std::size_t i = 0; i < around.size(); ++i) near_.set(i, faces_[around[i].face]);
   if (around.size() <= kMostPairs)
     smooth_pairs(vertex, around);
   else
@@ -176,33 +212,36 @@ void CreaseSmoother::smooth(std::uint32_t vertex, std::span<const FaceCorner> ar
 }
 
 /// The usual case: all faces lie within half the crease angle of their mean, so any two are within the whole.
-bool CreaseSmoother::smooth_all(std::uint32_t vertex) {
+bool CreaseSmoother::smooth_all(std::uint32_t vertex, std::span<const FaceCorner> around) {
   glm::vec3 sum(0);
-  for (const FaceNormal& face : near_) sum += face.unit * face.weight;
+  for (const FaceCorner& corner : around) sum += faces_[corner.face].unit * faces_[corner.face].weight;
   const glm::vec3 mean = unit_or(sum, glm::vec3(0));
   if (mean == glm::vec3(0)) return false;
   if (!everything_)
-    for (const FaceNormal& face : near_)
+    for (const FaceCorner& corner : around) {
+      const FaceNormal& face = faces_[corner.face];
       if (face.weight > 0 && !(glm::dot(face.unit, mean) > half_cosine_)) return false;
+    }
   (void)add(vertex, mean);
   return true;
 }
 
 void CreaseSmoother::smooth_pairs(std::uint32_t vertex, std::span<const FaceCorner> around) {
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const FaceNormal& own = near_[i];
-    glm::vec3 sum = own.unit * own.weight;
-    for (std::size_t j = 0; j < around.size(); ++j)
-      if (j != i && (everything_ || glm::dot(own.unit, near_[j].unit) > cosine_)) sum += near_[j].unit * near_[j].weight;
-    // Faces that take the same others come to nearly the same sum, but for its order: one value for them.
-    const glm::vec3 normal = unit_or(sum, own.weight > 0 ? own.unit : glm::vec3(0, 0, 1));
-    const auto same = [&](std::uint32_t place) {
-      const glm::vec3 difference = values_[place] - normal;
-      return glm::dot(difference, difference) < 1e-11f;
-    };
-    const auto found = std::find_if(own_.begin(), own_.end(), same);
-    use(around[i].corner, found != own_.end() ? *found : add(vertex, normal));
+    const glm::vec3 own = near_.unit(i);
+    const glm::vec3 normal = unit_or(near_.sum_near(i, around.size(), cosine_), near_.weight[i] > 0 ? own : kNoNormal);
+    use(around[i].corner, find_or_add(vertex, normal));
   }
+}
+
+/// Faces that take the same others come to the same sum: one value for them.
+std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3& normal) {
+  const std::size_t start = own_.size() > kMostSearched ? own_.size() - kMostSearched : 0;
+  for (std::size_t i = start; i < own_.size(); ++i) {
+    const glm::vec3 difference = own_[i].normal - normal;
+    if (glm::dot(difference, difference) < 1e-11f) return own_[i].place;
+  }
+  return add(vertex, normal);
 }
 
 /// Where the octahedron map of the sphere puts a direction.
@@ -215,26 +254,32 @@ void CreaseSmoother::smooth_pairs(std::uint32_t vertex, std::span<const FaceCorn
     v = (1 - std::abs(u)) * (v < 0 ? -1.0f : 1.0f);
     u = folded;
   }
-  const auto cell = [](float x) { return std::clamp(static_cast<int>((x + 1) * (kGroupsAcross / 2)), 0, kGroupsAcross - 1); };
+  const auto cell = [](float x) {
+    return std::clamp(static_cast<int>((x + 1) * (kGroupsAcross / 2)), 0, kGroupsAcross - 1);
+  };
   return static_cast<std::size_t>(cell(v) * kGroupsAcross + cell(u));
 }
 
 void CreaseSmoother::smooth_groups(std::uint32_t vertex, std::span<const FaceCorner> around) {
-  std::array<glm::vec3, kGroupsAcross * kGroupsAcross> sums{}, units{};
-  std::array<std::uint32_t, kGroupsAcross * kGroupsAcross> values{};
-  for (const FaceNormal& face : near_) sums[group_of(face.unit)] += face.unit * face.weight;
-  for (std::size_t i = 0; i < sums.size(); ++i) units[i] = unit_or(sums[i], glm::vec3(0));
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (units[i] == glm::vec3(0)) continue;
-    glm::vec3 sum = sums[i];
-    for (std::size_t j = 0; j < sums.size(); ++j)
-      if (j != i && glm::dot(units[i], units[j]) > cosine_) sum += sums[j];
-    values[i] = add(vertex, unit_or(sum, units[i]));
-  }
+  constexpr std::size_t kGroups = kGroupsAcross * kGroupsAcross;
+  std::array<glm::vec3, kGroups> sums{};
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const std::size_t group = group_of(near_[i].unit);
-    use(around[i].corner, units[group] == glm::vec3(0) ? vertex : values[group]);
+    const FaceNormal& face = faces_[around[i].face];
+    sums[group_of(face.unit)] += face.unit * face.weight;
   }
+  std::array<std::size_t, kGroups> groups{};  // those that are not empty
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kGroups; ++i) {
+    const float length = glm::length(sums[i]);
+    if (!(length > 0)) continue;
+    near_.set(count, {sums[i] / length, length});  // has room: there are more faces than groups
+    groups[count++] = i;
+  }
+  std::array<std::uint32_t, kGroups> values{};
+  values.fill(vertex);
+  for (std::size_t i = 0; i < count; ++i)
+    values[groups[i]] = find_or_add(vertex, unit_or(near_.sum_near(i, count, cosine_), near_.unit(i)));
+  for (const FaceCorner& corner : around) use(corner.corner, values[group_of(faces_[corner.face].unit)]);
 }
 
 }  // namespace

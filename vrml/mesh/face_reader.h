@@ -17,9 +17,8 @@ namespace gs::vrml {
 class FaceReader {
  public:
   /// Neither `coord_index` nor `vertices` is copied. With `ccw` FALSE the corners come in reverse.
-  FaceReader(std::span<const std::int32_t> coord_index, const UsableVertices& vertices, bool ccw, std::size_t start = 0,
-             std::size_t face = 0)
-      : index_(coord_index), vertices_(vertices), ccw_(ccw), next_(start), next_face_(face) {}
+  FaceReader(std::span<const std::int32_t> coord_index, const UsableVertices& vertices, bool ccw)
+      : index_(coord_index), vertices_(vertices), ccw_(ccw) {}
 
   /// Goes to the next face that can be drawn. False at the end.
   bool next() {
@@ -27,12 +26,15 @@ class FaceReader {
       if (read()) return true;
     return false;
   }
-  /// Reads one face. False when it is passed over. Only while !at_end().
+  /// Reads one face. False when it is passed over. Only while position() is in coordIndex.
   bool read();
-  [[nodiscard]] bool at_end() const { return next_ >= index_.size(); }
-  /// Place in coordIndex behind the face, and the ordinal of the face there.
+  /// Place in coordIndex behind the face.
   [[nodiscard]] std::size_t position() const { return next_; }
-  [[nodiscard]] std::size_t next_face() const { return next_face_; }
+  /// Passes over `faces` faces that the caller has read itself, up to `position`.
+  void skip_to(std::size_t position, std::size_t faces) {
+    next_ = position;
+    next_face_ += faces;
+  }
 
   /// Ordinal of the face, counting every one.
   [[nodiscard]] std::size_t face() const { return next_face_ - 1; }
@@ -44,8 +46,8 @@ class FaceReader {
   std::span<const std::int32_t> index_;
   const UsableVertices& vertices_;
   bool ccw_;
-  std::size_t next_;
-  std::size_t next_face_;
+  std::size_t next_ = 0;
+  std::size_t next_face_ = 0;
   std::size_t count_ = 0;
   std::vector<std::uint32_t> corners_;
 };

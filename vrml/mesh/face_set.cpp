@@ -15,7 +15,7 @@
 namespace gs::vrml {
 namespace {
 
-constexpr float kUnitTolerance = 0.01f;   // of the squared length; texts give three or four digits
+constexpr float kUnitTolerance = 0.01f;  // of the squared length; texts give three or four digits
 constexpr float kShortestSquare = 1e-24f;
 
 [[nodiscard]] bool has_direction(const glm::vec3& v) {
@@ -29,12 +29,19 @@ class IndexWriter {
   explicit IndexWriter(std::size_t expected) { grow(expected); }
 
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (end_ - next_ < 3) grow(static_cast<std::size_t>(next_ - begin_) + 3);
-    next_[0] = a;
-    next_[1] = b;
-    next_[2] = c;
-    next_ += 3;
+    std::uint32_t* next = claim(3);
+    next[0] = a;
+    next[1] = b;
+    next[2] = c;
+    next_ = next + 3;
   }
+  /// Room for `count` indices, for loops that keep the place themselves; release() says where they ended.
+  [[nodiscard]] std::uint32_t* claim(std::size_t count) {
+    if (static_cast<std::size_t>(end_ - next_) < count) grow(static_cast<std::size_t>(next_ - begin_) + count);
+    return next_;
+  }
+  void release(std::uint32_t* next) { next_ = next; }
+
   [[nodiscard]] Array<std::uint32_t> finish() {
     indices_.commit(static_cast<std::size_t>(next_ - begin_));
     indices_.shrink_to_fit();
@@ -66,8 +73,7 @@ class FaceCutter {
       return;
     }
     polygon_.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i)
-      polygon_[i] = faces_.points[static_cast<std::size_t>(index_[corners[i]])];
+    for (std::uint32_t i = 0; i < count; ++i) polygon_[i] = faces_.points[static_cast<std::size_t>(index_[corners[i]])];
     const std::span<const std::uint32_t> triangles = triangulator_.triangulate(polygon_);
     for (std::size_t i = 0; i < triangles.size(); i += 3) emit(triangles[i], triangles[i + 1], triangles[i + 2]);
   }
@@ -83,24 +89,23 @@ class FaceCutter {
 class SharedBuilder {
  public:
   SharedBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices)
-      : faces_(faces), index_(coord_index), vertices_(vertices), used_(faces.points.size(), 0),
+      : faces_(faces),
+        index_(coord_index),
+        vertices_(vertices),
+        used_(faces.points.size(), 0),
         out_(coord_index.size() / 4 * 3 + 3) {}
 
   [[nodiscard]] Mesh build() {
     FaceCutter cutter(faces_, index_);
-    std::size_t position = 0, face = 0;
-    while (position < index_.size()) {
-      const std::size_t triangles = vertices_.all() ? read_triangles(index_.subspan(position)) : 0;
-      position += 4 * triangles;
-      face += triangles;
-      if (position >= index_.size()) break;
-      FaceReader reader(index_, vertices_, faces_.ccw, position, face);
-      // Not one reader a face: its memory is kept while faces are no plain triangles.
-      do {
-        if (reader.read()) add(cutter, reader);
-      } while (!reader.at_end() && !(vertices_.all() && is_triangle(reader.position())));
-      position = reader.position();
-      face = reader.next_face();
+    FaceReader reader(index_, vertices_, faces_.ccw);
+    while (reader.position() < index_.size()) {
+      if (vertices_.all()) {
+        std::size_t faces = 0;
+        const std::size_t position = read_plain_faces(reader.position(), faces);
+        reader.skip_to(position, faces);
+        if (position >= index_.size()) break;
+      }
+      if (reader.read()) add(cutter, reader);
     }
     Mesh mesh;
     mesh.positions = faces_.points;
@@ -113,8 +118,6 @@ class SharedBuilder {
   }
 
  private:
-  [[nodiscard]] bool is_triangle(std::size_t i) const { return i + 3 < index_.size() && index_[i + 3] < 0; }
-
   void add(FaceCutter& cutter, const FaceReader& reader) {
     const std::span<const std::uint32_t> corners = reader.corners();
     for (const std::uint32_t corner : corners) used_[reader.vertex(corner)] = 1;
@@ -123,21 +126,9 @@ class SharedBuilder {
     });
   }
 
-  /// Reads the plain triangles at the front, each with its end marker; returns how many. Large meshes are made of these.
-  [[nodiscard]] std::size_t read_triangles(std::span<const std::int32_t> from) {
-    const auto count = static_cast<std::uint32_t>(vertices_.count());
-    const bool ccw = faces_.ccw;
-    std::uint8_t* used = used_.data();
-    std::size_t i = 0;
-    for (; i + 3 < from.size() && from[i + 3] < 0; i += 4) {
-      const auto a = static_cast<std::uint32_t>(from[i]), b = static_cast<std::uint32_t>(from[i + 1]),
-                 c = static_cast<std::uint32_t>(from[i + 2]);
-      if (a >= count || b >= count || c >= count || a == b || b == c || c == a) break;
-      used[a] = used[b] = used[c] = 1;
-      out_.triangle(a, ccw ? b : c, ccw ? c : b);
-    }
-    return i / 4;
-  }
+  /// Reads triangles and convex quadrilaterals up to the first face that is something else or has
+  /// something wrong; returns its place. Large meshes are made of these.
+  [[nodiscard]] std::size_t read_plain_faces(std::size_t position, std::size_t& faces);
 
   const FaceSet& faces_;
   std::span<const std::int32_t> index_;
@@ -146,11 +137,106 @@ class SharedBuilder {
   IndexWriter out_;
 };
 
+std::size_t SharedBuilder::read_plain_faces(std::size_t position, std::size_t& faces) {
+  constexpr std::size_t kStretch = 4096;  // index entries between two looks at the room for output
+  const auto count = static_cast<std::uint32_t>(vertices_.count());
+  const bool ccw = faces_.ccw, convex = faces_.convex;
+  const std::int32_t* from = index_.data();
+  const std::size_t size = index_.size();
+  std::uint8_t* used = used_.data();
+  std::size_t i = position, read = 0;
+  for (bool plain = true; plain && i + 3 < size;) {
+    std::uint32_t* out = out_.claim(6 * kStretch / 4);
+    const std::size_t end = std::min(i + kStretch - 5, size - 3);
+    while (i < end) {
+      const auto a = static_cast<std::uint32_t>(from[i]), b = static_cast<std::uint32_t>(from[i + 1]),
+                 c = static_cast<std::uint32_t>(from[i + 2]);
+      plain = a < count && b < count && c < count && a != b && b != c && c != a;
+      if (!plain) break;
+      if (from[i + 3] < 0) {
+        i += 4;
+      } else {
+        const auto d = static_cast<std::uint32_t>(from[i + 3]);
+        plain = convex && i + 4 < size && from[i + 4] < 0 && d < count && d != a && d != b && d != c;
+        if (!plain) break;
+        used[d] = 1;
+        out[0] = a;
+        out[1] = ccw ? c : d;
+        out[2] = ccw ? d : c;
+        out += 3;
+        i += 5;
+      }
+      used[a] = used[b] = used[c] = 1;
+      out[0] = a;
+      out[1] = ccw ? b : c;
+      out[2] = ccw ? c : b;
+      out += 3;
+      ++read;
+    }
+    out_.release(out);
+  }
+  faces = read;
+  return i;
+}
+
+/// Writes vertices into the arrays of a mesh.
+class VertexWriter {
+ public:
+  /// Room for at most `count` vertices.
+  VertexWriter(const FaceSet& faces, std::size_t count) : faces_(&faces) {
+    position_ = mesh_.positions.prepare(count);
+    normal_ = mesh_.normals.prepare(count);
+    if (faces.color.binding != Binding::none) color_ = mesh_.colors.prepare(count);
+    if (faces.texture_coordinate.binding != Binding::none) coordinate_ = mesh_.texture_coordinates.prepare(count);
+  }
+
+  std::uint32_t write(const VertexParts& parts, const glm::vec3& normal) {
+    *position_ = faces_->points[parts.position];
+    mesh_.bounds.add(*position_++);
+    const float square = glm::dot(normal, normal);
+    *normal_++ = std::abs(square - 1) < kUnitTolerance ? normal : normal / std::sqrt(square);
+    if (color_) *color_++ = faces_->color.values[parts.color];
+    if (coordinate_)
+      *coordinate_++ = parts.texture_coordinate == kMissing
+                           ? glm::vec2(0)
+                           : faces_->texture_coordinate.values[parts.texture_coordinate];
+    return count_++;
+  }
+
+  [[nodiscard]] Mesh finish(Array<std::uint32_t> indices) {
+    finish(mesh_.positions);
+    finish(mesh_.normals);
+    if (color_) finish(mesh_.colors);
+    if (coordinate_) finish(mesh_.texture_coordinates);
+    mesh_.indices = std::move(indices);
+    return std::move(mesh_);
+  }
+
+ private:
+  template <class T>
+  void finish(Array<T>& values) const {
+    values.commit(count_);
+    values.shrink_to_fit();
+  }
+
+  const FaceSet* faces_;
+  Mesh mesh_;
+  glm::vec3 *position_ = nullptr, *normal_ = nullptr;
+  Color* color_ = nullptr;
+  glm::vec2* coordinate_ = nullptr;
+  std::uint32_t count_ = 0;
+};
+
 /// The mesh in all other cases: a vertex for each different corner.
 class CornerBuilder {
  public:
   CornerBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices)
-      : faces_(faces), index_(coord_index), vertices_(vertices), welder_(faces.points.size(), can_weld(faces)),
+      : faces_(faces),
+        index_(coord_index),
+        vertices_(vertices),
+        weld_(can_weld(faces)),
+        welder_(weld_ ? faces.points.size() : 0),
+        writer_(faces, weld_ ? 1 : coord_index.size()),
         out_(coord_index.size() / 4 * 3 + 3) {}
 
   [[nodiscard]] Mesh build() {
@@ -162,11 +248,14 @@ class CornerBuilder {
       made.clear();
       face_normal_ = kMissing;
       if (!add_corners(reader, made)) continue;
-      cutter.cut(corners, [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
-        out_.triangle(made[i], made[j], made[k]);
-      });
+      cutter.cut(corners,
+                 [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) { out_.triangle(made[i], made[j], made[k]); });
     }
-    return gather_mesh();
+    if (weld_) {
+      writer_ = VertexWriter(faces_, welder_.vertices().size());
+      for (const VertexParts& vertex : welder_.vertices()) writer_.write(vertex, normal_of(vertex));
+    }
+    return writer_.finish(out_.finish());
   }
 
  private:
@@ -177,14 +266,21 @@ class CornerBuilder {
   }
   [[nodiscard]] bool add_corners(const FaceReader& reader, std::vector<std::uint32_t>& made);
   [[nodiscard]] bool set_normal(const FaceReader& reader, std::uint32_t corner, VertexParts& parts);
-  [[nodiscard]] Mesh gather_mesh();
+  [[nodiscard]] const glm::vec3& normal_of(const VertexParts& vertex) const {
+    const std::size_t given = faces_.normal.values.size();
+    return vertex.normal < given ? faces_.normal.values[vertex.normal] : face_normals_[vertex.normal - given];
+  }
 
   const FaceSet& faces_;
   std::span<const std::int32_t> index_;
   const UsableVertices& vertices_;
+  bool weld_;
   Welder welder_;
+  VertexWriter writer_;
   IndexWriter out_;
-  std::vector<glm::vec3> face_normals_;   // made for faces that lack some; named by places behind the given ones
+  // Made for faces that lack some; named by places behind the given ones. Only the last one is kept
+  // where vertices are written at once.
+  std::vector<glm::vec3> face_normals_;
   std::uint32_t face_normal_ = kMissing;  // that of the face at hand, once made
   std::vector<glm::vec3> scratch_;
 };
@@ -194,13 +290,9 @@ bool CornerBuilder::add_corners(const FaceReader& reader, std::vector<std::uint3
     VertexParts parts;
     parts.position = reader.vertex(corner);
     if (!set_normal(reader, corner, parts)) return false;
-    if (faces_.color.binding != Binding::none) {
-      parts.color = faces_.color.find(corner, parts.position, reader.face());
-      if (parts.color == kMissing)
-        parts.color = std::min(parts.position, static_cast<std::uint32_t>(faces_.color.values.size() - 1));
-    }
+    parts.color = faces_.color.find_or_nearest(corner, parts.position, reader.face());
     parts.texture_coordinate = faces_.texture_coordinate.find(corner, parts.position, reader.face());
-    made.push_back(welder_.add(parts));
+    made.push_back(weld_ ? welder_.add(parts) : writer_.write(parts, normal_of(parts)));
   }
   return true;
 }
@@ -212,36 +304,17 @@ bool CornerBuilder::set_normal(const FaceReader& reader, std::uint32_t corner, V
     return true;
   }
   if (face_normal_ == kMissing) {
-    const glm::vec3 normal = face_normal(reader.corners(), index_, faces_.points.span(), scratch_);
-    if (normal == glm::vec3(0)) return false;
+    glm::vec3 normal = face_normal(reader.corners(), index_, faces_.points.span(), scratch_);
+    if (normal == glm::vec3(0)) {
+      if (faces_.normal.binding == Binding::none) return false;
+      normal = {0, 0, 1};
+    }
+    if (!weld_) face_normals_.clear();
     face_normal_ = static_cast<std::uint32_t>(faces_.normal.values.size() + face_normals_.size());
     face_normals_.push_back(normal);
   }
   parts.normal = face_normal_;
   return true;
-}
-
-Mesh CornerBuilder::gather_mesh() {
-  Mesh mesh;
-  mesh.indices = out_.finish();
-  const std::span<const VertexParts> vertices = welder_.vertices();
-  if (mesh.indices.empty()) return mesh;
-  mesh.positions = gather(faces_.points, vertices, &VertexParts::position, glm::vec3(0));
-  const std::size_t given = faces_.normal.values.size();
-  glm::vec3* normal = mesh.normals.prepare(vertices.size());
-  for (const VertexParts& vertex : vertices) {
-    const glm::vec3 n = vertex.normal < given ? faces_.normal.values[vertex.normal] : face_normals_[vertex.normal - given];
-    const float square = glm::dot(n, n);
-    *normal++ = std::abs(square - 1) < kUnitTolerance ? n : n / std::sqrt(square);
-  }
-  mesh.normals.commit(vertices.size());
-  if (faces_.color.binding != Binding::none)
-    mesh.colors = gather(faces_.color.values, vertices, &VertexParts::color, Color{1, 1, 1});
-  if (faces_.texture_coordinate.binding != Binding::none)
-    mesh.texture_coordinates =
-        gather(faces_.texture_coordinate.values, vertices, &VertexParts::texture_coordinate, glm::vec2(0));
-  mesh.bounds = bounds_of(mesh.positions.span());
-  return mesh;
 }
 
 /// Makes a copy of the used coordinates where one node uses few out of many.
@@ -269,13 +342,11 @@ void compact_points(FaceSet& faces) {
     for (const std::int32_t vertex : readable(faces.coord_index)) largest = std::max(largest, vertex);
     if (largest >= 0 && static_cast<std::size_t>(largest) >= faces.normal.values.size()) return false;
   }
-  bool unit = true, usable = true;
-  for (const glm::vec3& normal : faces.normal.values) {
-    const float square = glm::dot(normal, normal);
-    unit &= std::abs(square - 1) < kUnitTolerance;
-    usable &= square > kShortestSquare && square < std::numeric_limits<float>::infinity();
-  }
-  if (!usable) return false;
+  std::uint32_t other = 0;  // no bool: so the loop vectorises
+  for (const glm::vec3& normal : faces.normal.values)
+    other |= static_cast<std::uint32_t>(!(std::abs(glm::dot(normal, normal) - 1) < kUnitTolerance));
+  const bool unit = other == 0;
+  if (!unit && !std::all_of(faces.normal.values.begin(), faces.normal.values.end(), has_direction)) return false;
   faces.normal.fit(points, glm::vec3(0, 0, 1));
   if (unit) return true;
   glm::vec3* normal = faces.normal.values.mutable_data();
@@ -303,15 +374,16 @@ Mesh make_mesh(FaceSet faces) {
     if (faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
         by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces)) {
       if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
-      if (faces.texture_coordinate.binding != Binding::none) faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
+      if (faces.texture_coordinate.binding != Binding::none)
+        faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
       mesh = SharedBuilder(faces, index, vertices).build();
     } else {
       mesh = CornerBuilder(faces, index, vertices).build();
     }
   }
+  if (mesh.indices.empty()) mesh = {};
   mesh.solid = faces.solid;
-  if (mesh.indices.empty()) return Mesh{.solid = faces.solid};
-  if (faces.default_texture_coordinates && mesh.texture_coordinates.empty())
+  if (faces.default_texture_coordinates && !mesh.empty() && mesh.texture_coordinates.empty())
     mesh.texture_coordinates = default_texture_coordinates(mesh.positions.span(), mesh.bounds);
   return mesh;
 }
@@ -319,7 +391,8 @@ Mesh make_mesh(FaceSet faces) {
 namespace {
 
 template <class T>
-void append_values(Array<T>& values, std::size_t count, const Array<T>& more, std::size_t more_count, const T& filling) {
+void append_values(Array<T>& values, std::size_t count, const Array<T>& more, std::size_t more_count,
+                   const T& filling) {
   if (values.empty() && more.empty()) return;
   const auto fill = [&](std::size_t size) {
     for (std::size_t i = values.size(); i < size; ++i) values.push_back(filling);

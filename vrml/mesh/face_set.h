@@ -22,8 +22,8 @@ struct FaceSet {
 
 /// The triangles of the faces. Given normals are made unit vectors; a corner whose normal is missing
 /// or has no direction gets that of its face. A missing colour is the one of the corner's vertex or
-/// the last one, a missing texture coordinate is (0, 0). Faces without area that need a generated
-/// normal are dropped.
+/// the last one, a missing texture coordinate is (0, 0). Where all normals are generated and flat,
+/// faces without area are dropped.
 [[nodiscard]] Mesh make_mesh(FaceSet faces);
 
 /// Puts the triangles of `more` behind those of `mesh`. An attribute that only one of them has is

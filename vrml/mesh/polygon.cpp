@@ -8,9 +8,9 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kStepsPerCorner = 512;
+constexpr std::size_t kStepsPerCorner = 2048;
 constexpr std::size_t kStepsAtLeast = 4096;
-constexpr std::size_t kGridFrom = 48;       // reflex corners from which a grid pays
+constexpr std::size_t kGridFrom = 48;  // reflex corners from which a grid pays
 constexpr std::size_t kMaximumGridSize = 1024;
 
 [[nodiscard]] std::size_t cell_of(double place, std::size_t size) {
@@ -52,8 +52,8 @@ std::span<const std::uint32_t> PolygonTriangulator::triangulate(std::span<const 
 
 void PolygonTriangulator::quadrilateral(std::span<const glm::vec3> polygon, const glm::dvec3& normal) {
   const glm::dvec3 a(polygon[0]), b(polygon[1]), c(polygon[2]), d(polygon[3]);
-  const bool first_diagonal = glm::dot(glm::cross(b - a, c - a), normal) > 0 &&
-                              glm::dot(glm::cross(c - a, d - a), normal) > 0;
+  const bool first_diagonal =
+      glm::dot(glm::cross(b - a, c - a), normal) > 0 && glm::dot(glm::cross(c - a, d - a), normal) > 0;
   if (first_diagonal)
     triangles_ = {0, 1, 2, 0, 2, 3};
   else
@@ -89,6 +89,8 @@ void PolygonTriangulator::link() {
   }
   for (std::uint32_t i = 0; i < count; ++i)
     if (remaining_ > 2 && points_[i] == points_[previous_[i]]) unlink(i);
+  first_ = 0;
+  while (next_[previous_[first_]] != first_) ++first_;
   for (std::uint32_t i = 0; i < count; ++i)
     if (next_[previous_[i]] == i) refresh(i);
   if (reflex_.size() >= kGridFrom) build_grid();
@@ -103,6 +105,7 @@ double PolygonTriangulator::area(std::uint32_t a, std::uint32_t b, std::uint32_t
 void PolygonTriangulator::unlink(std::uint32_t corner) {
   next_[previous_[corner]] = next_[corner];
   previous_[next_[corner]] = previous_[corner];
+  if (first_ == corner) first_ = next_[corner];
   --remaining_;
   if (place_[corner] == kNone) return;
   place_[reflex_.back()] = place_[corner];
@@ -127,37 +130,38 @@ void PolygonTriangulator::refresh(std::uint32_t corner) {
   }
 }
 
-std::size_t PolygonTriangulator::column(double x) const {
-  return cell_of((x - grid_origin_.x) * grid_scale_.x, grid_size_);
-}
-
-std::size_t PolygonTriangulator::row(double y) const {
-  return cell_of((y - grid_origin_.y) * grid_scale_.y, grid_size_);
+/// Place in the grid, in cells.
+glm::dvec2 PolygonTriangulator::to_grid(std::uint32_t corner) const {
+  return (points_[corner] - grid_origin_) * grid_scale_;
 }
 
 void PolygonTriangulator::enter_grid(std::uint32_t corner) {
-  const std::size_t cell = row(points_[corner].y) * grid_size_ + column(points_[corner].x);
+  const glm::dvec2 place = to_grid(corner);
+  const std::size_t cell = cell_of(place.y, grid_size_) * grid_size_ + cell_of(place.x, grid_size_);
   cell_next_[corner] = cell_head_[cell];
   cell_head_[cell] = corner;
   in_grid_[corner] = true;
 }
 
 void PolygonTriangulator::build_grid() {
-  glm::dvec2 lower = points_[reflex_[0]], upper = lower;
-  for (const std::uint32_t corner : reflex_) {
+  glm::dvec2 lower = points_[first_], upper = lower;
+  std::uint32_t corner = first_;
+  do {
     lower = {std::min(lower.x, points_[corner].x), std::min(lower.y, points_[corner].y)};
     upper = {std::max(upper.x, points_[corner].x), std::max(upper.y, points_[corner].y)};
-  }
+    corner = next_[corner];
+  } while (corner != first_);
   grid_size_ = static_cast<std::size_t>(std::sqrt(static_cast<double>(reflex_.size()))) + 1;
   grid_size_ = std::min(grid_size_, kMaximumGridSize);
   grid_filling_ = reflex_.size();
   grid_origin_ = lower;
   const auto cells = static_cast<double>(grid_size_);
-  grid_scale_ = {upper.x > lower.x ? cells / (upper.x - lower.x) : 0, upper.y > lower.y ? cells / (upper.y - lower.y) : 0};
+  grid_scale_ = {upper.x > lower.x ? cells / (upper.x - lower.x) : 0,
+                 upper.y > lower.y ? cells / (upper.y - lower.y) : 0};
   cell_head_.assign(grid_size_ * grid_size_, kNone);
   cell_next_.resize(points_.size());
   in_grid_.assign(points_.size(), false);
-  for (const std::uint32_t corner : reflex_) enter_grid(corner);
+  for (const std::uint32_t reflex : reflex_) enter_grid(reflex);
 }
 
 /// True when a reflex corner stands in the way of cutting the ear at `tip`. One that coincides with a
@@ -175,34 +179,46 @@ bool PolygonTriangulator::blocks(std::uint32_t corner, std::uint32_t tip, Strict
 bool PolygonTriangulator::is_ear(std::uint32_t tip, Strictness strictness) {
   if (place_[tip] != kNone) return false;
   if (strictness == Strictness::any_convex) return true;
-  const auto spend = [this](std::size_t steps) { steps_left_ -= std::min(steps_left_, steps); };
-  if (grid_size_ != 0) {
-    const glm::dvec2 a = points_[previous_[tip]], b = points_[tip], c = points_[next_[tip]];
-    const std::size_t left = column(std::min({a.x, b.x, c.x})), right = column(std::max({a.x, b.x, c.x}));
-    const std::size_t bottom = row(std::min({a.y, b.y, c.y})), top = row(std::max({a.y, b.y, c.y}));
-    const std::size_t cells = (right - left + 1) * (top - bottom + 1);
-    if (cells < reflex_.size()) {
-      spend(cells);
-      for (std::size_t y = bottom; y <= top; ++y)
-        for (std::size_t x = left; x <= right; ++x)
-          for (std::uint32_t corner = cell_head_[y * grid_size_ + x]; corner != kNone; corner = cell_next_[corner]) {
-            spend(1);
-            if (place_[corner] != kNone && blocks(corner, tip, strictness)) return false;
-          }
-      return true;
-    }
-  }
-  for (const std::uint32_t corner : reflex_) {
-    spend(1);
-    if (blocks(corner, tip, strictness)) return false;
-  }
+  if (grid_size_ != 0) return !grid_blocks(tip, strictness);
+  for (const std::uint32_t corner : reflex_)
+    if (spend(1), blocks(corner, tip, strictness)) return false;
   return true;
 }
 
+/// Looks through the cells that the ear touches, row by row.
+bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) {
+  constexpr double kSlack = 1e-6;  // in cells, for the rounding of where edges cross rows
+  const glm::dvec2 corners[] = {to_grid(previous_[tip]), to_grid(tip), to_grid(next_[tip])};
+  const std::size_t bottom = cell_of(std::min({corners[0].y, corners[1].y, corners[2].y}) - kSlack, grid_size_);
+  const std::size_t top = cell_of(std::max({corners[0].y, corners[1].y, corners[2].y}) + kSlack, grid_size_);
+  for (std::size_t y = bottom; y <= top; ++y) {
+    const double low = static_cast<double>(y) - kSlack, high = static_cast<double>(y + 1) + kSlack;
+    double left = HUGE_VAL, right = -HUGE_VAL;
+    for (int i = 0; i < 3; ++i) {
+      glm::dvec2 p = corners[i], q = corners[(i + 1) % 3];
+      if (p.y > q.y) std::swap(p, q);
+      if (p.y > high || q.y < low) continue;
+      const double slope = q.y > p.y ? (q.x - p.x) / (q.y - p.y) : 0;
+      const double x_low = p.y < low ? p.x + (low - p.y) * slope : p.x;
+      const double x_high = q.y > high ? q.x - (q.y - high) * slope : q.x;
+      left = std::min({left, x_low, x_high});
+      right = std::max({right, x_low, x_high});
+    }
+    if (left > right) continue;
+    const std::size_t last = cell_of(right + kSlack, grid_size_);
+    for (std::size_t x = cell_of(left - kSlack, grid_size_); x <= last; ++x) {
+      spend(1);
+      for (std::uint32_t corner = cell_head_[y * grid_size_ + x]; corner != kNone; corner = cell_next_[corner])
+        if (spend(1), place_[corner] != kNone && blocks(corner, tip, strictness)) return true;
+    }
+  }
+  return false;
+}
+
 /// Removes corners that coincide with the next one and tips of zero width, which cover nothing.
-bool PolygonTriangulator::remove_spikes(std::uint32_t& current) {
+bool PolygonTriangulator::remove_spikes() {
   bool removed = false;
-  std::uint32_t corner = current;
+  std::uint32_t corner = first_;
   for (std::size_t left = remaining_; left > 0 && remaining_ > 3; --left) {
     const std::uint32_t a = previous_[corner], c = next_[corner];
     const glm::dvec2 back = points_[a] - points_[corner], forth = points_[c] - points_[corner];
@@ -212,51 +228,69 @@ bool PolygonTriangulator::remove_spikes(std::uint32_t& current) {
       refresh(a);
       refresh(c);
       removed = true;
-      current = a;
       corner = a;
     } else {
       corner = c;
     }
   }
+  spend(remaining_);
   return removed;
 }
 
 /// Gives up on ears: a fan over what is left, without its empty triangles.
-void PolygonTriangulator::fan(std::uint32_t start) {
-  for (std::uint32_t b = next_[start]; next_[b] != start; b = next_[b])
-    if (area(start, b, next_[b]) != 0) triangles_.insert(triangles_.end(), {start, b, next_[b]});
+void PolygonTriangulator::fan() {
+  for (std::uint32_t b = next_[first_]; next_[b] != first_; b = next_[b])
+    if (area(first_, b, next_[b]) != 0) triangles_.insert(triangles_.end(), {first_, b, next_[b]});
 }
 
+void PolygonTriangulator::enqueue(std::uint32_t corner) { queue_.push_back({corner, ++turn_[corner]}); }
+
+void PolygonTriangulator::enqueue_all() {
+  queue_.clear();
+  queue_head_ = 0;
+  std::uint32_t corner = first_;
+  do {
+    enqueue(corner);
+    corner = next_[corner];
+  } while (corner != first_);
+  spend(remaining_);
+}
+
+/// Cutting an ear can make ears of its two neighbours only. They go to the back of the queue, so that
+/// ears are cut all around the polygon rather than as a fan of slivers at one place.
 void PolygonTriangulator::clip() {
-  std::uint32_t current = 0;
-  while (next_[previous_[current]] != current) ++current;  // link() may have dropped the first ones
+  turn_.assign(points_.size(), 0);
+  enqueue_all();
   Strictness strictness = Strictness::clear;
-  std::size_t failed = 0;
   while (remaining_ > 3 && steps_left_ > 0) {
-    --steps_left_;
-    const std::uint32_t a = previous_[current], c = next_[current];
-    if (is_ear(current, strictness)) {
-      triangles_.insert(triangles_.end(), {a, current, c});
-      unlink(current);
-      refresh(a);
-      refresh(c);
-      if (grid_size_ != 0 && reflex_.size() * 4 < grid_filling_) {
-        grid_size_ = 0;
-        if (reflex_.size() >= kGridFrom) build_grid();
-      }
-      current = next_[c];  // not the neighbour: fans of slivers come from always cutting at one corner
-      failed = 0;
-      strictness = Strictness::clear;
-    } else {
-      current = c;
-      if (++failed < remaining_) continue;
-      failed = 0;
-      if (strictness == Strictness::clear && remove_spikes(current)) continue;
+    if (queue_head_ == queue_.size()) {
       if (strictness == Strictness::any_convex) break;
-      strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;
+      const bool removed = strictness == Strictness::clear && remove_spikes();
+      if (!removed) strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;
+      enqueue_all();
+      continue;
     }
+    const Candidate candidate = queue_[queue_head_++];
+    const std::uint32_t tip = candidate.corner;
+    spend(1);
+    if (turn_[tip] != candidate.turn || !is_ear(tip, strictness)) continue;
+    const std::uint32_t a = previous_[tip], c = next_[tip];
+    triangles_.insert(triangles_.end(), {a, tip, c});
+    unlink(tip);
+    refresh(a);
+    refresh(c);
+    if (grid_size_ != 0 && reflex_.size() * 4 < grid_filling_) {
+      grid_size_ = 0;
+      if (reflex_.size() >= kGridFrom) build_grid();
+    }
+    if (strictness != Strictness::clear) {  // what an exception has opened is again cut with care
+      strictness = Strictness::clear;
+      queue_head_ = queue_.size();
+    }
+    enqueue(a);
+    enqueue(c);
   }
-  if (remaining_ >= 3) fan(current);
+  if (remaining_ >= 3) fan();
 }
 
 }  // namespace gs::vrml

@@ -24,20 +24,19 @@ struct VertexParts {
 /// looks; a chain longer than kLongestChain is not searched further, so that no input is slow.
 class Welder {
  public:
-  /// With `weld` FALSE every corner becomes a vertex, for corners that are known to differ.
-  Welder(std::size_t positions, bool weld) : first_(weld ? positions : 0, kMissing) {}
+  /// For corners whose `position` is less than `positions`.
+  explicit Welder(std::size_t positions) : first_(positions, kMissing) {
+    vertices_.reserve(positions);
+    next_.reserve(positions);
+  }
 
   [[nodiscard]] std::uint32_t add(const VertexParts& parts) {
-    const auto fresh = static_cast<std::uint32_t>(vertices_.size());
-    if (first_.empty()) {
-      vertices_.push_back(parts);
-      return fresh;
-    }
     std::uint32_t vertex = first_[parts.position];
     for (int step = 0; vertex != kMissing && step < kLongestChain; ++step) {
       if (vertices_[vertex] == parts) return vertex;
       vertex = next_[vertex];
     }
+    const auto fresh = static_cast<std::uint32_t>(vertices_.size());
     vertices_.push_back(parts);
     next_.push_back(first_[parts.position]);
     first_[parts.position] = fresh;
@@ -45,10 +44,6 @@ class Welder {
   }
 
   [[nodiscard]] std::span<const VertexParts> vertices() const { return vertices_; }
-  void reserve(std::size_t vertices) {
-    vertices_.reserve(vertices);
-    if (!first_.empty()) next_.reserve(vertices);
-  }
 
  private:
   static constexpr int kLongestChain = 32;
@@ -60,7 +55,7 @@ class Welder {
 /// One value a vertex out of `values`, at the place that `part` names; `filling` for kMissing.
 template <class T>
 [[nodiscard]] Array<T> gather(const Array<T>& values, std::span<const VertexParts> vertices,
-                              std::uint32_t VertexParts::* part, const T& filling) {
+                              std::uint32_t VertexParts::*part, const T& filling) {
   Array<T> gathered;
   T* next = gathered.prepare(vertices.size());
   const T* from = values.data();

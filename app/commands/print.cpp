@@ -1,0 +1,24 @@
+#include "app/commands/commands.h"
+#include "app/world_loader.h"
+#include "vrml/printer.h"
+
+#include <cstdio>
+
+namespace gs::app {
+
+int run_print(const Options& options) {
+  LoadOptions load;
+  load.timeout_seconds = options.timeout_seconds;
+  load.references = false;
+  const OpenedWorld world = load_world(options.files.front(), load);
+  print_diagnostics(world.diagnostics);
+  if (!world.scene) return kFailed;
+  const std::string text = vrml::print(*world.scene);
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    std::fprintf(stderr, "ghostspace: error: the text could not be written\n");
+    return kFailed;
+  }
+  return world.truncated ? kFailed : kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,36 @@
+#include "app/commands/commands.h"
+#include "net/file.h"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace gs::app {
+
+void print_diagnostics(const vrml::Diagnostics& diagnostics) {
+  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) std::fprintf(stderr, "%s\n", diagnostic.text().c_str());
+  if (diagnostics.dropped() > 0) std::fprintf(stderr, "ghostspace: %zu more diagnostics are not shown\n", diagnostics.dropped());
+}
+
+bool write_text(const std::string& path, const std::string& text) {
+  const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text)));
+  if (problem) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problem->message.c_str());
+  return !problem;
+}
+
+std::size_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string demo_world() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed = program.parent_path() / "../share/ghostspace/worlds/demo.wrl";
+  return !error && fs::exists(installed, error) ? installed.lexically_normal().string() : GHOSTSPACE_SOURCE_ASSETS "/worlds/demo.wrl";
+}
+
+}  // namespace gs::app

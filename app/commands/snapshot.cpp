@@ -1,0 +1,173 @@
+#include "app/commands/commands.h"
+#include "app/world_loader.h"
+#include "net/file.h"
+#include "render/camera.h"
+#include "render/context.h"
+#include "render/render_list.h"
+#include "render/renderer.h"
+
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <unordered_set>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+int fail(const std::string& what) {
+  std::fprintf(stderr, "ghostspace: error: %s\n", what.c_str());
+  return kFailed;
+}
+
+// A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
+bool may_write(const std::string& path, const std::string& world) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return true;
+  if (std::filesystem::equivalent(path, world, error)) return false;
+  const auto opened = net::map_file(path);
+  const auto* file = std::get_if<net::MappedFile>(&opened);
+  if (!file) return false;
+  static constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G'};
+  return file->bytes().empty() || (file->bytes().size() >= 4 && std::memcmp(file->bytes().data(), kPng, 4) == 0);
+}
+
+// The Viewpoint of this description, DEF name or number from 1; null where there is none.
+const render::ViewpointState* find_viewpoint(const std::vector<render::ViewpointState>& viewpoints, const std::string& wanted) {
+  for (const render::ViewpointState& viewpoint : viewpoints)
+    if (viewpoint.description == wanted || viewpoint.name == wanted) return &viewpoint;
+  std::size_t number = 0;
+  const auto result = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+  const bool good = result.ec == std::errc() && result.ptr == wanted.data() + wanted.size();
+  return good && number >= 1 && number <= viewpoints.size() ? &viewpoints[number - 1] : nullptr;
+}
+
+std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {
+  if (viewpoints.empty()) return "the world has none";
+  std::string text = "the world has";
+  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i) {
+    const auto& v = viewpoints[i];
+    text += (i ? ", " : " ") + std::to_string(i + 1) + (v.description.empty() ? v.name.empty() ? "" : " '" + v.name + "'" : " '" + v.description + "'");
+  }
+  return text;
+}
+
+// How many different colours a picture has; tells a blank one.
+std::size_t count_colors(const render::Image& image) {
+  constexpr std::size_t kEnough = 65536;
+  std::unordered_set<std::uint32_t> seen;
+  for (std::size_t i = 0; i + 2 < image.pixels.size() && seen.size() < kEnough; i += 3)
+    seen.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 | static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
+  return seen.size();
+}
+
+struct View {
+  render::Camera camera;
+  bool headlight = true;
+};
+
+std::optional<View> choose_view(const Options& options, const render::RenderList& list, std::string& error) {
+  View view;
+  view.headlight = options.headlight.value_or(list.navigation.headlight);
+  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+  constexpr float kFieldOfView = 0.785398f;
+  if (options.orbit) {
+    view.camera = render::orbit_camera(list.bounds, glm::radians(static_cast<float>(options.orbit->first)),
+                                       glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView, width, height);
+    view.headlight = options.headlight.value_or(true);
+    return view;
+  }
+  const render::ViewpointState* viewpoint = list.viewpoints.empty() ? nullptr : &list.viewpoints.front();
+  if (!options.viewpoint.empty() && !(viewpoint = find_viewpoint(list.viewpoints, options.viewpoint))) {
+    error = "no Viewpoint '" + options.viewpoint + "'; " + viewpoint_list(list.viewpoints);
+    return std::nullopt;
+  }
+  if (viewpoint) {
+    view.camera.world_from_camera = viewpoint->world_from_camera;
+    view.camera.field_of_view = viewpoint->field_of_view;
+  } else {
+    view.camera = render::orbit_camera(list.bounds, 0, 0, kFieldOfView, width, height);
+  }
+  return view;
+}
+
+}  // namespace
+
+int run_snapshot(const Options& options, const std::string& file) {
+  const Clock::time_point start = Clock::now();
+  LoadOptions load;
+  load.max_bytes = options.max_bytes;
+  load.timeout_seconds = options.timeout_seconds;
+  const OpenedWorld world = load_world(file, load);
+  const double load_seconds = seconds_since(start);
+  print_diagnostics(world.diagnostics);
+  if (!world.scene) return kFailed;
+  if (!may_write(options.snapshot, file))
+    return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
+
+  if (options.backend == "glfw") return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
+  auto opened = render::open_headless_context(options.backend);
+  if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
+  render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);
+  auto created = render::Renderer::create(context);
+  if (auto* problem = std::get_if<render::ContextError>(&created)) return fail(problem->message);
+  render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
+
+  render::MeshCache meshes;
+  render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  std::string error;
+  auto view = choose_view(options, list, error);
+  if (!view) return fail(error);
+  // Levels of detail and billboards follow the viewer, who is only known now.
+  list = render::collect(*world.scene, world.images, meshes, glm::vec3(view->camera.world_from_camera[3]));
+  view->camera = render::fit_depth(view->camera, list.bounds);
+  if (list.navigation.visibility_limit > 0 && !options.orbit)
+    view->camera.far_plane = std::max(list.navigation.visibility_limit, view->camera.near_plane * 2);
+
+  render::DrawOptions draw;
+  draw.width = options.width;
+  draw.height = options.height;
+  draw.samples = options.samples;
+  draw.headlight = view->headlight;
+  draw.background = options.background;
+  render::FrameStatistics statistics;
+  auto picture = renderer.draw_to_image(list, view->camera, draw, &statistics);
+  if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
+  const render::Image& image = std::get<render::Image>(picture);
+  const double first_image_seconds = seconds_since(start);
+  if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))
+    return fail(options.snapshot + ": " + problem->message);
+
+  if (!options.stats.empty()) {
+    const Clock::time_point again = Clock::now();
+    (void)renderer.draw_to_image(list, view->camera, draw);
+    const nlohmann::json stats = {{"bytes", world.bytes},
+                                  {"load_s", load_seconds},
+                                  {"first_image_s", first_image_seconds},
+                                  {"frame_s", seconds_since(again)},
+                                  {"triangles", statistics.triangles},
+                                  {"vectors", 0},
+                                  {"items", statistics.items},
+                                  {"draw_calls", statistics.draw_calls},
+                                  {"colors", count_colors(image)},
+                                  {"peak_rss_bytes", peak_memory()},
+                                  {"backend", std::string(context.backend())},
+                                  {"renderer", renderer.gl_renderer()},
+                                  {"splats", "none"},
+                                  {"errors", world.diagnostics.errors()},
+                                  {"warnings", world.diagnostics.warnings()}};
+    if (!write_text(options.stats, stats.dump(2) + "\n")) return kFailed;
+  }
+  return world.truncated ? kFailed : kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,3 @@
+#include "app/options.h"
+
+int main(int count, char** arguments) { return gs::app::run_command_line(count, arguments); }

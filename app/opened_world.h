@@ -1,0 +1,25 @@
+#pragma once
+
+#include "render/image.h"
+#include "vrml/diagnostic.h"
+#include "vrml/scene_graph.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace gs::app {
+
+/// A world that was read, with everything a picture of it needs.
+struct OpenedWorld {
+  std::string title;                        // WorldInfo.title or the file's name
+  std::string path;                         // as it was asked for
+  std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
+  render::Images images;
+  vrml::Diagnostics diagnostics;
+  bool truncated = false;                   // the file ends before the world does
+  std::size_t bytes = 0;                    // of the file itself, as it lies on disk
+  double parse_seconds = 0;                 // of the file itself, without what it refers to
+};
+
+}  // namespace gs::app

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+/// What the command line asks for.
+struct Options {
+  std::vector<std::string> files;
+  std::string snapshot;  // picture to write; empty: open a window
+  int width = 1024, height = 768, samples = 4;
+  std::string viewpoint;
+  std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
+  std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
+  std::string backend = "auto";
+  std::string stats;
+  std::optional<bool> headlight;
+  std::optional<glm::vec3> background;
+  double timeout_seconds = 30;
+  bool markdown = false, wrl = false;
+};
+
+/// Exit statuses of every command.
+enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2 };
+
+/// One option: the row from which parsing, --help and the manual page are made.
+struct OptionRow {
+  std::string_view name;      // "--size"
+  std::string_view argument;  // "WxH"; empty for a flag
+  std::string_view standard;  // default, for the help; may be empty
+  std::string_view help;
+  std::string_view commands;  // where it may stand, a blank behind each: "open check "
+  /// Takes the value; what was expected when it is wrong.
+  std::optional<std::string> (*set)(Options& options, const std::string& value);
+};
+[[nodiscard]] std::span<const OptionRow> option_rows();
+
+/// One command. The first, "open", is what a command line without the name of one means.
+struct CommandRow {
+  std::string_view name;
+  std::string_view arguments;  // "FILE..."
+  std::string_view help;
+  std::size_t least_files, most_files;
+  int (*run)(const Options& options);
+};
+[[nodiscard]] std::span<const CommandRow> command_rows();
+
+/// The manual page (roff, section 1) and the same facts in Markdown.
+[[nodiscard]] std::string manual_page();
+
+/// Parses a command line and runs its command. Prints usage errors; returns the exit status.
+int run_command_line(int count, char** arguments);
+
+}  // namespace gs::app

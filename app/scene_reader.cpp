@@ -1,0 +1,130 @@
+#include "app/scene_reader.h"
+
+#include "app/content_types.h"
+#include "app/gunzip.h"
+#include "app/references.h"
+#include "net/url.h"
+#include "vrml/parser.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using vrml::Severity;
+
+// A hostile .wrz can promise a thousand times its size.
+constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
+// How much is parsed between two looks at the clock.
+constexpr std::size_t kPiece = std::size_t{8} << 20;
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+struct ParseRun {
+  vrml::Parser parser;
+  vrml::SceneGraph& scene;
+  vrml::Diagnostics& diagnostics;
+  Clock::time_point deadline;
+  bool late = false;
+
+  bool push(std::string_view text) {
+    while (!text.empty() && !late) {
+      parser.push(text.substr(0, kPiece));
+      text.remove_prefix(std::min(text.size(), kPiece));
+      late = Clock::now() > deadline;
+    }
+    if (late && !text.empty())
+      diagnostics.add({Severity::error, scene.file_name(), {}, "the time for loading is over; the rest of the file is left out"});
+    return !late;
+  }
+};
+
+// VRML97, gzip'd or not. True when the whole text was there.
+bool read_vrml(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+               Clock::time_point deadline, bool& refused) {
+  ParseRun run{vrml::Parser(scene, diagnostics), scene, diagnostics, deadline};
+  bool whole = true;
+  if (is_gzip(bytes)) {
+    if (const auto problem = gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) { return run.push(piece); })) {
+      diagnostics.add({Severity::error, scene.file_name(), {}, *problem});
+      whole = false;
+    }
+  } else {
+    run.push(text_of(bytes));
+  }
+  const vrml::ParseOutcome outcome = run.parser.finish();
+  refused = outcome == vrml::ParseOutcome::refused;
+  return whole && !run.late && outcome == vrml::ParseOutcome::complete;
+}
+
+std::optional<std::vector<std::byte>> unpacked(std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics, const std::string& file) {
+  std::vector<std::byte> out;
+  const auto problem = gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) {
+    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
+    out.insert(out.end(), first, first + piece.size());
+    return true;
+  });
+  if (problem) diagnostics.add({Severity::error, file, {}, *problem});
+  if (out.empty()) return std::nullopt;
+  return out;
+}
+
+// The first bytes behind a gzip wrapper, by which the content is told.
+std::vector<std::byte> first_bytes(std::span<const std::byte> bytes) {
+  constexpr std::size_t kEnough = 1024;
+  std::vector<std::byte> head;
+  if (!is_gzip(bytes)) {
+    head.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kEnough)));
+    return head;
+  }
+  (void)gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) {
+    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
+    head.insert(head.end(), first, first + std::min(piece.size(), kEnough));
+    return false;
+  });
+  return head;
+}
+
+ReadFile reader_beside(const std::string& path) {
+  const net::Url base = net::url_of_path(path);
+  return [base](const std::string& name) -> std::optional<std::vector<std::byte>> {
+    const auto file = open_reference(base, name);
+    if (!file) return std::nullopt;
+    return std::vector<std::byte>(file->bytes().begin(), file->bytes().end());
+  };
+}
+
+}  // namespace
+
+SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
+                     Clock::time_point deadline) {
+  SceneRead read;
+  auto scene = std::make_unique<vrml::SceneGraph>(path);
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  bool refused = false;
+  if (!type.import) {
+    read.whole = read_vrml(bytes, *scene, diagnostics, deadline, refused);
+  } else if (bytes.empty()) {
+    diagnostics.add({Severity::error, path, {}, "the file is empty; expected " + std::string(type.name)});
+    refused = true;
+  } else {
+    const std::size_t errors = diagnostics.errors();
+    std::optional<std::vector<std::byte>> packed;
+    if (is_gzip(bytes)) packed = unpacked(bytes, diagnostics, path);
+    type.import(packed ? std::span<const std::byte>(*packed) : bytes, *scene, diagnostics, reader_beside(path));
+    refused = scene->roots().empty();
+    if (refused && diagnostics.errors() == errors)
+      diagnostics.add({Severity::error, path, {}, "holds nothing to show; read as " + std::string(type.name)});
+  }
+  if (!refused) read.scene = std::move(scene);
+  return read;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "net/file.h"
+#include "vrml/diagnostic.h"
+#include "vrml/scene_graph.h"
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace gs::app {
+
+/// What the bytes of one file became.
+struct SceneRead {
+  std::unique_ptr<vrml::SceneGraph> scene;  // null: nothing to show; the diagnostics say why
+  bool whole = true;                        // false: the bytes end before the scene does
+};
+
+/// Makes a scene of the bytes of a file of any type of the table of content types, gzip'd or not; nothing
+/// that it refers to is read but the materials and buffers that belong to the format. Stops at `deadline`.
+/// Safe for untrusted bytes.
+[[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
+                                   std::chrono::steady_clock::time_point deadline);
+
+}  // namespace gs::app

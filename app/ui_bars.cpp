@@ -1,0 +1,244 @@
+#include "app/ui_state.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+constexpr ImGuiWindowFlags kBarFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+
+bool begin_bar(const char* name, float y, float height, float padding) {
+  const float width = ImGui::GetIO().DisplaySize.x;
+  ImGui::SetNextWindowPos({0, y});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8, padding});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, UiColors::kBar);
+  const bool visible = ImGui::Begin(name, nullptr, kBarFlags);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(4);
+  return visible;
+}
+
+float button_width(const char* label) {
+  return ImGui::CalcTextSize(label, nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
+}
+
+/// A button that shows whether what it stands for is on.
+bool switch_button(const char* label, bool on) {
+  if (on) {
+    ImVec4 accent = UiColors::kAccent;
+    accent.w = 0.55f;
+    ImGui::PushStyleColor(ImGuiCol_Button, accent);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, accent);
+  }
+  const bool pressed = ImGui::Button(label);
+  if (on) ImGui::PopStyleColor(2);
+  return pressed;
+}
+
+void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
+
+/// A list of labels to choose from, which may be anything and may repeat.
+std::optional<std::size_t> choose(const char* id, const char* preview, const std::vector<std::string>& labels,
+                                  std::optional<std::size_t> chosen, float width) {
+  std::optional<std::size_t> result;
+  ImGui::SetNextItemWidth(width);
+  if (!ImGui::BeginCombo(id, preview, ImGuiComboFlags_HeightLarge)) return result;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    const bool is_chosen = chosen == i;
+    const ImVec2 place = ImGui::GetCursorScreenPos();
+    if (ImGui::Selectable("##row", is_chosen)) result = i;
+    if (is_chosen) ImGui::SetItemDefaultFocus();
+    ImGui::GetWindowDrawList()->AddText(place, ImGui::GetColorU32(ImGuiCol_Text), labels[i].c_str());
+    // The row has no text of its own, so the list learns its width here.
+    ImGui::SameLine();
+    ImGui::Dummy({std::max(0.0f, ImGui::CalcTextSize(labels[i].c_str()).x), 0});
+    ImGui::PopID();
+  }
+  ImGui::EndCombo();
+  return result;
+}
+
+void mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
+  static constexpr NavigationMode kShown[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
+                                              NavigationMode::pan};
+  ImGui::BeginDisabled(!model.has_world);
+  if (as_list) {
+    ImGui::SetNextItemWidth(button_width("Examine") + ImGui::GetFrameHeight());
+    if (ImGui::BeginCombo("##mode", row_of(model.mode).label.data())) {
+      for (const NavigationMode mode : kShown)
+        if (model.rules.allows(mode) && ImGui::Selectable(row_of(mode).label.data(), mode == model.mode))
+          actions.mode = mode;
+      ImGui::EndCombo();
+    }
+  } else {
+    for (const NavigationMode mode : kShown) {
+      if (mode != kShown[0]) ImGui::SameLine(0, 1);
+      ImGui::BeginDisabled(!model.rules.allows(mode));
+      if (switch_button(row_of(mode).label.data(), mode == model.mode)) actions.mode = mode;
+      ImGui::EndDisabled();
+      const int key = static_cast<int>(mode);
+      tooltip(model.rules.allows(mode) ? std::string(row_of(mode).help) + " (" + std::to_string(key) + ")"
+                                       : "This world does not allow " + std::string(row_of(mode).label));
+    }
+  }
+  ImGui::EndDisabled();
+}
+
+void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows) {
+  const bool several = model.viewpoints.size() > 1;
+  ImGui::BeginDisabled(model.viewpoints.empty());
+  if (with_arrows) {
+    ImGui::BeginDisabled(!several);
+    if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) actions.previous_viewpoint = true;
+    tooltip("Previous viewpoint (Page Up)");
+    ImGui::EndDisabled();
+    ImGui::SameLine(0, 1);
+  }
+  const std::string preview = model.viewpoints.empty() ? "No viewpoints"
+                              : model.viewpoint && *model.viewpoint < model.viewpoints.size()
+                                  ? model.viewpoints[*model.viewpoint]
+                                  : "Viewpoints";
+  if (const auto chosen = choose("##viewpoints", preview.c_str(), model.viewpoints, model.viewpoint, width))
+    actions.viewpoint = chosen;
+  if (with_arrows) {
+    ImGui::SameLine(0, 1);
+    ImGui::BeginDisabled(!several);
+    if (ImGui::ArrowButton("##next", ImGuiDir_Right)) actions.next_viewpoint = true;
+    tooltip("Next viewpoint (Page Down)");
+    ImGui::EndDisabled();
+  }
+  ImGui::EndDisabled();
+}
+
+std::string log_label(const UiModel& model) {
+  const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
+  if (count == 0) return "Log###log";
+  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count)) + "###log";
+}
+
+std::string counted(std::size_t count) {
+  std::string digits = std::to_string(count);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+  return digits;
+}
+
+}  // namespace
+
+float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
+float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
+
+void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
+  const float width = ImGui::GetIO().DisplaySize.x / scale;
+  const bool wide = width >= 980, narrow = width < 640;
+  begin_bar("##top", 0, top_bar_height(), 5 * scale);
+  if (switch_button("Open", open_panel)) {
+    open_panel = !open_panel;
+    open_panel_appears = open_panel;
+  }
+  tooltip("Open a file (Ctrl+O), or drop one on the window");
+  if (model.files.size() > 1) {
+    ImGui::SameLine();
+    const std::string& preview = model.files[std::min(model.file, model.files.size() - 1)];
+    if (const auto chosen = choose("##files", preview.c_str(), model.files, model.file, (wide ? 150 : 90) * scale))
+      actions.file = chosen;
+    tooltip("Files (Ctrl+Tab)");
+  }
+  group_gap();
+  viewpoint_list(model, actions, (wide ? 170 : narrow ? 90 : 130) * scale, !narrow);
+  group_gap();
+  mode_buttons(model, actions, !wide);
+  group_gap();
+  ImGui::BeginDisabled(!model.has_world);
+  if (!narrow) {
+    if (ImGui::Button("Reset")) actions.reset = true;
+    tooltip("Back to the viewpoint (Home)");
+    ImGui::SameLine(0, 1);
+  }
+  if (ImGui::Button("Fit")) actions.fit = true;
+  tooltip("Bring everything into view (F)");
+  if (!narrow) {
+    group_gap();
+    if (switch_button(wide ? "Headlight" : "Light", model.headlight)) actions.toggle_headlight = true;
+    tooltip("Headlight (H)");
+  }
+  ImGui::EndDisabled();
+
+  const std::string label = log_label(model);
+  const float right = button_width(label.c_str()) + button_width("?") + 8 * scale + 2;
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
+  const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
+  ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
+  if (switch_button(label.c_str(), log)) log = !log;
+  ImGui::PopStyleColor();
+  tooltip("What was found wrong with the file (F3)");
+  ImGui::SameLine(0, 1);
+  if (switch_button("?", help)) help = !help;
+  tooltip("Keys and mouse (F1)");
+  ImGui::End();
+}
+
+void UiOverlay::State::status_bar(const UiModel& model) {
+  const float height = status_bar_height();
+  begin_bar("##status", ImGui::GetIO().DisplaySize.y - height, height, 4 * scale);
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, "%.0f fps   %.1f ms", model.frames_a_second, model.frame_ms);
+  std::string line = numbers;
+  line += "   " + counted(model.statistics.triangles) + " triangles   " + counted(model.statistics.items) +
+          " items   " + counted(model.statistics.draw_calls) + " draw calls";
+  if (model.mode == NavigationMode::fly || model.mode == NavigationMode::walk) {
+    std::snprintf(numbers, sizeof numbers, "   %.3g m/s", static_cast<double>(model.speed));
+    line += numbers;
+  }
+  colored_text(UiColors::kQuiet, line);
+  const std::string renderer = shortened(model.gl_renderer, 80);
+  const float place = ImGui::GetIO().DisplaySize.x - ImGui::CalcTextSize(renderer.c_str()).x - 8;
+  if (place > ImGui::CalcTextSize(line.c_str()).x + 24) {
+    ImGui::SameLine(place);
+    colored_text(UiColors::kQuiet, renderer);
+  }
+  ImGui::End();
+}
+
+void UiOverlay::State::loading_line(const UiModel& model) {
+  const float width = ImGui::GetIO().DisplaySize.x, top = top_bar_height(), thickness = std::round(3 * scale);
+  // A glint that runs along under the bar: the length of the work is not known.
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  const float phase = static_cast<float>(std::fmod(now * 0.8, 1.0));
+  const float from = (phase * 1.3f - 0.3f) * width;
+  draw.AddRectFilled({std::max(0.0f, from), top}, {std::min(width, from + 0.3f * width), top + thickness},
+                     ImGui::GetColorU32(UiColors::kAccent));
+  const std::string line = "Loading " + shortened(model.loading, 80) + "...";
+  const ImVec2 size = ImGui::CalcTextSize(line.c_str());
+  const ImVec2 place(std::floor((width - size.x) / 2), top + 12 * scale);
+  draw.AddRectFilled({place.x - 12 * scale, place.y - 6 * scale},
+                     {place.x + size.x + 12 * scale, place.y + size.y + 6 * scale},
+                     ImGui::GetColorU32(UiColors::kPanel), 6 * scale);
+  draw.AddText(place, ImGui::GetColorU32(UiColors::kText), line.c_str());
+}
+
+void UiOverlay::State::travel_mark(const UiModel& model) {
+  const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
+  const ImVec2 anchor(model.travel_anchor->x / std::max(pixels.x, 0.01f),
+                      model.travel_anchor->y / std::max(pixels.y, 0.01f));
+  const ImVec2 pointer(model.pointer.x / std::max(pixels.x, 0.01f), model.pointer.y / std::max(pixels.y, 0.01f));
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImU32 light = IM_COL32(255, 255, 255, 190), dark = IM_COL32(0, 0, 0, 110);
+  draw.AddLine(anchor, pointer, dark, 4 * scale);
+  draw.AddLine(anchor, pointer, light, 2 * scale);
+  draw.AddCircle(anchor, 7 * scale, dark, 0, 4 * scale);
+  draw.AddCircle(anchor, 7 * scale, light, 0, 2 * scale);
+}
+
+}  // namespace gs::app

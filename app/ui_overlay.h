@@ -1,0 +1,93 @@
+#pragma once
+
+#include "app/navigation.h"
+#include "render/renderer.h"
+#include "vrml/diagnostic.h"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace gs::app {
+
+/// What the user interface shows. Made anew for each frame; pointers need to last only that long.
+struct UiModel {
+  std::vector<std::string> files;  // labels
+  std::size_t file = 0;
+  bool has_world = false;
+  std::string loading;  // label of what is being read, or empty
+
+  std::vector<std::string> viewpoints;   // labels
+  std::optional<std::size_t> viewpoint;  // of these, the bound one
+  NavigationMode mode = NavigationMode::none;
+  NavigationRules rules;
+  float speed = 1;  // metres a second
+  bool headlight = false;
+
+  render::FrameStatistics statistics;
+  double frame_ms = 0, frames_a_second = 0;
+  std::string gl_renderer;
+  const vrml::Diagnostics* log = nullptr;  // of the shown file, or of the one that failed
+
+  std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
+  glm::vec2 pointer{0};
+};
+
+/// What the user asked for with it.
+struct UiActions {
+  std::optional<std::string> open;
+  std::optional<std::size_t> file, viewpoint;
+  std::optional<NavigationMode> mode;
+  bool previous_viewpoint = false, next_viewpoint = false;
+  bool reset = false, fit = false, toggle_headlight = false, reload = false;
+};
+
+/// The bars and panels over the picture. Belongs to the thread of the window, whose context is current.
+/// Writes no files.
+class UiOverlay {
+ public:
+  /// Installs itself behind the window's own event callbacks. `scale`: 1 on a common screen.
+  UiOverlay(GLFWwindow* window, float scale);
+  ~UiOverlay();
+  UiOverlay(const UiOverlay&) = delete;
+  UiOverlay& operator=(const UiOverlay&) = delete;
+
+  /// Starts a frame; after it, `wants_*` know where the pointer is.
+  void begin_frame(double now);
+  /// Lays out everything. Call once after `begin_frame`.
+  [[nodiscard]] UiActions build(const UiModel& model);
+  /// Draws what was laid out into the framebuffer that is bound.
+  void draw();
+
+  /// True when the pointer is over a panel, or the keys go into a text field.
+  [[nodiscard]] bool wants_pointer() const;
+  [[nodiscard]] bool wants_keys() const;
+
+  /// Framebuffer pixels that the bars cover at the upper and lower edge.
+  [[nodiscard]] int top_height() const;
+  [[nodiscard]] int bottom_height() const;
+  /// Seconds until something changes without an event, or nothing does.
+  [[nodiscard]] std::optional<double> next_change() const;
+
+  void show_open_panel();
+  void toggle_help();
+  void toggle_statistics();
+  void toggle_log();
+  void show_log();
+  /// A line that goes away by itself; `is_error` lines stay longer.
+  void show_notice(std::string text, bool is_error);
+  /// Closes the topmost panel or notice. False when there was none.
+  bool close_one();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gs::app

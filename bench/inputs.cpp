@@ -1,0 +1,259 @@
+// bench_inputs DIR: writes the worlds that benchmarks read. The same bytes on every run.
+//
+// Three height fields (long arrays of numbers) and three worlds of many small things, which cost a browser in
+// quite different places: names, nodes, sharing, PROTO instances, ROUTEs.
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace {
+
+/// Text on its way into a file. Remembers a failure instead of throwing.
+class Writer {
+ public:
+  explicit Writer(const std::filesystem::path& path) : file_(std::fopen(path.c_str(), "wb"), &std::fclose) {}
+
+  Writer& text(std::string_view text) {
+    buffer_ += text;
+    if (buffer_.size() > kBlock) flush();
+    return *this;
+  }
+  Writer& integer(long value) {
+    std::array<char, 24> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    return text({digits.data(), end});
+  }
+  /// `decimals` digits behind the point.
+  Writer& number(double value, int decimals) {
+    std::array<char, 64> digits;
+    const auto end =
+        std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed, decimals).ptr;
+    return text({digits.data(), end});
+  }
+  Writer& triple(double x, double y, double z, int decimals) {
+    return number(x, decimals).text(" ").number(y, decimals).text(" ").number(z, decimals);
+  }
+  /// False when anything was not written.
+  [[nodiscard]] bool finish() {
+    flush();
+    return good_ && std::fflush(file_.get()) == 0;
+  }
+
+ private:
+  void flush() {
+    good_ = good_ && file_ && std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) == buffer_.size();
+    buffer_.clear();
+  }
+
+  static constexpr std::size_t kBlock = 1 << 20;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::string buffer_;
+  bool good_ = true;
+};
+
+void write_head(Writer& out, std::string_view sky, std::string_view viewpoint) {
+  out.text("#VRML V2.0 utf8\nNavigationInfo { type [ \"EXAMINE\" \"ANY\" ] }\nBackground { skyColor [ ").text(sky);
+  out.text(" ] }\nViewpoint { ").text(viewpoint).text(" description \"Front\" }\n");
+}
+
+/// Rolling hills over 16 m x 16 m: a sum of waves, each given by its height and its frequencies along x and z.
+struct Hills {
+  struct Wave {
+    double height, along_x, along_z, phase;
+  };
+  static constexpr std::array<Wave, 3> kWaves{{{1.0, 0.8, 0.75, 0.3}, {0.4, 2.1, 2.4, 1.1}, {0.06, 8.5, 9.5, 2.0}}};
+
+  static double height(double x, double z) {
+    double sum = 0;
+    for (const Wave& w : kWaves) sum += w.height * std::sin(w.along_x * x + w.phase) * std::cos(w.along_z * z);
+    return sum;
+  }
+  static std::array<double, 3> normal(double x, double z) {
+    double slope_x = 0, slope_z = 0;
+    for (const Wave& w : kWaves) {
+      slope_x += w.height * w.along_x * std::cos(w.along_x * x + w.phase) * std::cos(w.along_z * z);
+      slope_z -= w.height * w.along_z * std::sin(w.along_x * x + w.phase) * std::sin(w.along_z * z);
+    }
+    const double length = std::sqrt(slope_x * slope_x + slope_z * slope_z + 1);
+    return {-slope_x / length, 1 / length, -slope_z / length};
+  }
+};
+
+/// n x n vertices, 2 (n - 1)^2 triangles in one IndexedFaceSet with normals and colours per vertex.
+bool write_height_field(const std::filesystem::path& path, int n) {
+  Writer out(path);
+  write_head(out, "0.2 0.3 0.5", "position 0 9 13 orientation 1 0 0 -0.61");
+  out.text("DEF Terrain Shape {\n appearance Appearance { material Material { diffuseColor 0.8 0.8 0.8 } }\n");
+  out.text(" geometry IndexedFaceSet {\n  solid FALSE\n  coord Coordinate { point [\n");
+  const auto place = [n](int i) { return -8 + 16.0 * i / (n - 1); };
+  const auto rows = [&](auto&& write_vertex) {
+    for (int row = 0; row < n; ++row) {
+      out.text("   ");
+      for (int column = 0; column < n; ++column) {
+        write_vertex(place(column), place(row));
+        out.text(column + 1 < n ? ", " : ",\n");
+      }
+    }
+  };
+  rows([&](double x, double z) { out.triple(x, Hills::height(x, z), z, 6); });
+  out.text("  ] }\n  normal Normal { vector [\n");
+  rows([&](double x, double z) {
+    const auto normal = Hills::normal(x, z);
+    out.triple(normal[0], normal[1], normal[2], 5);
+  });
+  out.text("  ] }\n  color Color { color [\n");
+  rows([&](double x, double z) {
+    const double t = std::clamp((Hills::height(x, z) + 1.4) / 2.8, 0.0, 1.0);
+    out.triple(0.15 + 0.8 * t, 0.6 - 0.4 * std::abs(t - 0.4), 0.8 - 0.6 * t, 4);
+  });
+  out.text("  ] }\n  coordIndex [\n");
+  const auto face = [&out](long a, long b, long c) {
+    out.integer(a).text(", ").integer(b).text(", ").integer(c).text(", -1, ");
+  };
+  for (long row = 0; row + 1 < n; ++row) {
+    out.text("   ");
+    for (long column = 0; column + 1 < n; ++column) {
+      const long near = row * n + column, far = near + n;
+      face(near, far, near + 1);
+      face(near + 1, far, far + 1);
+    }
+    out.text("\n");
+  }
+  out.text("  ]\n } }\n");
+  return out.finish();
+}
+
+/// 20,000 `Transform { Shape }`, each with a DEF name; 4 geometries and 8 appearances shared by USE.
+bool write_small_nodes(const std::filesystem::path& path) {
+  static constexpr std::array<std::string_view, 8> kColors{"0.9 0.2 0.2", "0.2 0.8 0.3", "0.2 0.4 0.9", "0.9 0.8 0.1",
+                                                           "0.8 0.3 0.8", "0.3 0.8 0.8", "0.9 0.5 0.2", "0.7 0.7 0.7"};
+  static constexpr std::array<std::string_view, 4> kGeometries{
+      "Box { size 0.4 0.4 0.4 }", "Sphere { radius 0.22 }", "Cone { bottomRadius 0.22 height 0.42 }",
+      "IndexedFaceSet { creaseAngle 0.5 coord Coordinate { point [ -0.2 -0.2 0.2, 0.2 -0.2 0.2, 0.2 0.2 0.2, "
+      "-0.2 0.2 0.2, 0 0 -0.25 ] } coordIndex [ 0 1 2 3 -1 1 0 4 -1 2 1 4 -1 3 2 4 -1 0 3 4 -1 ] }"};
+  constexpr int kColumns = 200, kRows = 100;
+  Writer out(path);
+  write_head(out, "0.05 0.05 0.1", "position 0 0 90");
+  out.text("Group { children [\n");
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const int column = i % kColumns, row = i / kColumns;
+    out.text(" DEF Item").integer(i).text(" Transform { translation ");
+    out.triple((column - 99.5) * 0.55, (row - 49.5) * 0.62, 3 * std::sin(column * 0.11) * std::cos(row * 0.17), 4);
+    out.text(" rotation 0.267 0.535 0.802 ")
+        .number(std::fmod(i * 0.37, 6.28), 4)
+        .text(" children [ Shape { appearance ");
+    if (i < 8) {
+      out.text("DEF Look").integer(i).text(" Appearance { material Material { diffuseColor ").text(kColors[i]);
+      out.text(" specularColor 0.2 0.2 0.2 shininess 0.3 } }");
+    } else {
+      out.text("USE Look").integer(i % 8);
+    }
+    out.text(" geometry ");
+    if (i < 4) {
+      out.text("DEF Form").integer(i).text(" ").text(kGeometries[i]);
+    } else {
+      out.text("USE Form").integer(i % 4);
+    }
+    out.text(" } ] }\n");
+  }
+  out.text("] }\n");
+  return out.finish();
+}
+
+/// 5,000 instances of one PROTO of 6 fields and 2 Shapes.
+bool write_prototypes(const std::filesystem::path& path) {
+  Writer out(path);
+  write_head(out, "0.1 0.05 0.05", "position 0 0 60");
+  out.text(R"(PROTO Pawn [
+  exposedField SFVec3f    translation  0 0 0
+  exposedField SFRotation rotation     0 0 1 0
+  exposedField SFFloat    transparency 0
+  field        SFVec3f    foot         1 1 1
+  field        SFFloat    head         0.2
+  field        SFColor    color        0.8 0.8 0.8
+] {
+  Transform {
+    translation IS translation
+    rotation IS rotation
+    children [
+      Shape {
+        appearance Appearance { material Material { diffuseColor IS color transparency IS transparency } }
+        geometry Box { size IS foot }
+      }
+      Transform {
+        translation 0 0.3 0
+        children Shape {
+          appearance Appearance { material Material { diffuseColor IS color emissiveColor 0.2 0.1 0 } }
+          geometry Sphere { radius IS head }
+        }
+      }
+    ]
+  }
+}
+Group { children [
+)");
+  for (int i = 0; i < 5000; ++i) {
+    const int column = i % 100, row = i / 100;
+    out.text(" Pawn { translation ");
+    out.triple((column - 49.5) * 0.7, (row - 24.5) * 0.85, 1.5 * std::sin(column * 0.2) * std::cos(row * 0.3), 4);
+    out.text(" rotation 0.267 0.535 0.802 ").number(std::fmod(i * 0.37, 6.28), 4);
+    out.text(" foot ").triple(0.3 + 0.1 * (i % 3), 0.3, 0.25 + 0.05 * (i % 4), 3);
+    out.text(" color ").triple(0.3 + 0.07 * (i * 7 % 11), 0.3 + 0.058 * (i * 5 % 13), 0.3 + 0.043 * (i * 3 % 17), 3);
+    out.text(" head ").number(0.12 + 0.02 * (i % 5), 3).text(" transparency 0 }\n");
+  }
+  out.text("] }\n");
+  return out.finish();
+}
+
+/// 10,000 ROUTEs: one clock to 5,000 PositionInterpolators, each to its Transform.
+bool write_routes(const std::filesystem::path& path) {
+  constexpr int kObjects = 5000;
+  Writer out(path);
+  write_head(out, "0 0.1 0.1", "position 0 0 60");
+  out.text("DEF Clock TimeSensor { cycleInterval 4 loop TRUE }\n");
+  for (int i = 0; i < kObjects; ++i) {
+    const double x = (i % 100 - 49.5) * 0.7, y = (i / 100 - 24.5) * 0.85;
+    out.text("DEF Block").integer(i).text(" Transform { translation ").triple(x, y, 0, 4).text(" children ");
+    if (i == 0) {
+      out.text(
+          "DEF Form Shape { appearance Appearance { material Material { diffuseColor 0.9 0.6 0.2 } } "
+          "geometry Box { size 0.4 0.4 0.4 } }");
+    } else {
+      out.text("USE Form");
+    }
+    out.text(" }\nDEF Path").integer(i).text(" PositionInterpolator { key [ 0 0.25 0.5 0.75 1 ] keyValue [ ");
+    out.triple(x, y, 0, 4).text(", ").triple(x + 0.2, y, 1, 4).text(", ").triple(x + 0.2, y + 0.2, 2, 4).text(", ");
+    out.triple(x, y + 0.2, 1, 4).text(", ").triple(x, y, 0, 4).text(" ] }\n");
+  }
+  for (int i = 0; i < kObjects; ++i) {
+    out.text("ROUTE Clock.fraction_changed TO Path").integer(i).text(".set_fraction\nROUTE Path").integer(i);
+    out.text(".value_changed TO Block").integer(i).text(".set_translation\n");
+  }
+  return out.finish();
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: bench_inputs DIR\n", stderr);
+    return 2;
+  }
+  const std::filesystem::path folder = arguments[1];
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  const bool good = write_height_field(folder / "grid100k.wrl", 225) &&  // 100,352 triangles
+                    write_height_field(folder / "grid1m.wrl", 708) &&    // 999,698
+                    write_height_field(folder / "grid4m.wrl", 1415) &&   // 3,998,792
+                    write_small_nodes(folder / "nodes20k.wrl") && write_prototypes(folder / "proto5k.wrl") &&
+                    write_routes(folder / "routes10k.wrl");
+  if (!good) std::fprintf(stderr, "bench_inputs: cannot write into %s\n", folder.c_str());
+  return good ? 0 : 1;
+}

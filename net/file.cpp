@@ -1,0 +1,200 @@
+#include "net/file.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace gs::net {
+namespace {
+
+/// A file descriptor with an owner.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+
+  [[nodiscard]] int get() const { return number_; }
+  [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
+  /// False when the system could not keep what was written.
+  bool close() {
+    const int number = std::exchange(number_, -1);
+    return number < 0 || ::close(number) == 0;
+  }
+
+ private:
+  int number_;
+};
+
+std::string reason(int code) { return std::generic_category().message(code); }
+
+FileError cannot_open(const std::string& path, const std::string& why) { return {"cannot open " + path + ": " + why}; }
+FileError cannot_write(const std::string& path, const std::string& why) {
+  return {"cannot write " + path + ": " + why};
+}
+
+/// What stands at a place that should be a regular file, or nothing when it is one.
+std::optional<std::string> not_a_regular_file(const struct stat& status) {
+  if (S_ISREG(status.st_mode)) return std::nullopt;
+  if (S_ISDIR(status.st_mode)) return "it is a folder; expected a file";
+  if (S_ISFIFO(status.st_mode)) return "it is a pipe; expected a regular file";
+  if (S_ISSOCK(status.st_mode)) return "it is a socket; expected a regular file";
+  return "it is a device; expected a regular file";
+}
+
+/// Reads up to `size` bytes; fewer when the file became shorter. -1 with errno when the disk fails.
+ssize_t read_all(int file, std::byte* to, std::size_t size) {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t got = ::read(file, to + done, size - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return -1;
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return static_cast<ssize_t>(done);
+}
+
+bool write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Makes the new name durable. Not every file system can; the file is in place either way.
+void sync_folder(const std::string& folder) {
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened) (void)::fsync(opened.get());
+}
+
+/// The text of errno when one step fails, for `write_file_atomically`.
+std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& temporary, const std::string& target,
+                                           std::optional<mode_t> mode, std::span<const std::byte> bytes) {
+  if (!write_all(file.get(), bytes) || (mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
+      !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0)
+    return reason(errno);
+  return std::nullopt;
+}
+
+/// A new file next to the target, with the rights that the user gives to new files; -1 and errno.
+int create_temporary(const std::string& folder, std::string& name) {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kTries = 1000;  // names left behind by processes that were killed
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    name = folder + ".ghostspace-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
+}
+
+}  // namespace
+
+MappedFile::MappedFile(MappedFile&& other) noexcept
+    : data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)),
+      mapped_(std::exchange(other.mapped_, false)) {}
+
+MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  data_ = std::exchange(other.data_, nullptr);
+  size_ = std::exchange(other.size_, 0);
+  mapped_ = std::exchange(other.mapped_, false);
+  return *this;
+}
+
+MappedFile::~MappedFile() { release(); }
+
+void MappedFile::release() noexcept {
+  if (mapped_)
+    ::munmap(data_, size_);
+  else
+    std::free(data_);
+}
+
+std::variant<MappedFile, FileError> map_file(const std::string& path) {
+  if (path.empty()) return FileError{"cannot open a file without a name"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file whose name has a zero byte"};
+  // Not waiting for the other end of a pipe, nor taking a terminal over.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  struct stat status {};
+  if (!file) {
+    const int code = errno;
+    // A socket cannot be opened at all, and the system's word for that says little.
+    if (::stat(path.c_str(), &status) == 0)
+      if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+    return cannot_open(path, reason(code));
+  }
+  if (::fstat(file.get(), &status) != 0) return cannot_open(path, reason(errno));
+  if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+
+  MappedFile result;
+  const auto size = static_cast<std::size_t>(status.st_size);
+  if (size == 0) return result;
+  if (size >= MappedFile::kMappedSize) {
+    void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+    if (memory != MAP_FAILED) {
+      result.data_ = static_cast<std::byte*>(memory);
+      result.size_ = size;
+      result.mapped_ = true;
+      return result;
+    }
+  }
+  result.data_ = static_cast<std::byte*>(std::malloc(size));
+  if (!result.data_) throw std::bad_alloc();
+  const ssize_t count = read_all(file.get(), result.data_, size);
+  if (count < 0) return FileError{"cannot read " + path + ": " + reason(errno)};
+  result.size_ = static_cast<std::size_t>(count);
+  return result;
+}
+
+std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
+  if (path.empty()) return FileError{"cannot write a file without a name"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot write a file whose name has a zero byte"};
+  std::string target = path;
+  std::optional<mode_t> mode;
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) {
+    if (S_ISLNK(status.st_mode)) {
+      std::error_code error;
+      target = std::filesystem::canonical(path, error).string();
+      if (error) return cannot_write(path, "it is a link to nothing: " + error.message());
+      if (::stat(target.c_str(), &status) != 0) return cannot_write(path, reason(errno));
+    }
+    if (const auto what = not_a_regular_file(status)) return cannot_write(path, *what);
+    // A file that one may not write is not to be replaced through the back door of its folder.
+    if (::access(target.c_str(), W_OK) != 0) return cannot_write(path, reason(errno));
+    mode = status.st_mode & 07777;
+  } else if (errno != ENOENT) {
+    return cannot_write(path, reason(errno));
+  }
+
+  const std::size_t slash = target.rfind('/');
+  const std::string folder = slash == std::string::npos ? "./" : target.substr(0, slash + 1);
+  std::string temporary;
+  Descriptor file(create_temporary(folder, temporary));
+  if (!file) return cannot_write(path, reason(errno));
+  if (const auto why = fill_and_rename(file, temporary, target, mode, bytes)) {
+    ::unlink(temporary.c_str());
+    return cannot_write(path, *why);
+  }
+  sync_folder(folder);
+  return std::nullopt;
+}
+
+}  // namespace gs::net

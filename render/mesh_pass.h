@@ -1,0 +1,117 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/gpu.h"
+#include "render/light_sets.h"
+#include "render/mesh_store.h"
+#include "render/render_list.h"
+#include "render/renderer.h"
+#include "render/texture_store.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+namespace gs::render {
+
+/// Draws the items of a RenderList: opaque ones grouped so that items of the same mesh, texture,
+/// lights and shader are one instanced draw, then transparent ones from back to front.
+class MeshPass {
+ public:
+  static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
+
+  /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+            FrameStatistics& statistics);
+
+ private:
+  /// Bits that select a shader variant; each is one #define.
+  enum Variant : unsigned {
+    kLit = 1,
+    kNormals = 2,
+    kColors = 4,
+    kTexture = 8,
+    kIntensity = 16,
+    kTextureAlpha = 32,
+    kCutOut = 64,
+    kPerVertex = 128,
+    kLocalLights = 256,
+    kSpecular = 512,
+    kVariantCount = 1024,
+  };
+  struct VariantProgram {
+    Program program;
+    bool failed = false;
+    std::uint64_t frame = 0;  // for which the projection was set last
+    GLint clip_from_camera = -1, texture_transform = -1;
+  };
+  /// A texture as some items of this frame use it. Number 0 stands for none.
+  struct TextureBinding {
+    const TextureStore::Entry* entry = nullptr;
+    bool repeat_s = true, repeat_t = true;
+    glm::mat3 transform{1.0f};
+  };
+  /// What all items of one draw have in common, besides the mesh.
+  struct DrawState {
+    unsigned variant = 0;
+    bool mirrored = false, cull = false;
+    std::uint32_t lights = 0, texture = 0;
+    [[nodiscard]] std::uint64_t packed() const;
+  };
+  /// An item that will be drawn.
+  struct Prepared {
+    Instance instance;
+    DrawState state;
+    const MeshStore::Slice* slice;
+  };
+  struct SortKey {
+    std::uint64_t state;  // transparent: unused
+    std::uint64_t mesh;
+    float depth;  // metres in front of the camera, of the item's centre
+    std::uint32_t prepared;
+  };
+  struct View {
+    glm::dmat4 camera_from_world;
+    glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
+    float near_plane, far_plane;
+    float pixels_per_slope;  // height of the picture / (2 * tangent)
+  };
+
+  explicit MeshPass(const Gl& gl);
+  bool build(unsigned variant);
+  void prepare(const RenderList& list, const View& view);
+  void prepare_item(const DrawItem& item, const View& view);
+  [[nodiscard]] bool light_per_vertex(const Prepared& prepared, float depth, float radius, const View& view) const;
+  [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
+  void draw_sorted(const std::vector<SortKey>& order, std::size_t first_instance, const glm::mat4& clip_from_camera,
+                   FrameStatistics& statistics);
+  bool apply(const DrawState& state, const glm::mat4& clip_from_camera);
+
+  const Gl& gl_;
+  MeshStore meshes_;
+  TextureStore textures_;
+  LightSets lights_;
+  std::array<VariantProgram, kVariantCount> programs_;
+  std::string last_error_;
+  std::uint64_t frame_ = 0;
+
+  // Of the frame being drawn; kept for their storage.
+  std::vector<Prepared> prepared_;
+  std::vector<SortKey> opaque_, transparent_;
+  std::vector<Instance> instances_;
+  std::vector<TextureBinding> texture_bindings_;
+  std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
+  const vrml::Mesh* last_mesh_ = nullptr;
+  const MeshStore::Slice* last_slice_ = nullptr;
+  DrawState applied_;
+  bool anything_applied_ = false;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,261 @@
+#pragma once
+
+// GLSL 3.30 without the #version line, which make_program writes together with the #defines.
+namespace gs::render {
+
+/// For both stages of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
+/// LOCAL_LIGHTS (point and spot lights), SPECULAR. What a world does not use is left out because a
+/// software driver takes long to compile it.
+inline constexpr char kLightingShader[] = R"glsl(
+struct Light {
+  vec4 location_kind;
+  vec4 color_intensity;
+  vec4 direction_ambient;
+  vec4 attenuation_radius;
+  vec4 angles;
+};
+layout(std140) uniform Lights {
+  ivec4 light_count;
+  Light lights[16];
+};
+
+vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
+  vec3 ambient = diffuse * emissive_ambient.w;
+  vec3 sum = emissive_ambient.rgb;
+  for (int i = 0; i < light_count.x; ++i) {
+    Light light = lights[i];
+    vec3 l = light.location_kind.xyz;
+    float strength = 1.0;
+#ifdef LOCAL_LIGHTS
+    if (light.location_kind.w > 0.5) {
+      l -= place;
+      float distance = length(l);
+      if (distance > light.attenuation_radius.w) continue;
+      l /= max(distance, 1e-30);
+      vec3 c = light.attenuation_radius.xyz;
+      strength = 1.0 / max(c.x + distance * (c.y + distance * c.z), 1.0);
+      if (light.location_kind.w > 1.5) {
+        float angle = acos(clamp(dot(-l, light.direction_ambient.xyz), -1.0, 1.0));
+        float beam_width = light.angles.x, cut_off = light.angles.y;
+        if (angle >= cut_off) continue;
+        if (angle > beam_width) strength *= (angle - cut_off) / (beam_width - cut_off);
+      }
+    }
+#endif
+    float intensity = light.color_intensity.w;
+    vec3 reflected = light.direction_ambient.w * ambient + intensity * max(dot(n, l), 0.0) * diffuse;
+#ifdef SPECULAR
+    vec3 h = l + normalize(-place);
+    float cosine = max(dot(n, h) * inversesqrt(max(dot(h, h), 1e-30)), 0.0);
+    // 0 to the power 0 is undefined in GLSL and 1 in the equation.
+    float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
+    reflected += intensity * highlight * specular_exponent.rgb;
+#endif
+    sum += strength * light.color_intensity.rgb * reflected;
+  }
+  return sum;
+}
+)glsl";
+
+/// Defines: LIT, NORMALS, COLORS, TEXTURE; with LIT and NORMALS: PER_VERTEX.
+inline constexpr char kMeshVertexShader[] = R"glsl(
+layout(location = 0) in vec3 position;
+#ifdef NORMALS
+layout(location = 1) in vec3 normal;
+#endif
+#ifdef COLORS
+layout(location = 2) in vec3 color;
+#endif
+#ifdef TEXTURE
+layout(location = 3) in vec2 texture_coordinate;
+#endif
+layout(location = 4) in vec4 camera_from_node_x;
+layout(location = 5) in vec4 camera_from_node_y;
+layout(location = 6) in vec4 camera_from_node_z;
+layout(location = 7) in vec4 base;
+layout(location = 8) in vec4 emissive;
+layout(location = 9) in vec4 specular;
+
+uniform mat4 clip_from_camera;
+uniform mat3 texture_transform;
+
+#ifdef PER_VERTEX
+out vec4 front_color;
+out vec3 back_color;
+#else
+flat out vec4 base_color;
+#ifdef LIT
+out vec3 camera_position;
+flat out vec4 emissive_ambient;
+flat out vec4 specular_exponent;
+#ifdef NORMALS
+out vec3 camera_normal;
+#endif
+#endif
+#ifdef COLORS
+out vec3 vertex_color;
+#endif
+#endif
+#ifdef TEXTURE
+out vec2 texture_place;
+#endif
+
+#ifdef NORMALS
+// Normals go with the matrix of cofactors, which unlike the inverse exists for flattened shapes.
+// Scaled first, so that the products of very small or large scales stay within float32.
+vec3 normal_in_camera() {
+  vec3 x = camera_from_node_x.xyz, y = camera_from_node_y.xyz, z = camera_from_node_z.xyz;
+  vec3 largest = max(max(abs(x), abs(y)), abs(z));
+  float scale = 1.0 / max(max(max(largest.x, largest.y), largest.z), 1e-37);
+  x *= scale;
+  y *= scale;
+  z *= scale;
+  vec3 yz = cross(y, z);
+  vec3 n = vec3(dot(yz, normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
+  return dot(x, yz) < 0.0 ? -n : n;
+}
+#endif
+
+void main() {
+  vec4 p = vec4(position, 1.0);
+  vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
+  gl_Position = clip_from_camera * vec4(place, 1.0);
+#ifdef PER_VERTEX
+  vec3 n = normal_in_camera();
+  n *= inversesqrt(max(dot(n, n), 1e-30));
+#ifdef COLORS
+  vec3 diffuse = color;
+#else
+  vec3 diffuse = base.rgb;
+#endif
+  front_color = vec4(lit(n, place, diffuse, emissive, specular), base.a);
+  back_color = lit(-n, place, diffuse, emissive, specular);
+#else
+  base_color = base;
+#ifdef LIT
+  camera_position = place;
+  emissive_ambient = emissive;
+  specular_exponent = specular;
+#ifdef NORMALS
+  camera_normal = normal_in_camera();
+#endif
+#endif
+#ifdef COLORS
+  vertex_color = color;
+#endif
+#endif
+#ifdef TEXTURE
+  texture_place = (texture_transform * vec3(texture_coordinate, 1.0)).xy;
+  texture_place.y = 1.0 - texture_place.y;  // rows of images come from the top, t = 0 is the bottom
+#endif
+}
+)glsl";
+
+/// Defines: LIT, NORMALS, COLORS, TEXTURE, and with TEXTURE: INTENSITY, TEXTURE_ALPHA, CUT_OUT.
+/// Colours as in VRML97 Tables 4.5 and 4.6.
+inline constexpr char kMeshFragmentShader[] = R"glsl(
+#ifdef PER_VERTEX
+in vec4 front_color;
+in vec3 back_color;
+#else
+flat in vec4 base_color;
+#ifdef COLORS
+in vec3 vertex_color;
+#endif
+#endif
+#ifdef TEXTURE
+in vec2 texture_place;
+uniform sampler2D image;
+#endif
+out vec4 result;
+
+#if defined(LIT) && !defined(PER_VERTEX)
+in vec3 camera_position;
+flat in vec4 emissive_ambient;
+flat in vec4 specular_exponent;
+#ifdef NORMALS
+in vec3 camera_normal;
+#endif
+
+vec3 surface_normal() {
+#ifdef NORMALS
+  vec3 n = camera_normal * inversesqrt(max(dot(camera_normal, camera_normal), 1e-30));
+  return gl_FrontFacing ? n : -n;
+#else
+  vec3 n = cross(dFdx(camera_position), dFdy(camera_position));  // towards the viewer
+  return n * inversesqrt(max(dot(n, n), 1e-37));
+#endif
+}
+
+#endif
+
+#ifdef PER_VERTEX
+void main() { result = gl_FrontFacing ? front_color : vec4(back_color, front_color.a); }
+#else
+void main() {
+  vec4 color = base_color;
+#ifdef COLORS
+  color.rgb = vertex_color;
+#endif
+#ifdef TEXTURE
+  vec4 texel = texture(image, texture_place);
+#ifdef INTENSITY
+  color.rgb *= texel.rgb;
+#else
+  color.rgb = texel.rgb;
+#endif
+#ifdef TEXTURE_ALPHA
+  color.a = texel.a;
+#endif
+#ifdef CUT_OUT
+  if (texel.a < 0.5) discard;
+  color.a = 1.0;
+#endif
+#endif
+#ifdef LIT
+  color.rgb = lit(surface_normal(), camera_position, color.rgb, emissive_ambient, specular_exponent);
+#endif
+  result = color;
+}
+#endif
+)glsl";
+
+/// One triangle that covers the viewport, from gl_VertexID alone.
+inline constexpr char kBackgroundVertexShader[] = R"glsl(
+uniform mat3 background_from_camera;
+uniform vec2 tangents;  // of half the angles of view
+out vec3 ray;
+void main() {
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
+  ray = background_from_camera * vec3(corner * tangents, -1.0);
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)glsl";
+
+/// The two spheres of VRML97 6.5. `rings` holds colour and angle of the sky's rings, then of the ground's.
+inline constexpr char kBackgroundFragmentShader[] = R"glsl(
+uniform sampler2D rings;
+uniform ivec2 counts;  // sky, ground
+in vec3 ray;
+out vec4 result;
+
+vec3 ring_color(int first, int count, float angle) {
+  int low = 0, high = count - 1;  // the last ring whose angle is not larger
+  while (low < high) {
+    int middle = (low + high + 1) / 2;
+    if (texelFetch(rings, ivec2(first + middle, 0), 0).w <= angle) low = middle; else high = middle - 1;
+  }
+  vec4 inner = texelFetch(rings, ivec2(first + low, 0), 0);
+  if (low == count - 1) return inner.rgb;
+  vec4 outer = texelFetch(rings, ivec2(first + low + 1, 0), 0);
+  return mix(inner.rgb, outer.rgb, clamp((angle - inner.w) / (outer.w - inner.w), 0.0, 1.0));
+}
+
+void main() {
+  float from_zenith = atan(length(ray.xz), ray.y), from_nadir = 3.14159265 - from_zenith;
+  bool ground = counts.y > 1 && from_nadir <= texelFetch(rings, ivec2(counts.x + counts.y - 1, 0), 0).w;
+  result = vec4(ground ? ring_color(counts.x, counts.y, from_nadir) : ring_color(0, counts.x, from_zenith), 1.0);
+}
+)glsl";
+
+}  // namespace gs::render

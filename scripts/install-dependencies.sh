@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages that GhostSpace is built from, those that are missing only.
+# Needs no network and no root when nothing is missing.
+set -euo pipefail
+
+packages=(
+  # tools
+  cmake ninja-build g++
+  # window, user interface, command line
+  libglfw3-dev libimgui-dev libcli11-dev
+  # mathematics, numbers, JSON, importers
+  libglm-dev libfast-float-dev nlohmann-json3-dev libtinygltf-dev
+  # images and compression
+  libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev
+  # OpenGL headers; rendering without a display
+  libgl-dev libosmesa6-dev libosmesa6
+  # tests
+  catch2
+)
+
+fail() {
+  printf '%s: %s\n' "$(basename "$0")" "$1" >&2
+  exit 1
+}
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  fail "this system has no apt; install what corresponds to these Debian 12 packages by hand: ${packages[*]}"
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  # shellcheck disable=SC2016  # the format is dpkg-query's own
+  state=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$state" = installed ] || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "All packages that GhostSpace needs are installed."
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || fail "these packages are missing, and there is neither root nor sudo to install them: ${missing[*]}"
+  as_root=(sudo)
+fi
+
+echo "Installing: ${missing[*]}"
+"${as_root[@]}" apt-get update -qq || fail "apt-get update failed; is there a network?"
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null ||
+  fail "apt-get could not install: ${missing[*]}"
+echo "Installed."

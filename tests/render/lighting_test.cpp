@@ -1,0 +1,281 @@
+#include "drawing.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace gs;
+using namespace gs::render;
+using namespace gs::render::testing;
+
+namespace {
+
+/// VRML97 4.14.4, written down a second time, in world space and in double.
+glm::dvec3 equation(const Material& m, const glm::dvec3& diffuse_color, const std::vector<Light>& lights,
+                    const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& viewer) {
+  glm::dvec3 sum(m.emissive);
+  const glm::dvec3 v = glm::normalize(viewer - point);
+  for (const Light& light : lights) {
+    glm::dvec3 l = -glm::normalize(glm::dvec3(light.direction));
+    double attenuation = 1, spot = 1;
+    if (light.kind != Light::Kind::directional) {
+      const glm::dvec3 to_light = glm::dvec3(light.location) - point;
+      const double d = glm::length(to_light);
+      if (d > light.radius) continue;
+      l = to_light / d;
+      attenuation = 1 / std::max(light.attenuation.x + light.attenuation.y * d + light.attenuation.z * d * d, 1.0);
+    }
+    if (light.kind == Light::Kind::spot) {
+      const double angle = std::acos(glm::dot(-l, glm::normalize(glm::dvec3(light.direction))));
+      if (angle >= light.cut_off_angle)
+        spot = 0;
+      else if (angle <= light.beam_width)
+        spot = 1;
+      else
+        spot = (angle - light.cut_off_angle) / (double{light.beam_width} - light.cut_off_angle);
+    }
+    const glm::dvec3 h = glm::normalize(l + v);
+    const glm::dvec3 ambient = double{light.ambient_intensity} * diffuse_color * double{m.ambient_intensity};
+    const glm::dvec3 diffuse = double{light.intensity} * diffuse_color * std::max(glm::dot(normal, l), 0.0);
+    const glm::dvec3 specular = double{light.intensity} * glm::dvec3(m.specular) *
+                                std::pow(std::max(glm::dot(normal, h), 0.0), m.shininess * 128.0);
+    sum += attenuation * spot * glm::dvec3(light.color) * (ambient + diffuse + specular);
+  }
+  return sum;
+}
+
+constexpr double kTangent = 0.41421356;  // of half the default field of view
+
+/// Where the middle of a pixel meets the plane z = 0, seen from z = 10.
+glm::dvec3 point_at(std::uint32_t x, std::uint32_t y, double size) {
+  return {((x + 0.5) / size * 2 - 1) * kTangent * 10, (1 - (y + 0.5) / size * 2) * kTangent * 10, 0};
+}
+
+Material shiny() {
+  Material m;
+  m.diffuse = {0.6f, 0.4f, 0.2f};
+  m.emissive = {0.05f, 0.0f, 0.1f};
+  m.specular = {0.3f, 0.5f, 0.4f};
+  m.ambient_intensity = 0.5f;
+  m.shininess = 0.15f;
+  return m;
+}
+
+/// Draws a large lit square with the lights and compares many pixels with the equation.
+void check_against_equation(const Material& material, std::vector<Light> lights, bool headlight) {
+  Drawing drawing;
+  drawing.options.headlight = headlight;
+  RenderList list;
+  DrawItem item;
+  item.mesh = square(20);
+  item.material = material;
+  list.lights = lights;
+  for (std::size_t i = 0; i < lights.size(); ++i)
+    if (lights[i].kind == Light::Kind::directional) item.directional_lights.push_back(static_cast<std::uint16_t>(i));
+  add(list, item);
+  const Image image = drawing.draw(list);
+  if (headlight) lights.push_back({});  // the defaults of Light: white, along -Z, as the camera looks
+  for (std::uint32_t y = 1; y < 64; y += 9)
+    for (std::uint32_t x = 2; x < 64; x += 7)
+      check_color(pixel(image, x, y),
+                  glm::vec3(equation(material, material.diffuse, lights, point_at(x, y, 64), {0, 0, 1}, {0, 0, 10})));
+}
+
+Light directional_light() {
+  Light light;
+  light.kind = Light::Kind::directional;
+  light.direction = glm::normalize(glm::vec3(1, -2, -3));
+  light.color = {1, 0.8f, 0.5f};
+  light.intensity = 0.7f;
+  light.ambient_intensity = 0.6f;
+  return light;
+}
+
+Light point_light() {
+  Light light;
+  light.kind = Light::Kind::point;
+  light.location = {1, -1, 2};
+  light.attenuation = {0.5f, 0.2f, 0.1f};
+  light.intensity = 1;
+  light.ambient_intensity = 0.3f;
+  return light;
+}
+
+Light spot_light() {
+  Light light;
+  light.kind = Light::Kind::spot;
+  light.location = {-1, 0.5f, 4};
+  light.direction = glm::normalize(glm::vec3(0.2f, 0, -1));
+  light.beam_width = 0.2f;
+  light.cut_off_angle = 0.6f;
+  light.color = {0.9f, 1, 0.7f};
+  return light;
+}
+
+}  // namespace
+
+TEST_CASE("Lit pixels equal the lighting equation (VRML97 4.14.4)") {
+  SECTION("headlight alone") { check_against_equation(shiny(), {}, true); }
+  SECTION("no light: emissive colour") { check_against_equation(shiny(), {}, false); }
+  SECTION("directional") { check_against_equation(shiny(), {directional_light()}, false); }
+  SECTION("point, attenuated") { check_against_equation(shiny(), {point_light()}, false); }
+  SECTION("spot, ramp from beamWidth to cutOffAngle") { check_against_equation(shiny(), {spot_light()}, false); }
+  SECTION("spot with beamWidth above cutOffAngle has a hard edge") {
+    Light light = spot_light();
+    light.beam_width = 1.570796f;
+    light.cut_off_angle = 0.4f;
+    check_against_equation(shiny(), {light}, false);
+  }
+  SECTION("radius ends a light") {
+    Light light = point_light();
+    light.radius = 3.7f;
+    check_against_equation(shiny(), {light}, false);
+  }
+  SECTION("all together") { check_against_equation(shiny(), {directional_light(), point_light(), spot_light()}, true); }
+  SECTION("shininess 0") {
+    Material m = shiny();
+    m.shininess = 0;
+    m.specular = glm::vec3(0.25f);
+    check_against_equation(m, {point_light()}, false);
+  }
+}
+
+TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)") {
+  Drawing drawing;
+  drawing.options.headlight = false;
+  RenderList list;
+  list.lights.push_back({});  // white, straight down -Z
+  DrawItem item;
+  item.mesh = square(1);
+  item.material.diffuse = glm::vec3(0.5f);
+  item.world_from_node = translation({-2, 0, 0});
+  item.directional_lights = {0};
+  add(list, item);
+  item.world_from_node = translation({2, 0, 0});
+  item.directional_lights.clear();
+  add(list, item);
+  const Image image = drawing.draw(list);
+  check_color(pixel(image, 16, 32), glm::vec3(0.5f));
+  check_color(pixel(image, 48, 32), glm::vec3(0));
+}
+
+TEST_CASE("Sixteen lights reach an item, the strongest of more") {
+  Drawing drawing;
+  drawing.options.headlight = false;
+  RenderList list;
+  for (int i = 0; i < 40; ++i) {
+    Light light;
+    light.kind = Light::Kind::point;
+    light.location = {0, 0, 5};
+    light.radius = i == 33 ? 100.0f : 4.0f;  // the others end before the square
+    list.lights.push_back(light);
+  }
+  DrawItem item;
+  item.mesh = square(1);
+  item.material.diffuse = glm::vec3(0.5f);
+  add(list, item);
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.5f), 1.5f);
+  for (Light& light : list.lights) {
+    light.radius = 100;
+    light.intensity = 0.01f;
+  }
+  list.lights[39].intensity = 0.6f;
+  // 0.6 and 15 times 0.01, each times diffuse 0.5
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.375f), 2.0f);
+}
+
+TEST_CASE("The back of a two-sided face is lit with the turned normal") {
+  Drawing drawing;
+  RenderList list;
+  DrawItem item;
+  auto mesh = square(20);
+  mesh->solid = false;
+  item.mesh = mesh;
+  item.material.diffuse = {0.2f, 0.4f, 0.6f};
+  add(list, item);
+  Camera behind = camera_at({0, 0, -10});
+  behind.world_from_camera[0] = {-1, 0, 0, 0};
+  behind.world_from_camera[2] = {0, 0, -1, 0};
+  check_color(pixel(drawing.draw(list), 32, 32), item.material.diffuse);
+  check_color(pixel(drawing.draw(list, behind), 32, 32), item.material.diffuse);
+}
+
+TEST_CASE("Normals stay perpendicular under uneven, mirrored, flattening and tiny scales") {
+  Drawing drawing;
+  Light light;
+  light.direction = glm::normalize(glm::vec3(0, -1, -1));
+  drawing.options.headlight = false;
+  // A square that leans back by 45 degrees after the scale: its normal must be (0, 1, 1) / sqrt 2.
+  auto mesh = std::make_shared<vrml::Mesh>();
+  for (const auto& [x, y] : {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
+    mesh->positions.push_back({x, y, -2 * y});
+    mesh->normals.push_back(glm::normalize(glm::vec3(0, 2, 1)));
+    mesh->bounds.add({x, y, -2 * y});
+  }
+  mesh->indices = {0, 1, 2, 0, 2, 3};
+  for (const glm::vec3& factors : {glm::vec3(1, 2, 1), glm::vec3(-1, 2, 1), glm::vec3(1, 2, 1) * 1e-12f}) {
+    RenderList list;
+    list.lights.push_back(light);
+    DrawItem item;
+    item.mesh = mesh;
+    item.world_from_node = scale(factors);
+    item.material.diffuse = glm::vec3(0.8f);
+    item.directional_lights = {0};
+    add(list, item);
+    const Camera camera = camera_at(glm::vec3(0, 0, 10) * factors.y);
+    check_color(pixel(drawing.draw(list, camera), 32, 32), glm::vec3(0.8f));
+  }
+  RenderList list;
+  list.lights.push_back(light);
+  DrawItem item;
+  item.mesh = mesh;
+  item.world_from_node = scale({1, 1, 0});  // flattened onto z = 0: the normal is +Z
+  item.material.diffuse = glm::vec3(0.8f);
+  item.directional_lights = {0};
+  add(list, item);
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.8f * std::sqrt(0.5f)));
+}
+
+TEST_CASE("Without normals, faces are lit flat") {
+  Drawing drawing;
+  RenderList list;
+  auto mesh = square(20);
+  mesh->normals.clear();
+  DrawItem item;
+  item.mesh = mesh;
+  item.material.diffuse = {0.9f, 0.3f, 0.1f};
+  add(list, item);
+  check_color(pixel(drawing.draw(list), 20, 40), item.material.diffuse);
+}
+
+TEST_CASE("Meshes of very small triangles are lit like others") {
+  Drawing drawing;
+  RenderList list;
+  constexpr std::uint32_t kSide = 301;  // 180,000 triangles on 64 x 64 pixels
+  auto mesh = std::make_shared<vrml::Mesh>();
+  for (std::uint32_t j = 0; j < kSide; ++j)
+    for (std::uint32_t i = 0; i < kSide; ++i) {
+      const glm::vec3 p(i / 150.0f - 1, j / 150.0f - 1, 0);
+      mesh->positions.push_back(p);
+      mesh->normals.push_back(glm::normalize(glm::vec3(p.x, p.y, 1)));
+      mesh->bounds.add(p);
+    }
+  for (std::uint32_t j = 0; j + 1 < kSide; ++j)
+    for (std::uint32_t i = 0; i + 1 < kSide; ++i) {
+      const std::uint32_t a = j * kSide + i, b = a + 1, c = b + kSide, d = a + kSide;
+      for (std::uint32_t index : {a, b, c, a, c, d}) mesh->indices.push_back(index);
+    }
+  mesh->solid = false;
+  DrawItem item;
+  item.mesh = mesh;
+  item.material = Material{};
+  add(list, item);
+  const Image image = drawing.draw(list, camera_at({0, 0, 3}));
+  for (std::uint32_t y = 4; y < 64; y += 8) {
+    const double z = 3 * kTangent;
+    const glm::dvec3 p(((20 + 0.5) / 64 * 2 - 1) * z, (1 - (y + 0.5) / 64 * 2) * z, 0);
+    if (std::abs(p.y) > 0.98) continue;
+    const glm::dvec3 n = glm::normalize(glm::dvec3(p.x, p.y, 1));
+    check_color(pixel(image, 20, y),
+                glm::vec3(equation(item.material, item.material.diffuse, {Light{}}, p, n, {0, 0, 3})), 2.0f);
+  }
+}
