@@ -33,13 +33,13 @@ float button_width(const char* label) {
   return ImGui::CalcTextSize(label, nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
 }
 
-/// A button that shows whether what it stands for is on.
-bool switch_button(const char* label, bool on) {
+/// A button that shows whether what it stands for is on: a state of the view, or only an open panel.
+bool switch_button(const char* label, bool on, bool is_panel = false) {
   if (on) {
-    ImVec4 accent = UiColors::kAccent;
-    accent.w = 0.55f;
-    ImGui::PushStyleColor(ImGuiCol_Button, accent);
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, accent);
+    const ImVec4& accent = UiColors::kAccent;
+    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
+    ImGui::PushStyleColor(ImGuiCol_Button, color);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
   }
   const bool pressed = ImGui::Button(label);
   if (on) ImGui::PopStyleColor(2);
@@ -70,7 +70,24 @@ std::optional<std::size_t> choose(const char* id, const char* preview, const std
   return result;
 }
 
-void mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
+std::string log_label(const UiModel& model) {
+  const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
+  if (count == 0) return "Log###log";
+  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count)) + "###log";
+}
+
+std::string counted(std::size_t count) {
+  std::string digits = std::to_string(count);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+  return digits;
+}
+
+}  // namespace
+
+float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
+float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
+
+void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
   static constexpr NavigationMode kShown[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
                                               NavigationMode::pan};
   ImGui::BeginDisabled(!model.has_world);
@@ -96,7 +113,7 @@ void mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
   ImGui::EndDisabled();
 }
 
-void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows) {
+void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows) {
   const bool several = model.viewpoints.size() > 1;
   ImGui::BeginDisabled(model.viewpoints.empty());
   if (with_arrows) {
@@ -122,28 +139,11 @@ void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool 
   ImGui::EndDisabled();
 }
 
-std::string log_label(const UiModel& model) {
-  const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
-  if (count == 0) return "Log###log";
-  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count)) + "###log";
-}
-
-std::string counted(std::size_t count) {
-  std::string digits = std::to_string(count);
-  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
-  return digits;
-}
-
-}  // namespace
-
-float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
-float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
-
 void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   const float width = ImGui::GetIO().DisplaySize.x / scale;
   const bool wide = width >= 980, narrow = width < 640;
   begin_bar("##top", 0, top_bar_height(), 5 * scale);
-  if (switch_button("Open", open_panel)) {
+  if (switch_button("Open", open_panel, true)) {
     open_panel = !open_panel;
     open_panel_appears = open_panel;
   }
@@ -180,11 +180,11 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
   const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
   ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
-  if (switch_button(label.c_str(), log)) log = !log;
+  if (switch_button(label.c_str(), log, true)) log = !log;
   ImGui::PopStyleColor();
   tooltip("What was found wrong with the file (F3)");
   ImGui::SameLine(0, 1);
-  if (switch_button("?", help)) help = !help;
+  if (switch_button("?", help, true)) help = !help;
   tooltip("Keys and mouse (F1)");
   ImGui::End();
 }

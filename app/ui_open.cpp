@@ -1,5 +1,6 @@
 #include "app/ui_state.h"
 
+#include "app/content_types.h"
 #include "app/documents.h"
 
 #include <imgui.h>
@@ -21,6 +22,20 @@ void put(char (&buffer)[4096], const std::string& text) {
   buffer[size] = 0;
 }
 
+/// Whether a content type calls files of this name its own; packed ones count.
+bool is_known(std::string name) {
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t point = name.find_last_of('.');
+  if (point == std::string::npos) return false;
+  const std::string extension = name.substr(point) + ' ';
+  const auto types = content_types();
+  return std::any_of(types.begin(), types.end(), [&](const ContentType& type) {
+    return type.extensions.find(extension) != std::string_view::npos;
+  });
+}
+
 }  // namespace
 
 void UiOverlay::State::read_folder() {
@@ -34,7 +49,8 @@ void UiOverlay::State::read_folder() {
     if (name.empty() || name[0] == '.') continue;
     std::error_code ignored;  // of a link that leads nowhere
     const bool is_folder = entry->is_directory(ignored);
-    if (is_folder || entry->is_regular_file(ignored)) folder_entries.push_back({name, is_folder});
+    if (is_folder || (entry->is_regular_file(ignored) && (all_files || is_known(name))))
+      folder_entries.push_back({name, is_folder});
   }
   if (error) folder_problem = "Cannot read this folder: " + error.message();
   std::sort(folder_entries.begin(), folder_entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
@@ -88,6 +104,8 @@ void UiOverlay::State::open_files_panel(UiActions& actions) {
       }
       ImGui::Separator();
     }
+    if (ImGui::Checkbox("All files", &all_files)) read_folder();
+    ImGui::SameLine(0, 16 * scale);
     colored_text(UiColors::kQuiet, shortened(folder, 200));
     ImGui::BeginChild("##folder");
     if (!folder_problem.empty()) colored_text(UiColors::kError, folder_problem);

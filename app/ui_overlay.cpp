@@ -15,6 +15,7 @@ namespace gs::app {
 namespace {
 
 constexpr float kFontSize = 14.5f;
+constexpr double kTooltipDelay = 0.5;  // seconds
 constexpr double kNoticeSeconds = 3.5, kErrorSeconds = 12;
 
 // Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
@@ -118,8 +119,15 @@ void colored_text(const ImVec4& color, std::string_view string) {
   ImGui::PopStyleColor();
 }
 
-void tooltip(std::string_view string) {
+void UiOverlay::State::tooltip(std::string_view string) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  const ImVec2 item = ImGui::GetItemRectMin();
+  if (item.x != hovered.x || item.y != hovered.y) {
+    hovered = item;
+    hovered_since = now;
+  }
+  hovers = true;
+  if (now - hovered_since < kTooltipDelay) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 32);
   text(string);
@@ -144,17 +152,21 @@ UiOverlay::~UiOverlay() {
   ImGui::DestroyContext();
 }
 
-void UiOverlay::begin_frame(double now) {
+void UiOverlay::begin_frame(double now, const std::optional<glm::vec2>& clicked_at) {
   state_->now = now;
   if (!state_->notice.empty() && now >= state_->notice_until) state_->notice.clear();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  if (clicked_at && io.DisplayFramebufferScale.x > 0 && io.DisplayFramebufferScale.y > 0)
+    io.MousePos = {clicked_at->x / io.DisplayFramebufferScale.x, clicked_at->y / io.DisplayFramebufferScale.y};
   ImGui::NewFrame();
 }
 
 UiActions UiOverlay::build(const UiModel& model) {
   UiActions actions;
   State& state = *state_;
+  state.hovers = false;
   state.top_bar(model, actions);
   if (state.statistics) state.status_bar(model);
   if (state.log) state.log_panel(model);
@@ -164,6 +176,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   if (!model.loading.empty()) state.loading_line(model);
   if (!state.notice.empty()) state.notice_line();
   if (model.travel_anchor) state.travel_mark(model);
+  if (!state.hovers) state.hovered = {-1, -1};
   return actions;
 }
 
@@ -185,6 +198,8 @@ int UiOverlay::bottom_height() const {
 std::optional<double> UiOverlay::next_change() const {
   std::optional<double> next;
   if (!state_->notice.empty()) next = std::max(0.0, state_->notice_until - state_->now);
+  const double tooltip_wait = state_->hovered_since + kTooltipDelay - state_->now;
+  if (state_->hovers && tooltip_wait > 0) next = std::min(next.value_or(tooltip_wait), tooltip_wait);
   if (ImGui::GetIO().WantTextInput) next = std::min(next.value_or(0.4), 0.4);  // the caret blinks
   return next;
 }
@@ -203,6 +218,8 @@ void UiOverlay::show_notice(std::string text, bool is_error) {
   state_->notice_is_error = is_error;
   state_->notice_until = state_->now + (is_error ? kErrorSeconds : kNoticeSeconds);
 }
+
+void UiOverlay::clear_notice() { state_->notice.clear(); }
 
 bool UiOverlay::close_one() {
   for (bool* open : {&state_->open_panel, &state_->help}) {

@@ -58,8 +58,9 @@ class UiOverlay {
   UiOverlay(const UiOverlay&) = delete;
   UiOverlay& operator=(const UiOverlay&) = delete;
 
-  /// Starts a frame; after it, `wants_*` know where the pointer is.
-  void begin_frame(double now);
+  /// Starts a frame; after it, `wants_*` know where the pointer is. `clicked_at`, in framebuffer pixels, is
+  /// where a button went down since the last frame: in a slow frame the pointer has gone on since.
+  void begin_frame(double now, const std::optional<glm::vec2>& clicked_at);
   /// Lays out everything. Call once after `begin_frame`.
   [[nodiscard]] UiActions build(const UiModel& model);
   /// Draws what was laid out into the framebuffer that is bound.
@@ -82,6 +83,7 @@ class UiOverlay {
   void show_log();
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
+  void clear_notice();
   /// Closes the topmost panel or notice. False when there was none.
   bool close_one();
 

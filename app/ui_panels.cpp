@@ -74,7 +74,9 @@ const char* word_of(vrml::Severity severity) {
   return "note";
 }
 
-void log_rows(const std::vector<const vrml::Diagnostic*>& rows) {
+}  // namespace
+
+void UiOverlay::State::log_rows(const std::vector<const vrml::Diagnostic*>& rows) {
   if (!ImGui::BeginTable("##rows", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
     return;
   ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
@@ -97,8 +99,6 @@ void log_rows(const std::vector<const vrml::Diagnostic*>& rows) {
   }
   ImGui::EndTable();
 }
-
-}  // namespace
 
 void UiOverlay::State::log_panel(const UiModel& model) {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;

@@ -26,6 +26,7 @@ struct UiOverlay::State {
   };
   std::vector<FolderEntry> folder_entries;
   std::string folder_problem;
+  bool all_files = false;  // not only those that some content type calls its own
   char path[4096] = {};
   std::vector<std::string> recent;  // newest first
 
@@ -34,12 +35,20 @@ struct UiOverlay::State {
   bool notice_is_error = false;
   double notice_until = 0;
 
+  // What the pointer rests on: the item's upper left corner.
+  ImVec2 hovered{-1, -1};
+  double hovered_since = 0;
+  bool hovers = false;
+
   // The log panel.
   bool show_errors = true, show_warnings = true, show_notes = true;
 
   void top_bar(const UiModel& model, UiActions& actions);
+  void mode_buttons(const UiModel& model, UiActions& actions, bool as_list);
+  void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows);
   void status_bar(const UiModel& model);
   void log_panel(const UiModel& model);
+  void log_rows(const std::vector<const vrml::Diagnostic*>& rows);
   void help_panel();
   void open_files_panel(UiActions& actions);
   void notice_line();
@@ -50,6 +59,8 @@ struct UiOverlay::State {
   [[nodiscard]] float top_bar_height() const;     // in the units of Dear ImGui
   [[nodiscard]] float status_bar_height() const;  // 0 when it is off
   void read_folder();
+  /// Says more about the item before, once the pointer rests on it.
+  void tooltip(std::string_view text);
   void opened(const std::string& path_or_url, UiActions& actions);
 };
 
@@ -71,7 +82,5 @@ struct UiColors {
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
 void text(std::string_view text);
 void colored_text(const ImVec4& color, std::string_view text);
-/// Says more about the item before, once the pointer rests on it.
-void tooltip(std::string_view text);
 
 }  // namespace gs::app

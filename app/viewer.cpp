@@ -44,6 +44,7 @@ class Viewer {
   void show_failed(const std::string& path, vrml::Diagnostics diagnostics);
   void show_selected();
 
+  [[nodiscard]] std::optional<glm::vec2> clicked_at(const std::vector<WindowEvent>& events);
   void handle(const WindowEvent& event);
   bool handle_command(const WindowEvent& event);
   bool handle_view_key(Key key);
@@ -79,7 +80,8 @@ class Viewer {
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_ = kSettlingFrames;
   bool was_continuous_ = false;
-  Worker worker_;  // last: ends before what its delivery speaks of
+  std::optional<glm::vec2> late_click_;  // that was over before the last frame began
+  Worker worker_;                        // last: ends before what its delivery speaks of
 };
 
 void Viewer::run() {
@@ -106,7 +108,7 @@ void Viewer::frame(double now) {
   if (!events.empty()) frames_wanted_ = kSettlingFrames;
   const bool continuous = was_continuous_;
   const float seconds = continuous ? static_cast<float>(now - last_frame_) : 0.0f;
-  ui_.begin_frame(now);
+  ui_.begin_frame(now, clicked_at(events));
   for (const WindowEvent& event : events) handle(event);
   if (document_) {
     const NavigationInput input = input_.input(document_->navigation.mode, viewport());
@@ -175,9 +177,10 @@ void Viewer::show_failed(const std::string& path, vrml::Diagnostics diagnostics)
     reason = diagnostic.message;
     break;
   }
-  ui_.show_notice("Could not open " + file_label(path) + ": " + reason, true);
   show_selected();
+  ui_.show_notice("Could not open " + file_label(path) + ": " + reason, true);
   log_ = std::move(diagnostics);
+  ui_.show_log();
 }
 
 void Viewer::show_selected() {
@@ -185,6 +188,7 @@ void Viewer::show_selected() {
   if (shown == document_ && shown && shown->entered) return;
   document_ = shown;
   input_.release();
+  ui_.clear_notice();
   frames_wanted_ = kSettlingFrames;
   if (!document_) return;
   if (!document_->entered) {
@@ -209,6 +213,16 @@ void Viewer::select_file(std::size_t index) {
 }
 
 // Input -------------------------------------------------------------------------------------------
+
+std::optional<glm::vec2> Viewer::clicked_at(const std::vector<WindowEvent>& events) {
+  std::optional<glm::vec2> place = std::exchange(late_click_, std::nullopt);
+  for (const WindowEvent& event : events) {
+    if (event.kind == WindowEvent::Kind::button_down) place = event.pointer;
+    // The interface sees the button go up one frame later, and must see it at the same place.
+    if (event.kind == WindowEvent::Kind::button_up && place) late_click_ = place;
+  }
+  return place;
+}
 
 void Viewer::handle(const WindowEvent& event) {
   using Kind = WindowEvent::Kind;

@@ -90,9 +90,7 @@ struct Window::Callbacks {
     WindowEvent result;
     result.kind = kind;
     result.time = glfwGetTime();
-    double x = 0, y = 0;
-    glfwGetCursorPos(window, &x, &y);
-    result.pointer = glm::vec2(x, y) * pixels_per_unit(window);
+    result.pointer = self(window).pointer_;
     return result;
   }
   static WindowEvent event(GLFWwindow* window, WindowEvent::Kind kind, int modifiers) {
@@ -119,9 +117,8 @@ struct Window::Callbacks {
     self(window).events_.push_back(std::move(e));
   }
   static void pointer(GLFWwindow* window, double x, double y) {
-    WindowEvent e = event(window, WindowEvent::Kind::pointer);
-    e.pointer = glm::vec2(x, y) * pixels_per_unit(window);
-    self(window).events_.push_back(std::move(e));
+    self(window).pointer_ = glm::vec2(x, y) * pixels_per_unit(window);
+    self(window).events_.push_back(event(window, WindowEvent::Kind::pointer));
   }
   static void wheel(GLFWwindow* window, double, double y) {
     WindowEvent e = event(window, WindowEvent::Kind::wheel);
@@ -177,6 +174,9 @@ Window::Window(GLFWwindow* window) : window_(window) {
   glfwSetWindowContentScaleCallback(window_, Callbacks::rescaled);
   glfwSetWindowCloseCallback(window_, Callbacks::closing);
   glfwSetWindowSizeLimits(window_, 320, 240, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  double x = 0, y = 0;
+  glfwGetCursorPos(window_, &x, &y);
+  pointer_ = glm::vec2(x, y) * pixels_per_unit(window_);
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
 }

@@ -113,6 +113,7 @@ class Window final : public render::GlContext {
 
   GLFWwindow* window_;
   std::vector<WindowEvent> events_;
+  glm::vec2 pointer_{0};    // of the event before; what GLFW itself tells is where the pointer is by now
   glm::ivec4 windowed_{0};  // place and size to go back to from full screen
 };
 

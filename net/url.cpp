@@ -182,11 +182,12 @@ Url url_of_path(std::string_view path) {
   std::string whole(path);
   if (starts_with_drive(whole)) {
     std::replace(whole.begin(), whole.end(), '\\', '/');
-    whole.insert(0, "/");
+    whole.insert(0, 1, '/');
   } else if (!whole.starts_with('/')) {
     std::error_code error;
-    const std::string folder = std::filesystem::current_path(error).string();
-    whole = (error || folder == "/" ? std::string() : folder).append("/").append(path);
+    whole = std::filesystem::current_path(error).string();
+    if (!whole.ends_with('/')) whole += '/';
+    whole += path;
   }
   // RFC 3986 3.3: what a path segment may hold as it is.
   constexpr std::string_view kPlain = "/-._~!$&'()*+,;=:@";

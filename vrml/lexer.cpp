@@ -123,6 +123,8 @@ Token Lexer::string_token() {
   return token;
 }
 
+char Lexer::peek() { return skip_blanks() == Blank::passed ? *next_ : '\0'; }
+
 Token Lexer::next() {
   switch (skip_blanks()) {
     case Blank::need_more: return {TokenKind::need_more, {}, location()};

@@ -43,6 +43,8 @@ class Lexer {
   void set_window(const char* begin, const char* end, bool last);
 
   [[nodiscard]] Token next();
+  /// Passes blanks and comments; the byte behind them, or NUL where there is none (yet).
+  [[nodiscard]] char peek();
 
   [[nodiscard]] Position position() const { return {next_, line_, line_start_}; }
   void go_back(const Position& position);

@@ -83,15 +83,18 @@ Step Parser::State::node_body_step() {
 // `fieldName value`, `fieldName IS name` or `eventName IS name`.
 Step Parser::State::field(const Token& name) {
   const NodeType& type = *frames.back().type;
-  const Lexer::Position behind_name = lexer.position();
-  const Token next = lexer.next();
-  if (next.kind == TokenKind::need_more) return Step::need_more;
-  if (next.kind == TokenKind::word && next.text == "IS") {
-    const Step step = is_mapping(name);
-    if (step == Step::done) rubbish = false;
-    return step;
+  const char begins = lexer.peek();
+  if (begins == 'I' || (begins == '\0' && !lexer.is_last_window())) {
+    const Lexer::Position behind_name = lexer.position();
+    const Token next = lexer.next();
+    if (next.kind == TokenKind::need_more) return Step::need_more;
+    if (next.kind == TokenKind::word && next.text == "IS") {
+      const Step step = is_mapping(name);
+      if (step == Step::done) rubbish = false;
+      return step;
+    }
+    lexer.go_back(behind_name);
   }
-  lexer.go_back(behind_name);
   const InterfaceDeclaration* declaration = type.find_field(name.text);
   if (!declaration) {
     const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);

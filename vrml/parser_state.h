@@ -108,6 +108,7 @@ struct Parser::State {
 
   // parser_values.cpp: field values
   Step value(FieldType type, FieldValue& into, std::string_view name);
+  bool plain_floats(FieldType type, FieldValue& into);
   Step single_value(FieldType type, FieldValue& into, Token token, std::string_view name);
   Step image_head(FieldValue& into, Token token, std::string_view name);
   Step node_list_step();

@@ -106,8 +106,30 @@ String Parser::State::string_of(const Token& token) {
   return String(text);
 }
 
+// A single value of floats in the plain form that nearly all files use; false, and nothing read, for
+// anything else.
+bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
+  if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f && type != FieldType::SFColor &&
+      type != FieldType::SFRotation)
+    return false;
+  float f[4];
+  const auto wanted = static_cast<std::size_t>(arity(type));
+  const NumberRun run = parse_floats(lexer.unread(), lexer.window_end(), f, wanted);
+  if (run.count != wanted) return false;
+  lexer.advance(run.next, run.lines, run.line_start);
+  switch (type) {
+    case FieldType::SFFloat: into.emplace<SFFloat>(f[0]); break;
+    case FieldType::SFVec2f: into.emplace<SFVec2f>(f[0], f[1]); break;
+    case FieldType::SFVec3f: into.emplace<SFVec3f>(f[0], f[1], f[2]); break;
+    case FieldType::SFColor: into.emplace<SFColor>(SFColor{f[0], f[1], f[2]}); break;
+    default: into.emplace<SFRotation>(SFRotation{f[0], f[1], f[2], f[3]}); break;
+  }
+  return true;
+}
+
 // The value of a field. `name` is for diagnostics. Nothing is read, nor `into` changed, on need_more.
 Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name) {
+  if (plain_floats(type, into)) return Step::done;
   const Lexer::Position before = lexer.position();
   const Token token = lexer.next();
   if (token.kind == TokenKind::need_more) return Step::need_more;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <map>
 #include <numbers>
 #include <string_view>
@@ -199,10 +198,16 @@ class Importer {
 
   /// One number of v/t/n, from 1 or counted back from the newest; kBadIndex when it is none that can be.
   bool index(std::size_t count, std::int32_t& value) {
+    const char* digit = cursor_.next;
+    const bool negative = digit < cursor_.end && *digit == '-';
+    if (negative) ++digit;
+    const char* first = digit;
     std::int64_t number = 0;
-    const auto result = std::from_chars(cursor_.next, cursor_.end, number);
-    if (result.ec != std::errc()) return false;
-    cursor_.next = result.ptr;
+    for (; digit < cursor_.end && *digit >= '0' && *digit <= '9'; ++digit)
+      number = std::min<std::int64_t>(number * 10 + (*digit - '0'), kBadIndex);
+    if (digit == first) return false;
+    cursor_.next = digit;
+    if (negative) number = -number;
     if (number < 0) number += static_cast<std::int64_t>(count) + 1;
     value = number >= 1 && number < kBadIndex ? static_cast<std::int32_t>(number - 1) : kBadIndex;
     return true;

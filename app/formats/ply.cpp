@@ -230,9 +230,7 @@ class Importer {
     std::size_t length = 0;
     if (!list_length(property, length)) return false;
     to.resize(length);
-    for (std::int32_t& value : to)
-      if (!source_.read_index(property.type, value)) return false;
-    return true;
+    return source_.read_indices(property.type, to);
   }
 
   bool read_list(const PlyProperty& property, std::vector<float>& to) {

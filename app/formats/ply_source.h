@@ -11,12 +11,19 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
+#include <type_traits>
+#include <utility>
 
 namespace gs::app {
 
 /// `value` of the file as a whole number that fits an index; kBadIndex for what does not.
-[[nodiscard]] inline std::int32_t index_of(double value) {
-  return value >= 0 && value < kBadIndex ? static_cast<std::int32_t>(value) : kBadIndex;
+template <class T>
+[[nodiscard]] std::int32_t index_of(T value) {
+  if constexpr (std::is_integral_v<T>)
+    return std::in_range<std::int32_t>(value) && value >= 0 ? static_cast<std::int32_t>(value) : kBadIndex;
+  else
+    return value >= 0 && value < static_cast<T>(kBadIndex) ? static_cast<std::int32_t>(value) : kBadIndex;
 }
 
 template <class T, bool big>
@@ -73,6 +80,11 @@ class PlyTextSource {
     value = index_of(number);
     return true;
   }
+  [[nodiscard]] bool read_indices(PlyType type, std::span<std::int32_t> values) {
+    for (std::int32_t& value : values)
+      if (!read_index(type, value)) return false;
+    return true;
+  }
   [[nodiscard]] bool skip(PlyType) {
     float ignored = 0;
     return cursor_.skip_space() && cursor_.number(ignored);
@@ -109,12 +121,17 @@ class PlyBinarySource {
       return true;
     });
   }
-  [[nodiscard]] bool read_index(PlyType type, std::int32_t& value) {
+  [[nodiscard]] bool read_index(PlyType type, std::int32_t& value) { return read_indices(type, {&value, 1}); }
+  [[nodiscard]] bool read_indices(PlyType type, std::span<std::int32_t> values) {
     return with_type(type, [&](auto kind) {
       using T = decltype(kind);
-      if (bytes_.size() < sizeof(T)) return false;
-      value = index_of(static_cast<double>(load<T, big>(bytes_.data())));
-      bytes_ = bytes_.subspan(sizeof(T));
+      if (bytes_.size() / sizeof(T) < values.size()) return false;
+      const std::byte* from = bytes_.data();
+      for (std::int32_t& value : values) {
+        value = index_of(load<T, big>(from));
+        from += sizeof(T);
+      }
+      bytes_ = bytes_.subspan(values.size() * sizeof(T));
       return true;
     });
   }

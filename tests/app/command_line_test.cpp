@@ -1,0 +1,144 @@
+#include "app/options.h"
+
+#include "app/commands/commands.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+#include <string>
+
+using namespace gs::app;
+
+namespace {
+
+struct Run {
+  int status;
+  std::string output;  // stdout and stderr
+};
+
+Run run(const std::string& arguments) {
+  FILE* pipe = popen((std::string(GHOSTSPACE_BINARY) + " " + arguments + " 2>&1").c_str(), "r");
+  REQUIRE(pipe);
+  Run result{0, {}};
+  std::array<char, 4096> buffer;
+  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), count);
+  const int status = pclose(pipe);
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return result;
+}
+
+std::string quoted(const std::string& path) { return "'" + path + "'"; }
+
+const std::string kBox = "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Box { } }\n";
+
+}  // namespace
+
+TEST_CASE("every option of the table stands in the help and the manual page, once") {
+  std::set<std::string_view> names;
+  const std::string manual = manual_page();
+  for (const OptionRow& row : option_rows()) {
+    CHECK(names.insert(row.name).second);
+    std::string roff(row.name);
+    for (std::size_t i = 0; (i = roff.find('-', i)) != std::string::npos; i += 2) roff.replace(i, 1, "\\-");
+    CHECK(manual.find(roff) != std::string::npos);
+    for (const CommandRow& command : command_rows()) {
+      if (row.commands.find(std::string(command.name) + " ") == std::string_view::npos) continue;
+      const Run help = run(command.name == "open" ? "--help" : std::string(command.name) + " --help");
+      CHECK(help.status == kDone);
+      CHECK(help.output.find(row.name) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("wrong usage gives one clear line and status 2") {
+  for (const char* arguments : {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
+                                "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
+                                "--snapshot out.png a.wrl b.wrl", "--samples 0 a.wrl", "--max-bytes many a.wrl"}) {
+    const Run result = run(arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status == kUsage);
+    CHECK(result.output.starts_with("ghostspace: "));
+  }
+}
+
+TEST_CASE("check reports errors with their places, and measures") {
+  const ScratchFolder folder;
+  const std::string good = folder.write("good.wrl", kBox), bad = folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n");
+  CHECK(run("check " + quoted(good)).status == kDone);
+  CHECK(run("check " + quoted(good)).output.empty());
+  const Run result = run("check --stats " + quoted(folder.path("s.json")) + " " + quoted(good) + " " + quoted(bad));
+  CHECK(result.status == kFailed);
+  CHECK(result.output == bad + ":2:9: error: Shape has no field 'bogus'; skipped\n");
+  const auto stats = nlohmann::json::parse(folder.read("s.json"));
+  CHECK(stats["bytes"] == kBox.size() + 34);
+  CHECK(stats["nodes"] == 5);
+  CHECK(stats["peak_rss_bytes"] > 100000);
+  CHECK(stats["parse_s"] > 0);
+}
+
+TEST_CASE("print gives VRML97 that prints the same again") {
+  const ScratchFolder folder;
+  const Run first = run("print " + quoted(folder.write("a.wrl", kBox)));
+  CHECK(first.status == kDone);
+  const Run second = run("print " + quoted(folder.write("b.wrl", first.output)));
+  CHECK(second.output == first.output);
+  CHECK(run("print " + quoted(folder.path("missing.wrl"))).status == kFailed);
+}
+
+TEST_CASE("nodes prints the table as PROTOs that parse and as Markdown") {
+  const ScratchFolder folder;
+  const Run text = run("nodes");
+  CHECK(text.status == kDone);
+  CHECK(text.output.find("PROTO Box [") != std::string::npos);
+  CHECK(run("nodes --wrl").output == text.output);
+  const Run markdown = run("nodes --markdown");
+  CHECK(markdown.output.find("| field | SFVec3f | size | 2 2 2 | (0,inf) |") != std::string::npos);
+}
+
+TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox), out = folder.path("out.png");
+  const std::string base = "--backend osmesa --samples 1 --size 64x48 --snapshot " + quoted(out) + " ";
+  const Run first = run(base + "--stats " + quoted(folder.path("s.json")) + " " + quoted(world));
+  INFO(first.output);
+  REQUIRE(first.status == kDone);
+  const std::string picture = folder.read("out.png");
+  CHECK(picture.starts_with("\x89PNG"));
+  const auto stats = nlohmann::json::parse(folder.read("s.json"));
+  CHECK(stats["triangles"] == 12);
+  CHECK(stats["backend"] == "osmesa");
+  CHECK(stats["colors"] >= 2);
+  for (const char* key : {"bytes", "load_s", "first_image_s", "frame_s", "vectors", "peak_rss_bytes", "splats", "errors", "warnings"})
+    CHECK(stats.contains(key));
+  CHECK(run(base + quoted(world)).status == kDone);
+  CHECK(folder.read("out.png") == picture);
+
+  const std::string notes = folder.write("notes.txt", "mine");
+  const Run refused = run("--backend osmesa --snapshot " + quoted(notes) + " " + quoted(world));
+  CHECK(refused.status == kFailed);
+  CHECK(folder.read("notes.txt") == "mine");
+  CHECK(run("--backend osmesa --snapshot " + quoted(world) + " " + quoted(world)).status == kFailed);
+  CHECK(folder.read("box.wrl") == kBox);
+}
+
+TEST_CASE("a snapshot of what is no world gives one line and status 1") {
+  const ScratchFolder folder;
+  const std::string out = quoted(folder.path("out.png"));
+  for (const std::string& file : {folder.path("missing.wrl"), folder.write("empty.wrl", ""), folder.write("b.wrl", std::string(64, '\0')),
+                                  folder.write("cut.wrl", kBox.substr(0, 60)), folder.path("")}) {
+    const Run result = run("--backend osmesa --size 32x32 --snapshot " + out + " " + quoted(file));
+    INFO(file << "\n" << result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  }
+  CHECK(run("--snapshot " + out + " --viewpoint nowhere --backend osmesa " + quoted(folder.write("box.wrl", kBox))).output.find(
+            "no Viewpoint 'nowhere'; the world has none") != std::string::npos);
+}
