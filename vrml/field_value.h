@@ -24,9 +24,7 @@ class String {
   [[nodiscard]] std::string_view view() const { return {bytes_.data(), bytes_.size()}; }
   [[nodiscard]] std::string str() const { return std::string(view()); }
   [[nodiscard]] bool empty() const { return bytes_.empty(); }
-  operator std::string_view() const { return view(); }
   friend bool operator==(const String& a, const String& b) { return a.bytes_ == b.bytes_; }
-  friend bool operator==(const String& a, std::string_view b) { return a.view() == b; }
 
  private:
   Array<char> bytes_;

@@ -29,7 +29,8 @@ Run run(const std::string& arguments) {
   REQUIRE(pipe);
   Run result{0, {}};
   std::array<char, 4096> buffer;
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) result.output.append(buffer.data(), count);
+  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
+    result.output.append(buffer.data(), count);
   const int status = pclose(pipe);
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;
@@ -37,7 +38,8 @@ Run run(const std::string& arguments) {
 
 std::string quoted(const std::string& path) { return "'" + path + "'"; }
 
-const std::string kBox = "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Box { } }\n";
+const std::string kBox =
+    "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Box { } }\n";
 
 }  // namespace
 
@@ -59,9 +61,10 @@ TEST_CASE("every option of the table stands in the help and the manual page, onc
 }
 
 TEST_CASE("wrong usage gives one clear line and status 2") {
-  for (const char* arguments : {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
-                                "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
-                                "--snapshot out.png a.wrl b.wrl", "--samples 0 a.wrl", "--max-bytes many a.wrl"}) {
+  for (const char* arguments :
+       {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
+        "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
+        "--snapshot out.png a.wrl b.wrl", "--samples 0 a.wrl", "--max-bytes many a.wrl"}) {
     const Run result = run(arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status == kUsage);
@@ -71,7 +74,8 @@ TEST_CASE("wrong usage gives one clear line and status 2") {
 
 TEST_CASE("check reports errors with their places, and measures") {
   const ScratchFolder folder;
-  const std::string good = folder.write("good.wrl", kBox), bad = folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n");
+  const std::string good = folder.write("good.wrl", kBox),
+                    bad = folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n");
   CHECK(run("check " + quoted(good)).status == kDone);
   CHECK(run("check " + quoted(good)).output.empty());
   const Run result = run("check --stats " + quoted(folder.path("s.json")) + " " + quoted(good) + " " + quoted(bad));
@@ -116,7 +120,8 @@ TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
   CHECK(stats["triangles"] == 12);
   CHECK(stats["backend"] == "osmesa");
   CHECK(stats["colors"] >= 2);
-  for (const char* key : {"bytes", "load_s", "first_image_s", "frame_s", "vectors", "peak_rss_bytes", "splats", "errors", "warnings"})
+  for (const char* key :
+       {"bytes", "load_s", "first_image_s", "frame_s", "vectors", "peak_rss_bytes", "splats", "errors", "warnings"})
     CHECK(stats.contains(key));
   CHECK(run(base + quoted(world)).status == kDone);
   CHECK(folder.read("out.png") == picture);
@@ -132,13 +137,14 @@ TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
 TEST_CASE("a snapshot of what is no world gives one line and status 1") {
   const ScratchFolder folder;
   const std::string out = quoted(folder.path("out.png"));
-  for (const std::string& file : {folder.path("missing.wrl"), folder.write("empty.wrl", ""), folder.write("b.wrl", std::string(64, '\0')),
-                                  folder.write("cut.wrl", kBox.substr(0, 60)), folder.path("")}) {
+  for (const std::string& file :
+       {folder.path("missing.wrl"), folder.write("empty.wrl", ""), folder.write("b.wrl", std::string(64, '\0')),
+        folder.write("cut.wrl", kBox.substr(0, 60)), folder.path("")}) {
     const Run result = run("--backend osmesa --size 32x32 --snapshot " + out + " " + quoted(file));
     INFO(file << "\n" << result.output);
     CHECK(result.status == kFailed);
     CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   }
-  CHECK(run("--snapshot " + out + " --viewpoint nowhere --backend osmesa " + quoted(folder.write("box.wrl", kBox))).output.find(
-            "no Viewpoint 'nowhere'; the world has none") != std::string::npos);
+  CHECK(run("--snapshot " + out + " --viewpoint nowhere --backend osmesa " + quoted(folder.write("box.wrl", kBox)))
+            .output.find("no Viewpoint 'nowhere'; the world has none") != std::string::npos);
 }

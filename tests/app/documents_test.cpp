@@ -130,7 +130,7 @@ TEST_CASE("Where a world is entered") {
     CHECK(follow_viewer(*document));
   }
   SECTION("nothing at all") {
-    const auto document = make_document(OpenedWorld{});
+    const auto document = make_document(OpenedWorld());
     CHECK(document->list.items.empty());
     CHECK_FALSE(follow_viewer(*document));
   }

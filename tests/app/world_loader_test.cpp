@@ -5,8 +5,8 @@
 #include "app/references.h"
 #include "tests/app/scratch_folder.h"
 
-#include <catch2/catch.hpp>
 #include <zlib.h>
+#include <catch2/catch.hpp>
 
 #include <string>
 #include <vector>
@@ -32,7 +32,9 @@ std::string gzipped(const std::string& text) {
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-std::string text_of(const std::vector<std::byte>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string text_of(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 std::string said(const OpenedWorld& world) {
   std::string text;
@@ -42,7 +44,10 @@ std::string said(const OpenedWorld& world) {
 
 const std::string kBox = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
 // One red pixel.
-const std::string kGif("GIF89a\x01\x00\x01\x00\x80\x00\x00\xff\x00\x00\x00\x00\x00,\x00\x00\x00\x00\x01\x00\x01\x00\x00\x02\x02\x44\x01\x00;", 35);
+const std::string kGif(
+    "GIF89a\x01\x00\x01\x00\x80\x00\x00\xff\x00\x00\x00\x00\x00,"
+    "\x00\x00\x00\x00\x01\x00\x01\x00\x00\x02\x02\x44\x01\x00;",
+    35);
 
 }  // namespace
 
@@ -91,7 +96,8 @@ TEST_CASE("gzip'd worlds open under any name; a truncated one shows what there i
     CHECK(world.bytes == packed.size());
   }
   std::string large = "#VRML V2.0 utf8\n";
-  for (int i = 0; i < 5000; ++i) large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
+  for (int i = 0; i < 5000; ++i)
+    large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
   const std::string packed_large = gzipped(large);
   const OpenedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
   REQUIRE(world.scene);
@@ -119,7 +125,9 @@ TEST_CASE("what can't be opened says why in one line") {
 }
 
 TEST_CASE("the type of a file: first bytes before its name") {
-  const auto name_of = [](std::string_view path, std::string_view bytes) { return content_type_of(path, bytes_of(bytes)).name; };
+  const auto name_of = [](std::string_view path, std::string_view bytes) {
+    return content_type_of(path, bytes_of(bytes)).name;
+  };
   CHECK(name_of("a.stl", "#VRML V2.0 utf8\n") == "VRML97");
   CHECK(name_of("a.wrl", "ply\nformat") == "PLY");
   CHECK(name_of("a", "glTF") == "glTF");
@@ -131,11 +139,14 @@ TEST_CASE("the type of a file: first bytes before its name") {
 TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whatever their case") {
   const ScratchFolder folder;
   folder.write("parts/Box.wrl", kBox);
-  folder.write("parts/lib.wrl", "#VRML V2.0 utf8\nPROTO A [ ] { Group { } } PROTO B [ field SFFloat r 2 ] { Sphere { radius IS r } }\n");
+  folder.write("parts/lib.wrl",
+               "#VRML V2.0 utf8\nPROTO A [ ] { Group { } } PROTO B [ field SFFloat r 2 ] { Sphere { radius IS r } }\n");
   folder.write("img/Red.GIF", kGif);
-  const OpenedWorld world = load_world(folder.write("main.wrl",
-      "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"nowhere.wrl#B\" \"parts/lib.wrl#B\" ]\n"
-      "Inline { url \"PARTS\\box.wrl\" }\nShape { geometry B { r 5 } appearance Appearance { texture ImageTexture { url \"img/red.gif\" } } }\n"));
+  const OpenedWorld world = load_world(
+      folder.write("main.wrl",
+                   "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"nowhere.wrl#B\" \"parts/lib.wrl#B\" ]\n"
+                   "Inline { url \"PARTS\\box.wrl\" }\nShape { geometry B { r 5 } appearance Appearance { texture "
+                   "ImageTexture { url \"img/red.gif\" } } }\n"));
   INFO(said(world));
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
@@ -153,9 +164,11 @@ TEST_CASE("references that lead nowhere or back are left out, and said") {
   const ScratchFolder folder;
   folder.write("b.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\nShape { }\n");
   folder.write("x.png", "no picture");
-  const OpenedWorld world = load_world(folder.write(
-      "a.wrl", "#VRML V2.0 utf8\nInline { url \"b.wrl\" }\nInline { url [ \"gone.wrl\" \"http://x/y.wrl\" ] }\n"
-               "Shape { appearance Appearance { texture ImageTexture { url \"x.png\" } } }\nEXTERNPROTO P [ ] \"gone2.wrl\" P { }\n"));
+  const OpenedWorld world = load_world(
+      folder.write("a.wrl",
+                   "#VRML V2.0 utf8\nInline { url \"b.wrl\" }\nInline { url [ \"gone.wrl\" \"http://x/y.wrl\" ] }\n"
+                   "Shape { appearance Appearance { texture ImageTexture { url \"x.png\" } } }\nEXTERNPROTO P [ ] "
+                   "\"gone2.wrl\" P { }\n"));
   REQUIRE(world.scene);
   const std::string text = said(world);
   CHECK(text.find("Inline leads back to") != std::string::npos);

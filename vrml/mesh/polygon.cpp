@@ -8,10 +8,11 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kStepsPerCorner = 2048;
-constexpr std::size_t kStepsAtLeast = 4096;
+constexpr std::size_t kStepsPerCorner = 512;
+constexpr std::size_t kStepsAtLeast = 16384;
+constexpr int kMostExceptions = 24;    // ears cut without care; more only a polygon that crosses itself needs
 constexpr std::size_t kGridFrom = 48;  // reflex corners from which a grid pays
-constexpr std::size_t kMaximumGridSize = 1024;
+constexpr std::size_t kMaximumColumns = 4096;
 
 [[nodiscard]] std::size_t cell_of(double place, std::size_t size) {
   const auto last = static_cast<double>(size - 1);
@@ -80,7 +81,7 @@ void PolygonTriangulator::link() {
   place_.assign(count, kNone);
   reflex_.clear();
   cell_head_.clear();
-  grid_size_ = 0;
+  columns_ = 0;
   remaining_ = count;
   steps_left_ = count * kStepsPerCorner + kStepsAtLeast;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -121,7 +122,7 @@ void PolygonTriangulator::refresh(std::uint32_t corner) {
   if (reflex) {
     place_[corner] = static_cast<std::uint32_t>(reflex_.size());
     reflex_.push_back(corner);
-    if (grid_size_ != 0 && !in_grid_[corner]) enter_grid(corner);
+    if (columns_ != 0 && !in_grid_[corner]) enter_grid(corner);
   } else {
     place_[reflex_.back()] = place_[corner];
     reflex_[place_[corner]] = reflex_.back();
@@ -137,7 +138,7 @@ glm::dvec2 PolygonTriangulator::to_grid(std::uint32_t corner) const {
 
 void PolygonTriangulator::enter_grid(std::uint32_t corner) {
   const glm::dvec2 place = to_grid(corner);
-  const std::size_t cell = cell_of(place.y, grid_size_) * grid_size_ + cell_of(place.x, grid_size_);
+  const std::size_t cell = cell_of(place.y, rows_) * columns_ + cell_of(place.x, columns_);
   cell_next_[corner] = cell_head_[cell];
   cell_head_[cell] = corner;
   in_grid_[corner] = true;
@@ -151,14 +152,17 @@ void PolygonTriangulator::build_grid() {
     upper = {std::max(upper.x, points_[corner].x), std::max(upper.y, points_[corner].y)};
     corner = next_[corner];
   } while (corner != first_);
-  grid_size_ = static_cast<std::size_t>(std::sqrt(static_cast<double>(reflex_.size()))) + 1;
-  grid_size_ = std::min(grid_size_, kMaximumGridSize);
+  // About as many cells as reflex corners, and about square ones.
+  const glm::dvec2 size = upper - lower;
+  const auto cells = static_cast<double>(reflex_.size());
+  const double columns = size.x > 0 ? (size.y > 0 ? std::sqrt(cells * (size.x / size.y)) : cells) : 1;
+  columns_ = static_cast<std::size_t>(std::clamp(columns, 1.0, static_cast<double>(kMaximumColumns)));
+  rows_ = std::clamp<std::size_t>(reflex_.size() / columns_, 1, kMaximumColumns);
   grid_filling_ = reflex_.size();
   grid_origin_ = lower;
-  const auto cells = static_cast<double>(grid_size_);
-  grid_scale_ = {upper.x > lower.x ? cells / (upper.x - lower.x) : 0,
-                 upper.y > lower.y ? cells / (upper.y - lower.y) : 0};
-  cell_head_.assign(grid_size_ * grid_size_, kNone);
+  grid_scale_ = {size.x > 0 ? static_cast<double>(columns_) / size.x : 0,
+                 size.y > 0 ? static_cast<double>(rows_) / size.y : 0};
+  cell_head_.assign(columns_ * rows_, kNone);
   cell_next_.resize(points_.size());
   in_grid_.assign(points_.size(), false);
   for (const std::uint32_t reflex : reflex_) enter_grid(reflex);
@@ -179,7 +183,7 @@ bool PolygonTriangulator::blocks(std::uint32_t corner, std::uint32_t tip, Strict
 bool PolygonTriangulator::is_ear(std::uint32_t tip, Strictness strictness) {
   if (place_[tip] != kNone) return false;
   if (strictness == Strictness::any_convex) return true;
-  if (grid_size_ != 0) return !grid_blocks(tip, strictness);
+  if (columns_ != 0) return !grid_blocks(tip, strictness);
   for (const std::uint32_t corner : reflex_)
     if (spend(1), blocks(corner, tip, strictness)) return false;
   return true;
@@ -189,8 +193,8 @@ bool PolygonTriangulator::is_ear(std::uint32_t tip, Strictness strictness) {
 bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) {
   constexpr double kSlack = 1e-6;  // in cells, for the rounding of where edges cross rows
   const glm::dvec2 corners[] = {to_grid(previous_[tip]), to_grid(tip), to_grid(next_[tip])};
-  const std::size_t bottom = cell_of(std::min({corners[0].y, corners[1].y, corners[2].y}) - kSlack, grid_size_);
-  const std::size_t top = cell_of(std::max({corners[0].y, corners[1].y, corners[2].y}) + kSlack, grid_size_);
+  const std::size_t bottom = cell_of(std::min({corners[0].y, corners[1].y, corners[2].y}) - kSlack, rows_);
+  const std::size_t top = cell_of(std::max({corners[0].y, corners[1].y, corners[2].y}) + kSlack, rows_);
   for (std::size_t y = bottom; y <= top; ++y) {
     const double low = static_cast<double>(y) - kSlack, high = static_cast<double>(y + 1) + kSlack;
     double left = HUGE_VAL, right = -HUGE_VAL;
@@ -205,10 +209,10 @@ bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) 
       right = std::max({right, x_low, x_high});
     }
     if (left > right) continue;
-    const std::size_t last = cell_of(right + kSlack, grid_size_);
-    for (std::size_t x = cell_of(left - kSlack, grid_size_); x <= last; ++x) {
+    const std::size_t last = cell_of(right + kSlack, columns_);
+    for (std::size_t x = cell_of(left - kSlack, columns_); x <= last; ++x) {
       spend(1);
-      for (std::uint32_t corner = cell_head_[y * grid_size_ + x]; corner != kNone; corner = cell_next_[corner])
+      for (std::uint32_t corner = cell_head_[y * columns_ + x]; corner != kNone; corner = cell_next_[corner])
         if (spend(1), place_[corner] != kNone && blocks(corner, tip, strictness)) return true;
     }
   }
@@ -262,7 +266,8 @@ void PolygonTriangulator::clip() {
   turn_.assign(points_.size(), 0);
   enqueue_all();
   Strictness strictness = Strictness::clear;
-  while (remaining_ > 3 && steps_left_ > 0) {
+  int exceptions = 0;
+  while (remaining_ > 3 && steps_left_ > 0 && exceptions < kMostExceptions) {
     if (queue_head_ == queue_.size()) {
       if (strictness == Strictness::any_convex) break;
       const bool removed = strictness == Strictness::clear && remove_spikes();
@@ -279,13 +284,14 @@ void PolygonTriangulator::clip() {
     unlink(tip);
     refresh(a);
     refresh(c);
-    if (grid_size_ != 0 && reflex_.size() * 4 < grid_filling_) {
-      grid_size_ = 0;
+    if (columns_ != 0 && reflex_.size() * 4 < grid_filling_) {
+      columns_ = 0;
       if (reflex_.size() >= kGridFrom) build_grid();
     }
     if (strictness != Strictness::clear) {  // what an exception has opened is again cut with care
       strictness = Strictness::clear;
       queue_head_ = queue_.size();
+      ++exceptions;
     }
     enqueue(a);
     enqueue(c);

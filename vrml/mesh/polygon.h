@@ -19,8 +19,8 @@ namespace gs::vrml {
 ///
 /// Takes any finite coordinates. A simple planar polygon of n corners gives n - 2 triangles that
 /// cover it exactly, fewer where corners coincide; any other gives some triangles between its
-/// corners. Costs about n log n for polygons met in practice; at most 2048 n steps of about a
-/// nanosecond, after which what is left becomes a fan.
+/// corners. Costs about n log n for polygons met in practice; at most 512 n short steps, and few
+/// tries with polygons that cross themselves, after which what is left becomes a fan.
 class PolygonTriangulator {
  public:
   /// Three indices into `polygon` a triangle, in the winding of the polygon. Valid until the next call.
@@ -68,7 +68,7 @@ class PolygonTriangulator {
   std::size_t queue_head_ = 0;
   std::uint32_t first_ = 0;  // some corner of the ring
   glm::dvec2 grid_origin_{0}, grid_scale_{0};
-  std::size_t grid_size_ = 0;
+  std::size_t columns_ = 0, rows_ = 0;  // 0 while there is no grid
   std::size_t grid_filling_ = 0;
   std::size_t remaining_ = 0;
   std::size_t steps_left_ = 0;
