@@ -127,7 +127,7 @@ void UiOverlay::State::tooltip(std::string_view string) {
     hovered_since = now;
   }
   hovers = true;
-  if (now - hovered_since < kTooltipDelay) return;
+  if (now - hovered_since < kTooltipDelay || open_panel) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 32);
   text(string);
@@ -152,15 +152,35 @@ UiOverlay::~UiOverlay() {
   ImGui::DestroyContext();
 }
 
-void UiOverlay::begin_frame(double now, const std::optional<glm::vec2>& clicked_at) {
+void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) {
   state_->now = now;
   if (!state_->notice.empty() && now >= state_->notice_until) state_->notice.clear();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
-  ImGuiIO& io = ImGui::GetIO();
-  if (clicked_at && io.DisplayFramebufferScale.x > 0 && io.DisplayFramebufferScale.y > 0)
-    io.MousePos = {clicked_at->x / io.DisplayFramebufferScale.x, clicked_at->y / io.DisplayFramebufferScale.y};
+  state_->replay(events);
   ImGui::NewFrame();
+}
+
+void UiOverlay::State::replay(const std::vector<WindowEvent>& events) {
+  ImGuiIO& io = ImGui::GetIO();
+  std::optional<glm::vec2> place = std::exchange(late_click, std::nullopt);
+  const auto key_down = [&](int code) -> bool* {
+    return code >= 0 && code < IM_ARRAYSIZE(io.KeysDown) ? &io.KeysDown[code] : nullptr;
+  };
+  for (const int code : std::exchange(late_keys, {}))
+    if (bool* down = key_down(code)) *down = false;
+  for (const WindowEvent& event : events) {
+    if (event.kind == WindowEvent::Kind::button_down) place = event.pointer;
+    // That the button or key goes up shows one frame later, and the button at the same place.
+    if (event.kind == WindowEvent::Kind::button_up && place) late_click = place;
+    bool* down = event.kind == WindowEvent::Kind::key_down ? key_down(event.code) : nullptr;
+    if (down && !*down) {
+      *down = true;
+      late_keys.push_back(event.code);
+    }
+  }
+  const ImVec2& pixels = io.DisplayFramebufferScale;
+  if (place && pixels.x > 0 && pixels.y > 0) io.MousePos = {place->x / pixels.x, place->y / pixels.y};
 }
 
 UiActions UiOverlay::build(const UiModel& model) {

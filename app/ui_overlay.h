@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/navigation.h"
+#include "app/window.h"
 #include "render/renderer.h"
 #include "vrml/diagnostic.h"
 
@@ -11,8 +12,6 @@
 #include <optional>
 #include <string>
 #include <vector>
-
-struct GLFWwindow;
 
 namespace gs::app {
 
@@ -58,9 +57,8 @@ class UiOverlay {
   UiOverlay(const UiOverlay&) = delete;
   UiOverlay& operator=(const UiOverlay&) = delete;
 
-  /// Starts a frame; after it, `wants_*` know where the pointer is. `clicked_at`, in framebuffer pixels, is
-  /// where a button went down since the last frame: in a slow frame the pointer has gone on since.
-  void begin_frame(double now, const std::optional<glm::vec2>& clicked_at);
+  /// Starts a frame; after it, `wants_*` know where the pointer is. `events` came since the last frame.
+  void begin_frame(double now, const std::vector<WindowEvent>& events);
   /// Lays out everything. Call once after `begin_frame`.
   [[nodiscard]] UiActions build(const UiModel& model);
   /// Draws what was laid out into the framebuffer that is bound.

@@ -35,6 +35,10 @@ struct UiOverlay::State {
   bool notice_is_error = false;
   double notice_until = 0;
 
+  // What `replay` owes the next frame.
+  std::optional<glm::vec2> late_click;
+  std::vector<int> late_keys;
+
   // What the pointer rests on: the item's upper left corner.
   ImVec2 hovered{-1, -1};
   double hovered_since = 0;
@@ -43,6 +47,9 @@ struct UiOverlay::State {
   // The log panel.
   bool show_errors = true, show_warnings = true, show_notes = true;
 
+  /// Dear ImGui sees only how keys and buttons are when a frame begins. What went down and up again in one
+  /// slow frame would be lost to it, and clicks would count where the pointer has gone since.
+  void replay(const std::vector<WindowEvent>& events);
   void top_bar(const UiModel& model, UiActions& actions);
   void mode_buttons(const UiModel& model, UiActions& actions, bool as_list);
   void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows);

@@ -38,13 +38,13 @@ class Viewer {
   void run();
 
  private:
+  void wait_idle();
   void frame(double now);
   void load_next();
   void show_loaded(const std::string& path, std::unique_ptr<Document> document);
   void show_failed(const std::string& path, vrml::Diagnostics diagnostics);
   void show_selected();
 
-  [[nodiscard]] std::optional<glm::vec2> clicked_at(const std::vector<WindowEvent>& events);
   void handle(const WindowEvent& event);
   bool handle_command(const WindowEvent& event);
   bool handle_view_key(Key key);
@@ -80,8 +80,7 @@ class Viewer {
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_ = kSettlingFrames;
   bool was_continuous_ = false;
-  std::optional<glm::vec2> late_click_;  // that was over before the last frame began
-  Worker worker_;                        // last: ends before what its delivery speaks of
+  Worker worker_;  // last: ends before what its delivery speaks of
 };
 
 void Viewer::run() {
@@ -96,11 +95,17 @@ void Viewer::run() {
     else if (worker_.busy())
       window_->wait(kLoadingWait);
     else
-      window_->wait(ui_.next_change().value_or(kIdleWait));
+      wait_idle();
     if (worker_.poll()) frames_wanted_ = kSettlingFrames;
     if (!minimised) frame(Window::now());
   }
   window_->hide();
+}
+
+void Viewer::wait_idle() {
+  const std::optional<double> change = ui_.next_change();
+  window_->wait(change.value_or(kIdleWait));
+  if (change) frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown
 }
 
 void Viewer::frame(double now) {
@@ -108,7 +113,7 @@ void Viewer::frame(double now) {
   if (!events.empty()) frames_wanted_ = kSettlingFrames;
   const bool continuous = was_continuous_;
   const float seconds = continuous ? static_cast<float>(now - last_frame_) : 0.0f;
-  ui_.begin_frame(now, clicked_at(events));
+  ui_.begin_frame(now, events);
   for (const WindowEvent& event : events) handle(event);
   if (document_) {
     const NavigationInput input = input_.input(document_->navigation.mode, viewport());
@@ -213,16 +218,6 @@ void Viewer::select_file(std::size_t index) {
 }
 
 // Input -------------------------------------------------------------------------------------------
-
-std::optional<glm::vec2> Viewer::clicked_at(const std::vector<WindowEvent>& events) {
-  std::optional<glm::vec2> place = std::exchange(late_click_, std::nullopt);
-  for (const WindowEvent& event : events) {
-    if (event.kind == WindowEvent::Kind::button_down) place = event.pointer;
-    // The interface sees the button go up one frame later, and must see it at the same place.
-    if (event.kind == WindowEvent::Kind::button_up && place) late_click_ = place;
-  }
-  return place;
-}
 
 void Viewer::handle(const WindowEvent& event) {
   using Kind = WindowEvent::Kind;

@@ -105,6 +105,7 @@ struct Window::Callbacks {
     WindowEvent e =
         event(window, action == GLFW_PRESS ? WindowEvent::Kind::key_down : WindowEvent::Kind::key_up, modifiers);
     e.key = key_of(key, scancode);
+    e.code = key;
     self(window).events_.push_back(std::move(e));
   }
   static void button(GLFWwindow* window, int button, int action, int modifiers) {

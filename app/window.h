@@ -61,6 +61,7 @@ struct WindowEvent {
   };
   Kind kind = Kind::refresh;
   Key key = Key::unknown;
+  int code = 0;  // of the key, as the window system's library numbers them
   MouseButton button = MouseButton::left;
   bool shift = false, control = false, alt = false;
   glm::vec2 pointer{0.0f};

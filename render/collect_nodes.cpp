@@ -180,7 +180,7 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   using F = ViewpointFields;
   ViewpointState state;
   if (const auto* description = view.find<vrml::SFString>(F::description))
-    state.description = bounded_text(*description);
+    state.description = bounded_text(description->view());
   state.name = bounded_text(view.node->name);
   const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
   const dmat3 rotation = rotation_part(world_from_node) * rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
@@ -197,7 +197,7 @@ NavigationState navigation_state(const NodeView& view) {
   if (const auto* types = view.find<vrml::MFString>(F::type)) {
     state.types.clear();
     for (std::size_t i = 0; i < std::min(types->size(), kMaxNavigationTypes); ++i)
-      state.types.push_back(bounded_text((*types)[i]));
+      state.types.push_back(bounded_text((*types)[i].view()));
   }
   const float largest = std::numeric_limits<float>::max();
   if (const auto* size = view.find<vrml::MFFloat>(F::avatar_size))

@@ -27,7 +27,6 @@ struct EglLibrary {
   GlContext::Procedure (*get_proc_address)(const char*) = nullptr;
   const char* (*query_string)(Display, Attribute) = nullptr;
   unsigned (*initialize)(Display, Attribute* major, Attribute* minor) = nullptr;
-  unsigned (*terminate)(Display) = nullptr;
   unsigned (*bind_api)(unsigned) = nullptr;
   unsigned (*choose_config)(Display, const Attribute*, Config*, Attribute size, Attribute* count) = nullptr;
   Context (*create_context)(Display, Config, Context shared, const Attribute*) = nullptr;
@@ -40,10 +39,9 @@ struct EglLibrary {
   [[nodiscard]] bool load() {
     const bool core =
         library.find("eglGetProcAddress", get_proc_address) && library.find("eglQueryString", query_string) &&
-        library.find("eglInitialize", initialize) && library.find("eglTerminate", terminate) &&
-        library.find("eglBindAPI", bind_api) && library.find("eglChooseConfig", choose_config) &&
-        library.find("eglCreateContext", create_context) && library.find("eglDestroyContext", destroy_context) &&
-        library.find("eglMakeCurrent", make_current);
+        library.find("eglInitialize", initialize) && library.find("eglBindAPI", bind_api) &&
+        library.find("eglChooseConfig", choose_config) && library.find("eglCreateContext", create_context) &&
+        library.find("eglDestroyContext", destroy_context) && library.find("eglMakeCurrent", make_current);
     if (!core) return false;
     extension("eglGetPlatformDisplayEXT", get_platform_display);
     extension("eglQueryDevicesEXT", query_devices);
@@ -59,12 +57,11 @@ struct EglLibrary {
 class EglContext final : public GlContext {
  public:
   EglContext(const EglLibrary& library, Display display) : library_(library), display_(display) {}
+  /// The display is left alone: EGL has one for all of a process, and other contexts may use it.
   ~EglContext() override {
-    if (context_) {
-      library_.make_current(display_, nullptr, nullptr, nullptr);
-      library_.destroy_context(display_, context_);
-    }
-    library_.terminate(display_);
+    if (!context_) return;
+    library_.make_current(display_, nullptr, nullptr, nullptr);
+    library_.destroy_context(display_, context_);
   }
   void make_current() override { library_.make_current(display_, nullptr, nullptr, context_); }
   void present() override {}

@@ -3,6 +3,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <utility>
+
+#if defined(__SANITIZE_ADDRESS__)
+// OSMesa 22 loses the description of the default framebuffer (about 200 bytes) with every context.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; }
+#endif
 
 namespace gs::render {
 namespace {

@@ -253,7 +253,7 @@ void Parser::State::skip_value() {
 }
 
 // Passes over a value of unknown type: numbers and strings in a row, one word, a list, or a node; or
-// over the rest of an open construct. Names DEFed inside stay known, so that a USE of them is no error.
+// over the rest of an open construct.
 Step Parser::State::skip_step() {
   const Lexer::Position before = lexer.position();
   const Token token = lexer.next();
@@ -294,10 +294,13 @@ Step Parser::State::skip_step() {
   }
   if (token.text == "DEF") {
     if (frame.depth == 0 && frame.skipped_value) return leave();
-    const Token name = lexer.next();
-    if (name.kind == TokenKind::need_more) return Step::need_more;
-    if (name.kind == TokenKind::word) scopes.back().names.try_emplace(*scene.keep_name(name.text), NodeId{});
-    return Step::done;
+    // A node that has a name is read after all: a USE elsewhere may mean it.
+    discarded = MFNode{};
+    const bool whole_value = frame.depth == 0;
+    const std::size_t index = frames.size() - 1;
+    const Step step = node_head(token, &discarded);
+    if (step == Step::done && whole_value) frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(index));
+    return step;
   }
   if (frame.depth > 0) return Step::done;
   if (looks_like_number(token.text)) {

@@ -136,6 +136,7 @@ struct Parser::State {
   bool rubbish = false;            // the last token was rubbish and has been complained about
   bool end_reported = false;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // of declarations that don't count
+  FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false, said_bad_id = false, said_number_form = false,
        said_limit = false;

@@ -36,7 +36,7 @@ Step Parser::State::statement_step() {
         }
       }
       const Step node = node_head(token, nullptr);
-      if (node == Step::done) anything_read = true, rubbish = false;
+      if (node == Step::done) anything_read = true;
       return node;
     }
   }
@@ -93,6 +93,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
       } else if (found->second) {
         place(found->second, into);
       }
+      rubbish = false;
       return Step::done;
     }
     name = id.text;
@@ -110,14 +111,17 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   if (brace.kind == TokenKind::need_more) return Step::need_more;
   const NodeType* type = find_type(token.text);
   if (brace.kind != TokenKind::open_brace) {
-    error(type ? brace.location : token.location,
-          type ? "expected '{' after " + std::string(token.text) + ", found " + describe(brace)
-               : "expected a node, found " + describe(token));
+    // Of prose in place of nodes the first word is enough to complain about.
+    if (!std::exchange(rubbish, true))
+      error(type ? brace.location : token.location,
+            type ? "expected '{' after " + std::string(token.text) + ", found " + describe(brace)
+                 : "expected a node, found " + describe(token));
     lexer.go_back(behind_type);
     // Statements of X3D (META "name" "content", PROFILE, ...) are passed over with what belongs to them.
     if (brace.kind == TokenKind::string) skip_value();
     return Step::done;
   }
+  rubbish = false;
   Frame frame;
   frame.start = token.location;
   if (!type) {

@@ -339,7 +339,6 @@ Step Parser::State::node_list_step() {
       return read;
     }
     if (is_id(token.text)) {
-      rubbish = false;
       const std::size_t before = frames.size();
       const std::string_view name = frames.back().name;
       const bool check = before >= 2 && frames[before - 2].kind == Frame::Kind::node_body &&

@@ -181,8 +181,10 @@ class Importer {
     // Children before parents, so that each children field is set once.
     for (std::size_t i = visits_.size(); i-- > 0;)
       if (visits_[i].useful) build(visits_[i]);
-    for (Visit& visit : visits_)
+    for (const Visit& visit : visits_) {
+      builder_.name(visit.transform, node(visit).name);
       if (visit.parent == kNoParent) builder_.add_root(visit.transform);
+    }
     for (const vrml::NodeId shape : world_shapes_) builder_.add_root(shape);
   }
 
@@ -204,7 +206,6 @@ class Importer {
     builder_.set(visit.transform, "rotation", axis_and_angle(placement.rotation));
     builder_.set(visit.transform, "scale", placement.scale);
     builder_.set(visit.transform, "children", std::move(content));
-    builder_.name(visit.transform, n.name);
     if (visit.transform && visit.parent != kNoParent) visits_[visit.parent].children.push_back(visit.transform);
   }
 

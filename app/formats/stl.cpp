@@ -240,6 +240,7 @@ class TextImporter {
     for (int i = 0; i < 3; ++i)
       if (!cursor_.skip_space() || !cursor_.number(p[i])) {
         builder_.fail("broken vertex; expected three numbers", lines_.location(start));
+        (void)cursor_.line();
         broken_ = true;
         return;
       }

@@ -1,6 +1,6 @@
 #include "app/formats/ply.h"
 
-#include "formats_helpers.h"
+#include "tests/app/formats_helpers.h"
 
 namespace {
 
@@ -99,7 +99,7 @@ TEST_CASE("rows of one size are read as a table") {
   CHECK(result.messages().empty());
   CHECK(result.scene->get<gs::vrml::MFVec3f>(result.only("Coordinate"), "point")[1] == glm::vec3(1, 2, 3));
   CHECK(result.colors()[1].b == Approx(0.2f));
-  result.only("PointSet");
+  CHECK(result.only("PointSet"));
   // A PointSet has no normals (VRML97 6.36), and shows its emission where it has no colours.
   CHECK(result.all("Normal").empty());
 }
@@ -108,7 +108,7 @@ TEST_CASE("points without colours glow, so that they can be seen") {
   const Imported result =
       ply("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
           "1 2 3\n4 5 6\n");
-  result.only("PointSet");
+  CHECK(result.only("PointSet"));
   CHECK(result.scene->get<Color>(result.only("Material"), "emissiveColor") == Color{0.8f, 0.8f, 0.8f});
 }
 

@@ -92,6 +92,7 @@ class Drawing {
     return std::move(std::get<Image>(drawn));
   }
   Renderer& renderer() { return *renderer_; }
+  GlContext& context() { return *context_; }
 
   DrawOptions options;
   FrameStatistics statistics;

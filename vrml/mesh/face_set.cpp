@@ -17,6 +17,13 @@ namespace {
 
 constexpr float kUnitTolerance = 0.01f;  // of the squared length; texts give three or four digits
 constexpr float kShortestSquare = 1e-24f;
+constexpr std::size_t kStretch =
+    4096;  // entries of a coordIndex that are read between two looks at the room for output
+
+/// Indices that so many entries of a coordIndex make when all are triangles, and a bit to spare.
+[[nodiscard]] std::size_t expected_indices(std::size_t entries) {
+  return entries / 4 * 3 + std::min(entries, kStretch) / 2 + 12;
+}
 
 [[nodiscard]] bool has_direction(const glm::vec3& v) {
   const float square = glm::dot(v, v);
@@ -93,7 +100,7 @@ class SharedBuilder {
         index_(coord_index),
         vertices_(vertices),
         used_(faces.points.size(), 0),
-        out_(coord_index.size() / 4 * 3 + 3) {}
+        out_(expected_indices(coord_index.size())) {}
 
   [[nodiscard]] Mesh build() {
     FaceCutter cutter(faces_, index_);
@@ -138,7 +145,6 @@ class SharedBuilder {
 };
 
 std::size_t SharedBuilder::read_plain_faces(std::size_t position, std::size_t& faces) {
-  constexpr std::size_t kStretch = 4096;  // index entries between two looks at the room for output
   const auto count = static_cast<std::uint32_t>(vertices_.count());
   const bool ccw = faces_.ccw, convex = faces_.convex;
   const std::int32_t* from = index_.data();
@@ -146,7 +152,7 @@ std::size_t SharedBuilder::read_plain_faces(std::size_t position, std::size_t& f
   std::uint8_t* used = used_.data();
   std::size_t i = position, read = 0;
   for (bool plain = true; plain && i + 3 < size;) {
-    std::uint32_t* out = out_.claim(6 * kStretch / 4);
+    std::uint32_t* out = out_.claim(std::min(kStretch, size - i) * 6 / 5 + 6);
     const std::size_t end = std::min(i + kStretch - 5, size - 3);
     while (i < end) {
       const auto a = static_cast<std::uint32_t>(from[i]), b = static_cast<std::uint32_t>(from[i + 1]),
@@ -230,14 +236,19 @@ class VertexWriter {
 /// The mesh in all other cases: a vertex for each different corner.
 class CornerBuilder {
  public:
-  CornerBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices)
+  /// `own_normals`: no two vertices share a normal, so that it says more of a corner than the vertex does.
+  CornerBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices,
+                bool own_normals)
       : faces_(faces),
         index_(coord_index),
         vertices_(vertices),
+        own_normals_(own_normals),
         weld_(can_weld(faces)),
-        welder_(weld_ ? faces.points.size() : 0),
+        welder_(!weld_        ? 0
+                : own_normals ? faces.normal.values.size()
+                              : faces.points.size()),
         writer_(faces, weld_ ? 1 : coord_index.size()),
-        out_(coord_index.size() / 4 * 3 + 3) {}
+        out_(expected_indices(coord_index.size())) {}
 
   [[nodiscard]] Mesh build() {
     FaceCutter cutter(faces_, index_);
@@ -274,6 +285,7 @@ class CornerBuilder {
   const FaceSet& faces_;
   std::span<const std::int32_t> index_;
   const UsableVertices& vertices_;
+  bool own_normals_;
   bool weld_;
   Welder welder_;
   VertexWriter writer_;
@@ -292,14 +304,15 @@ bool CornerBuilder::add_corners(const FaceReader& reader, std::vector<std::uint3
     if (!set_normal(reader, corner, parts)) return false;
     parts.color = faces_.color.find_or_nearest(corner, parts.position, reader.face());
     parts.texture_coordinate = faces_.texture_coordinate.find(corner, parts.position, reader.face());
-    made.push_back(weld_ ? welder_.add(parts) : writer_.write(parts, normal_of(parts)));
+    made.push_back(weld_ ? welder_.add(parts, own_normals_ ? parts.normal : parts.position)
+                         : writer_.write(parts, normal_of(parts)));
   }
   return true;
 }
 
 bool CornerBuilder::set_normal(const FaceReader& reader, std::uint32_t corner, VertexParts& parts) {
   const std::uint32_t given = faces_.normal.find(corner, parts.position, reader.face());
-  if (given != kMissing && has_direction(faces_.normal.values[given])) {
+  if (given != kMissing && (own_normals_ || has_direction(faces_.normal.values[given]))) {
     parts.normal = given;
     return true;
   }
@@ -369,8 +382,8 @@ Mesh make_mesh(FaceSet faces) {
     compact_points(faces);
     const std::span<const std::int32_t> index = readable(faces.coord_index);
     const UsableVertices vertices(faces.points.span());
-    if (faces.normal.binding == Binding::none && faces.crease_angle > 0)
-      faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
+    const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
+    if (smooth) faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
     if (faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
         by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces)) {
       if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
@@ -378,7 +391,7 @@ Mesh make_mesh(FaceSet faces) {
         faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
       mesh = SharedBuilder(faces, index, vertices).build();
     } else {
-      mesh = CornerBuilder(faces, index, vertices).build();
+      mesh = CornerBuilder(faces, index, vertices, smooth).build();
     }
   }
   if (mesh.indices.empty()) mesh = {};

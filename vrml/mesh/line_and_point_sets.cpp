@@ -62,7 +62,7 @@ void for_each_segment(std::span<const std::int32_t> index, const UsableVertices&
       VertexParts parts;
       parts.position = static_cast<std::uint32_t>(index[end]);
       parts.color = lines.color.find_or_nearest(end, parts.position, polyline);
-      mesh.indices.push_back(welder.add(parts));
+      mesh.indices.push_back(welder.add(parts, parts.position));
     }
   });
   if (mesh.indices.empty()) return mesh;

@@ -32,33 +32,46 @@ struct Direction {
 
 [[nodiscard]] int segments_of(const MeshOptions& options) { return std::clamp(options.segments, 3, kMaximumSegments); }
 
-/// Collects the parts of a primitive.
+/// Collects the parts of a primitive, of which the size is known before.
 class Builder {
  public:
-  Builder(std::size_t vertices, std::size_t triangles) {
-    mesh_.positions.reserve(vertices);
-    mesh_.normals.reserve(vertices);
-    mesh_.texture_coordinates.reserve(vertices);
-    mesh_.indices.reserve(3 * triangles);
-  }
+  /// At most so many.
+  Builder(std::size_t vertices, std::size_t triangles)
+      : position_(mesh_.positions.prepare(vertices)),
+        normal_(mesh_.normals.prepare(vertices)),
+        coordinate_(mesh_.texture_coordinates.prepare(vertices)),
+        index_(mesh_.indices.prepare(3 * triangles)) {}
+
   std::uint32_t vertex(glm::vec3 position, glm::vec3 normal, glm::vec2 texture_coordinate) {
-    mesh_.positions.push_back(position);
-    mesh_.normals.push_back(normal);
-    mesh_.texture_coordinates.push_back(texture_coordinate);
-    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
+    position_[vertices_] = position;
+    normal_[vertices_] = normal;
+    coordinate_[vertices_] = texture_coordinate;
+    return vertices_++;
   }
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    mesh_.indices.push_back(a);
-    mesh_.indices.push_back(b);
-    mesh_.indices.push_back(c);
+    index_[0] = a;
+    index_[1] = b;
+    index_[2] = c;
+    index_ += 3;
+    ++triangles_;
   }
   [[nodiscard]] Mesh finish() {
+    if (triangles_ == 0) return {};
+    mesh_.positions.commit(vertices_);
+    mesh_.normals.commit(vertices_);
+    mesh_.texture_coordinates.commit(vertices_);
+    mesh_.indices.commit(3 * triangles_);
     for (const glm::vec3& position : mesh_.positions) mesh_.bounds.add(position);
     return std::move(mesh_);
   }
 
  private:
   Mesh mesh_;
+  glm::vec3 *position_, *normal_;
+  glm::vec2* coordinate_;
+  std::uint32_t* index_;
+  std::uint32_t vertices_ = 0;
+  std::size_t triangles_ = 0;
 };
 
 /// The disc at height `y` that looks up or down. Seen from outside its texture is upright when the

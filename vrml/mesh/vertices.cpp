@@ -3,8 +3,10 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 namespace gs::vrml {
 namespace {
@@ -32,7 +34,7 @@ UsableVertices::UsableVertices(std::span<const glm::vec3> points) : count_(point
 }
 
 Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> used) {
-  if (std::find(used.begin(), used.end(), 0) == used.end()) return bounds_of(points);
+  if (std::memchr(used.data(), 0, used.size()) == nullptr) return bounds_of(points);
   Bounds bounds;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (used[i] != 0) bounds.add(points[i]);
@@ -40,8 +42,28 @@ Bounds bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t
 }
 
 Bounds bounds_of(std::span<const glm::vec3> points) {
+  // Four points at a time are three registers of four floats.
+  constexpr std::size_t kFloats = 12;
   Bounds bounds;
-  for (const glm::vec3& p : points) bounds.add(p);
+  const std::size_t blocks = points.size() / 4;
+  if (blocks != 0) {
+    std::array<float, kFloats> lower, upper;
+    lower.fill(std::numeric_limits<float>::infinity());
+    upper.fill(-std::numeric_limits<float>::infinity());
+    for (std::size_t block = 0; block < blocks; ++block) {
+      std::array<float, kFloats> four;
+      std::memcpy(four.data(), points.data() + 4 * block, sizeof(four));
+      for (std::size_t i = 0; i < kFloats; ++i) {
+        lower[i] = four[i] < lower[i] ? four[i] : lower[i];
+        upper[i] = four[i] > upper[i] ? four[i] : upper[i];
+      }
+    }
+    for (std::size_t i = 0; i < kFloats; i += 3) {
+      bounds.add({lower[i], lower[i + 1], lower[i + 2]});
+      bounds.add({upper[i], upper[i + 1], upper[i + 2]});
+    }
+  }
+  for (const glm::vec3& p : points.subspan(4 * blocks)) bounds.add(p);
   return bounds;
 }
 

@@ -20,34 +20,35 @@ struct VertexParts {
 
 /// Gives corners that are made of the same parts the same vertex.
 ///
-/// The vertices of one position hang on a chain, which is as short as the position has different
-/// looks; a chain longer than kLongestChain is not searched further, so that no input is slow.
+/// Vertices hang on chains, one for each value of some part; a chain is as short as the vertices with
+/// the same value of that part have different looks. One longer than kLongestChain is not searched
+/// further, so that no input is slow.
 class Welder {
  public:
-  /// For corners whose `position` is less than `positions`.
-  explicit Welder(std::size_t positions) : first_(positions, kMissing) {
-    vertices_.reserve(positions);
-    next_.reserve(positions);
+  explicit Welder(std::size_t chains) : first_(chains, kMissing) {
+    vertices_.reserve(chains);
+    next_.reserve(chains);
   }
 
-  [[nodiscard]] std::uint32_t add(const VertexParts& parts) {
-    std::uint32_t vertex = first_[parts.position];
+  /// `chain` is the value of the part by which the chains go, less than their number.
+  [[nodiscard]] std::uint32_t add(const VertexParts& parts, std::size_t chain) {
+    std::uint32_t vertex = first_[chain];
     for (int step = 0; vertex != kMissing && step < kLongestChain; ++step) {
       if (vertices_[vertex] == parts) return vertex;
       vertex = next_[vertex];
     }
     const auto fresh = static_cast<std::uint32_t>(vertices_.size());
     vertices_.push_back(parts);
-    next_.push_back(first_[parts.position]);
-    first_[parts.position] = fresh;
+    next_.push_back(first_[chain]);
+    first_[chain] = fresh;
     return fresh;
   }
 
   [[nodiscard]] std::span<const VertexParts> vertices() const { return vertices_; }
 
  private:
-  static constexpr int kLongestChain = 32;
-  std::vector<std::uint32_t> first_;  // by position
+  static constexpr int kLongestChain = 16;
+  std::vector<std::uint32_t> first_;  // by chain
   std::vector<std::uint32_t> next_;   // by vertex
   std::vector<VertexParts> vertices_;
 };
