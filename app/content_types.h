@@ -1,20 +1,14 @@
 #pragma once
 
+#include "app/formats/read_file.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
 #include <cstddef>
-#include <functional>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace gs::app {
-
-/// Reads a file that a world refers to by a relative name; nothing when it is not there.
-using ReadFile = std::function<std::optional<std::vector<std::byte>>(const std::string& name)>;
 
 /// One kind of content that opens as a world. The table of them is the only place that knows them.
 struct ContentType {

@@ -320,7 +320,11 @@ Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec
 }
 
 Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport) {
-  return pose_that_fits(Pose{}, bounds, viewport);
+  const Pose pose;
+  if (bounds.empty()) return pose;
+  const render::Camera camera =
+      render::first_camera(bounds, pose.field_of_view, std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
+  return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
 }
 
 Pose pose_of(const glm::mat4& world_from_camera, float field_of_view) {

@@ -48,23 +48,28 @@ bool switch_button(const char* label, bool on, bool is_panel = false) {
 
 void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 
+constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
+
+/// `label` so that Dear ImGui takes no part of it for an identifier.
+std::string plain(const std::string& label) {
+  std::string result = shortened(label, kLabelLength);
+  for (std::size_t at = 0; (at = result.find("##", at)) != std::string::npos; ++at) result.insert(at + 1, " ");
+  return result;
+}
+
 /// A list of labels to choose from, which may be anything and may repeat.
-std::optional<std::size_t> choose(const char* id, const char* preview, const std::vector<std::string>& labels,
+std::optional<std::size_t> choose(const char* id, const std::string& preview, const std::vector<std::string>& labels,
                                   std::optional<std::size_t> chosen, float width) {
   std::optional<std::size_t> result;
   ImGui::SetNextItemWidth(width);
-  if (!ImGui::BeginCombo(id, preview, ImGuiComboFlags_HeightLarge)) return result;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    ImGui::PushID(static_cast<int>(i));
-    const bool is_chosen = chosen == i;
-    const ImVec2 place = ImGui::GetCursorScreenPos();
-    if (ImGui::Selectable("##row", is_chosen)) result = i;
-    if (is_chosen) ImGui::SetItemDefaultFocus();
-    ImGui::GetWindowDrawList()->AddText(place, ImGui::GetColorU32(ImGuiCol_Text), labels[i].c_str());
-    // The row has no text of its own, so the list learns its width here.
-    ImGui::SameLine();
-    ImGui::Dummy({std::max(0.0f, ImGui::CalcTextSize(labels[i].c_str()).x), 0});
-    ImGui::PopID();
+  if (!ImGui::BeginCombo(id, plain(preview).c_str(), ImGuiComboFlags_HeightLarge)) return result;
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(labels.size()));
+  while (clipper.Step()) {
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      if (ImGui::Selectable((plain(labels[index]) + "##" + std::to_string(i)).c_str(), chosen == index)) result = index;
+    }
   }
   ImGui::EndCombo();
   return result;
@@ -127,7 +132,7 @@ void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, 
                               : model.viewpoint && *model.viewpoint < model.viewpoints.size()
                                   ? model.viewpoints[*model.viewpoint]
                                   : "Viewpoints";
-  if (const auto chosen = choose("##viewpoints", preview.c_str(), model.viewpoints, model.viewpoint, width))
+  if (const auto chosen = choose("##viewpoints", preview, model.viewpoints, model.viewpoint, width))
     actions.viewpoint = chosen;
   if (with_arrows) {
     ImGui::SameLine(0, 1);
@@ -151,7 +156,7 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   if (model.files.size() > 1) {
     ImGui::SameLine();
     const std::string& preview = model.files[std::min(model.file, model.files.size() - 1)];
-    if (const auto chosen = choose("##files", preview.c_str(), model.files, model.file, (wide ? 150 : 90) * scale))
+    if (const auto chosen = choose("##files", preview, model.files, model.file, (wide ? 150 : 90) * scale))
       actions.file = chosen;
     tooltip("Files (Ctrl+Tab)");
   }
@@ -193,8 +198,13 @@ void UiOverlay::State::status_bar(const UiModel& model) {
   const float height = status_bar_height();
   begin_bar("##status", ImGui::GetIO().DisplaySize.y - height, height, 4 * scale);
   char numbers[96];
-  std::snprintf(numbers, sizeof numbers, "%.0f fps   %.1f ms", model.frames_a_second, model.frame_ms);
-  std::string line = numbers;
+  std::string line;
+  if (model.frames_a_second > 0) {  // only motion has a rate: a picture that rests is not drawn again
+    std::snprintf(numbers, sizeof numbers, "%.0f fps   ", model.frames_a_second);
+    line += numbers;
+  }
+  std::snprintf(numbers, sizeof numbers, "%.1f ms", model.frame_ms);
+  line += numbers;
   line += "   " + counted(model.statistics.triangles) + " triangles   " + counted(model.statistics.items) +
           " items   " + counted(model.statistics.draw_calls) + " draw calls";
   if (model.mode == NavigationMode::fly || model.mode == NavigationMode::walk) {

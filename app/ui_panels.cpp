@@ -62,6 +62,10 @@ std::string place_of(const vrml::Diagnostic& diagnostic) {
   return place;
 }
 
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s") + "###" + what;
+}
+
 const char* word_of(vrml::Severity severity) {
   switch (severity) {
     case vrml::Severity::error:
@@ -114,9 +118,9 @@ void UiOverlay::State::log_panel(const UiModel& model) {
   ImGui::AlignTextToFramePadding();
   text("Log");
   ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox((std::to_string(log_entries.errors()) + " errors").c_str(), &show_errors);
+  ImGui::Checkbox(counted(log_entries.errors(), "error").c_str(), &show_errors);
   ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox((std::to_string(log_entries.warnings()) + " warnings").c_str(), &show_warnings);
+  ImGui::Checkbox(counted(log_entries.warnings(), "warning").c_str(), &show_warnings);
   ImGui::SameLine(0, 16 * scale);
   ImGui::Checkbox("notes", &show_notes);
 

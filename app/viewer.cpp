@@ -15,10 +15,9 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;        // the interface needs a second look after a change
-constexpr double kIdleWait = 30;          // seconds; any event ends it
-constexpr double kLoadingWait = 0.04;     // between pictures of the progress line
-constexpr std::size_t kLabelLength = 80;  // bytes that a bar shows of a name
+constexpr int kSettlingFrames = 3;     // the interface needs a second look after a change
+constexpr double kIdleWait = 30;       // seconds; any event ends it
+constexpr double kLoadingWait = 0.04;  // between pictures of the progress line
 constexpr float kLeastSpeed = 1e-4f, kMostSpeed = 1e6f;
 
 /// Window, world, renderer and user interface, tied together once a frame. Main thread only.

@@ -76,6 +76,13 @@ Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, 
   return camera;
 }
 
+Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height) {
+  constexpr float kFlat = 0.03f, kFromAbove = 0.6f;
+  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
+  const bool flat = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
+  return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
+}
+
 Camera fit_depth(Camera camera, const vrml::Bounds& bounds) {
   double nearest = kDefaultNear, farthest = kDefaultFar;
   if (!bounds.empty()) {

@@ -23,6 +23,10 @@ struct Camera {
 [[nodiscard]] Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view,
                                   float width, float height);
 
+/// Where a world without a Viewpoint is first seen from: orbit_camera from +Z, or from somewhat above where
+/// the world is so flat that it would be seen edge on.
+[[nodiscard]] Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height);
+
 /// `camera` with near and far planes that enclose `bounds` as tightly as depth precision wants.
 [[nodiscard]] Camera fit_depth(Camera camera, const vrml::Bounds& bounds);
 

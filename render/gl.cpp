@@ -1,7 +1,5 @@
 #include "render/gl.h"
 
-#include "render/context_backend.h"
-
 #include <algorithm>
 #include <cstring>
 
@@ -41,7 +39,6 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     return ContextError{"OpenGL 3.3 is needed; this context has " + std::to_string(major) + "." +
                         std::to_string(minor)};
   if (const GLubyte* name = gl.GetString(GL_RENDERER)) gl.renderer = reinterpret_cast<const char*>(name);
-  gl.software = is_software_renderer(gl.renderer);
 
   if (version >= 42 || has_extension(gl, "GL_ARB_base_instance"))
     gl.DrawElementsInstancedBaseVertexBaseInstance =

@@ -102,8 +102,7 @@ struct Gl {
   /// OpenGL 4.2 or ARB_base_instance; null where absent.
   PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
 
-  std::string renderer;   // GL_RENDERER
-  bool software = false;  // it draws on the CPU
+  std::string renderer;  // GL_RENDERER
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
   float max_anisotropy = 1;  // 1: not available
 

@@ -129,7 +129,6 @@ void LightSets::upload() {
   std::vector<std::byte> bytes(sets_.size() * stride_);
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     ShaderSet set{};
-    set.count[0] = sets_[i][0];
     for (std::size_t k = 0; k < sets_[i][0]; ++k) {
       const std::uint16_t index = sets_[i][k + 1];
       set.lights[k] = index == kHeadlight ? headlight : lights_[index];

@@ -28,6 +28,8 @@ class LightSets {
   /// and spot lights whose radius reaches the sphere (camera space), the strongest ones if they are
   /// too many. A negative radius means that the item's size is not known.
   std::uint32_t choose(const std::vector<std::uint16_t>& directional, const glm::vec3& center, float radius);
+  /// The number of lights of a set.
+  [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set][0]; }
   /// Whether a set has only directional lights, so that the light is the same everywhere.
   [[nodiscard]] bool directional_only(std::uint32_t set) const { return directional_only_[set]; }
   /// Sends all sets to the GPU. Between `choose` and `bind`.
@@ -35,7 +37,7 @@ class LightSets {
   void bind(std::uint32_t set);
 
  private:
-  /// One light in the layout of the uniform block (std140).
+  /// One light in the layout of the uniform block (std140). All zero: a light that adds nothing.
   struct ShaderLight {
     glm::vec3 location;  // directional: towards the light
     float kind;          // 0 directional, 1 point, 2 spot
@@ -47,8 +49,8 @@ class LightSets {
     float radius;
     float beam_width, cut_off_angle, padding[2];
   };
+  static_assert(sizeof(ShaderLight) == 80);
   struct ShaderSet {
-    std::int32_t count[4];
     ShaderLight lights[kMaxLights];
   };
   using Choice = std::array<std::uint16_t, kMaxLights + 1>;  // count, then indices into lights_

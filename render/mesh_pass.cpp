@@ -14,11 +14,19 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kManyTriangles = 20'000;
-constexpr float kSmallTriangle = 2;                     // pixels of the mesh's disc on the screen for each triangle
 constexpr float kPointSize = 2, kShininessScale = 128;  // VRML97 4.14.4
-constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",     "TEXTURE",      "INTENSITY",
-                                    "TEXTURE_ALPHA", "CUT_OUT", "PER_VERTEX", "LOCAL_LIGHTS", "SPECULAR"};
+constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE", "INTENSITY",
+                                    "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR"};
+
+// Numbers of lights for which there are shaders; sets are filled up with black lights.
+constexpr std::size_t kLightCounts[] = {0, 1, 2, 3, 4, 6, 8, 12, 16};
+static_assert(kLightCounts[std::size(kLightCounts) - 1] == LightSets::kMaxLights);
+
+unsigned light_count_class(std::size_t count) {
+  unsigned number = 0;
+  while (kLightCounts[number] < count) ++number;
+  return number;
+}
 
 /// The affine product in double: the difference of two large coordinates must survive.
 void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
@@ -65,39 +73,47 @@ void set(float (&to)[3], const glm::vec3& from) {
 }  // namespace
 
 std::uint64_t MeshPass::DrawState::packed() const {
-  return std::uint64_t{variant} << 54 | std::uint64_t{mirrored} << 53 | std::uint64_t{cull} << 52 |
+  return std::uint64_t{variant} << 50 | std::uint64_t{mirrored} << 49 | std::uint64_t{cull} << 48 |
          std::uint64_t{lights} << 32 | texture;
 }
 
 std::variant<std::unique_ptr<MeshPass>, ContextError> MeshPass::create(const Gl& gl) {
   std::unique_ptr<MeshPass> pass(new MeshPass(gl));
   // The variant that nearly every world needs; the others come from the same source when they are needed.
-  if (!pass->build(kLit | kNormals)) return ContextError{pass->last_error_};
+  if (!pass->program(kLit | kNormals | kFirstLightBit * light_count_class(1))) return ContextError{pass->last_error_};
   return pass;
 }
 
 MeshPass::MeshPass(const Gl& gl) : gl_(gl), meshes_(gl), textures_(gl), lights_(gl) {}
 
-bool MeshPass::build(unsigned variant) {
-  VariantProgram& entry = programs_[variant];
-  if (entry.program || entry.failed) return !entry.failed;
-  std::string defines;
-  for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
-    if (variant >> bit & 1) defines.append("#define ").append(kDefines[bit]).append("\n");
-  if (variant & kLit) defines += kLightingShader;
-  auto made = make_program(gl_, defines, kMeshVertexShader, kMeshFragmentShader);
-  if (auto* error = std::get_if<ContextError>(&made)) {
-    entry.failed = true;
-    last_error_ = std::move(error->message);
-    return false;
+MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
+  if (last_program_ && variant == last_variant_) return last_program_;
+  const auto [found, fresh] = programs_.try_emplace(variant);
+  VariantProgram& entry = found->second;
+  if (fresh) {
+    std::string text;
+    for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
+      if (variant >> bit & 1) text.append("#define ").append(kDefines[bit]).append("\n");
+    text += "#define ALL_LIGHTS";
+    for (std::size_t i = 0; i < kLightCounts[variant / kFirstLightBit]; ++i) text += " ADD(" + std::to_string(i) + ")";
+    text += "\n";
+    if (variant & kLit) text += kLightingShader;
+    auto made = make_program(gl_, text, kMeshVertexShader, kMeshFragmentShader);
+    if (auto* error = std::get_if<ContextError>(&made)) {
+      last_error_ = std::move(error->message);
+    } else {
+      entry.program = std::move(std::get<Program>(made));
+      const GLuint name = entry.program.name();
+      entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
+      entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
+      const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
+      if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
+    }
   }
-  entry.program = std::move(std::get<Program>(made));
-  const GLuint name = entry.program.name();
-  entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
-  entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
-  const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
-  if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
-  return true;
+  if (!entry.program) return nullptr;
+  last_variant_ = variant;
+  last_program_ = &entry;
+  return &entry;
 }
 
 std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore::Entry& entry) {
@@ -111,19 +127,6 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
   texture_bindings_.push_back({&entry, use.repeat_s, use.repeat_t, use.transform});
   binding_numbers_.emplace(entry.order, number);
   return number;
-}
-
-/// Whether the triangles of a lit mesh are so small on the screen, and its light so simple, that the
-/// equation gives the same picture when it is evaluated at the vertices. Only done where a CPU draws:
-/// llvmpipe shades sixteen pixels for every triangle, however small.
-bool MeshPass::light_per_vertex(const Prepared& prepared, float depth, float radius, const View& view) const {
-  const DrawState& state = prepared.state;
-  const std::size_t triangles = static_cast<std::size_t>(prepared.slice->index_count) / 3;
-  if (!gl_.software || triangles < kManyTriangles || radius < 0 || depth <= radius) return false;
-  constexpr unsigned kDecisive = kLit | kNormals | kTexture | kLocalLights | kSpecular;
-  if ((state.variant & kDecisive) != (kLit | kNormals)) return false;
-  const float pixels = radius / depth * view.pixels_per_slope;
-  return 3.14159265f * pixels * pixels < kSmallTriangle * static_cast<float>(triangles);
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
@@ -167,6 +170,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     set(instance.specular, material.specular);
     if (material.specular != glm::vec3(0)) state.variant |= kSpecular;
     if (!lights_.directional_only(state.lights)) state.variant |= kLocalLights;
+    state.variant |= kFirstLightBit * light_count_class(lights_.count(state.lights));
     instance.shininess = material.shininess * kShininessScale;
   }
   bool transparent = instance.alpha < 1;
@@ -180,8 +184,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }
-  if (light_per_vertex(prepared, depth, sphere.radius, view)) state.variant |= kPerVertex;
-  if (instance.alpha <= 0 || !build(state.variant)) return;
+  if (instance.alpha <= 0 || !program(state.variant)) return;
   state.cull = surface && item.mesh->solid;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
@@ -200,8 +203,9 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
   last_slice_ = nullptr;
   for (const DrawItem& item : list.items) prepare_item(item, view);
 
+  // Near ones first where the order is free: what they hide is not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
-    return std::tie(a.state, a.mesh, a.prepared) < std::tie(b.state, b.mesh, b.prepared);
+    return std::tie(a.state, a.mesh, a.depth, a.prepared) < std::tie(b.state, b.mesh, b.depth, b.prepared);
   });
   std::sort(transparent_.begin(), transparent_.end(), [](const SortKey& a, const SortKey& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
@@ -211,15 +215,15 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
     for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
 }
 
-bool MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) {
+void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) {
   const bool all = !anything_applied_;
-  VariantProgram& program = programs_[state.variant];
+  VariantProgram& shader = *program(state.variant);
   const bool switched = all || state.variant != applied_.variant;
   if (switched) {
-    gl_.UseProgram(program.program.name());
-    if (program.frame != frame_) {
-      gl_.UniformMatrix4fv(program.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
-      program.frame = frame_;
+    gl_.UseProgram(shader.program.name());
+    if (shader.frame != frame_) {
+      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
+      shader.frame = frame_;
     }
   }
   if ((state.variant & kLit) && (all || state.lights != applied_.lights || !(applied_.variant & kLit)))
@@ -227,33 +231,40 @@ bool MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) 
   if ((state.variant & kTexture) && (switched || state.texture != applied_.texture)) {
     const TextureBinding& binding = texture_bindings_[state.texture];
     textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
-    gl_.UniformMatrix3fv(program.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
+    gl_.UniformMatrix3fv(shader.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
   }
   if (all || state.mirrored != applied_.mirrored) gl_.FrontFace(state.mirrored ? GL_CW : GL_CCW);
   if (all || state.cull != applied_.cull) (state.cull ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
   applied_ = state;
   anything_applied_ = true;
-  return true;
 }
 
-void MeshPass::draw_sorted(const std::vector<SortKey>& order, std::size_t first_instance,
-                           const glm::mat4& clip_from_camera, FrameStatistics& statistics) {
+void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
+  batches_.clear();
   for (std::size_t begin = 0; begin < order.size();) {
+    const SortKey& first = order[begin];
     std::size_t end = begin + 1;
-    while (end < order.size() && order[end].state == order[begin].state && order[end].mesh == order[begin].mesh) ++end;
-    const Prepared& first = prepared_[order[begin].prepared];
-    apply(first.state, clip_from_camera);
-    meshes_.draw(*first.slice, first_instance + begin, end - begin);
-    statistics.items += end - begin;
-    ++statistics.draw_calls;
-    if (first.slice->primitive == GL_TRIANGLES)
-      statistics.triangles += static_cast<std::size_t>(first.slice->index_count) / 3 * (end - begin);
+    while (end < order.size() && order[end].state == first.state && order[end].mesh == first.mesh) ++end;
+    batches_.push_back({first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth, first_instance + begin,
+                        end - begin, first.prepared});
     begin = end;
   }
 }
 
-void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
-                    const DrawOptions& options, FrameStatistics& statistics) {
+void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics) {
+  for (const Batch& batch : batches_) {
+    const Prepared& prepared = prepared_[batch.prepared];
+    apply(prepared.state, clip_from_camera);
+    meshes_.draw(*prepared.slice, batch.first, batch.count);
+    statistics.items += batch.count;
+    ++statistics.draw_calls;
+    if (prepared.slice->primitive == GL_TRIANGLES)
+      statistics.triangles += static_cast<std::size_t>(prepared.slice->index_count) / 3 * batch.count;
+  }
+}
+
+void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
+                    FrameStatistics& statistics) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
@@ -266,9 +277,8 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
-  view.pixels_per_slope = static_cast<float>(options.height) * 0.5f / view.tangents.y;
 
-  lights_.begin(list.lights, view.camera_from_world, options.headlight);
+  lights_.begin(list.lights, view.camera_from_world, headlight);
   prepare(list, view);
   if (instances_.empty()) return;
   lights_.upload();
@@ -281,12 +291,17 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   gl_.CullFace(GL_BACK);
   gl_.Disable(GL_BLEND);
   gl_.PointSize(kPointSize);
-  draw_sorted(opaque_, 0, clip_from_camera, statistics);
+  batch(opaque_, 0);
+  std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
+    return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
+  });
+  draw_batches(clip_from_camera, statistics);
   if (!transparent_.empty()) {
     gl_.Enable(GL_BLEND);
     gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     gl_.DepthMask(GL_FALSE);
-    draw_sorted(transparent_, opaque_.size(), clip_from_camera, statistics);
+    batch(transparent_, opaque_.size());
+    draw_batches(clip_from_camera, statistics);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }

@@ -12,7 +12,6 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -28,7 +27,7 @@ class MeshPass {
   static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
 
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
-  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
             FrameStatistics& statistics);
 
  private:
@@ -41,14 +40,12 @@ class MeshPass {
     kIntensity = 16,
     kTextureAlpha = 32,
     kCutOut = 64,
-    kPerVertex = 128,
-    kLocalLights = 256,
-    kSpecular = 512,
-    kVariantCount = 1024,
+    kLocalLights = 128,
+    kSpecular = 256,
+    kFirstLightBit = 512,  // from here on: the number of lights, as an index of kLightCounts
   };
   struct VariantProgram {
     Program program;
-    bool failed = false;
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1;
   };
@@ -72,44 +69,54 @@ class MeshPass {
     const MeshStore::Slice* slice;
   };
   struct SortKey {
-    std::uint64_t state;  // transparent: unused
+    std::uint64_t state;
     std::uint64_t mesh;
     float depth;  // metres in front of the camera, of the item's centre
     std::uint32_t prepared;
+  };
+  /// Items that are drawn by one call.
+  struct Batch {
+    std::uint64_t state;
+    std::uint32_t page;
+    float depth;               // of the nearest
+    std::size_t first, count;  // instances
+    std::uint32_t prepared;    // one of them
   };
   struct View {
     glm::dmat4 camera_from_world;
     glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
     float near_plane, far_plane;
-    float pixels_per_slope;  // height of the picture / (2 * tangent)
   };
 
   explicit MeshPass(const Gl& gl);
-  bool build(unsigned variant);
+  /// The program of a variant, built on first use; null when the driver refused it.
+  VariantProgram* program(unsigned variant);
   void prepare(const RenderList& list, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
-  [[nodiscard]] bool light_per_vertex(const Prepared& prepared, float depth, float radius, const View& view) const;
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
-  void draw_sorted(const std::vector<SortKey>& order, std::size_t first_instance, const glm::mat4& clip_from_camera,
-                   FrameStatistics& statistics);
-  bool apply(const DrawState& state, const glm::mat4& clip_from_camera);
+  void batch(const std::vector<SortKey>& order, std::size_t first_instance);
+  void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics);
+  void apply(const DrawState& state, const glm::mat4& clip_from_camera);
 
   const Gl& gl_;
   MeshStore meshes_;
   TextureStore textures_;
   LightSets lights_;
-  std::array<VariantProgram, kVariantCount> programs_;
+  std::unordered_map<unsigned, VariantProgram> programs_;
   std::string last_error_;
   std::uint64_t frame_ = 0;
 
   // Of the frame being drawn; kept for their storage.
   std::vector<Prepared> prepared_;
   std::vector<SortKey> opaque_, transparent_;
+  std::vector<Batch> batches_;
   std::vector<Instance> instances_;
   std::vector<TextureBinding> texture_bindings_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
+  unsigned last_variant_ = 0;
+  VariantProgram* last_program_ = nullptr;
   DrawState applied_;
   bool anything_applied_ = false;
 };

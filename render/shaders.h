@@ -3,9 +3,10 @@
 // GLSL 3.30 without the #version line, which make_program writes together with the #defines.
 namespace gs::render {
 
-/// For both stages of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
-/// LOCAL_LIGHTS (point and spot lights), SPECULAR. What a world does not use is left out because a
-/// software driver takes long to compile it.
+/// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
+/// LOCAL_LIGHTS (point and spot lights), SPECULAR, and ALL_LIGHTS: "ADD(0) ADD(1) ..." for each light.
+/// What an item does not need is left out, and lights have constant numbers, because a software driver
+/// takes long to compile the one and to look the other up for every pixel.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_kind;
@@ -15,49 +16,51 @@ struct Light {
   vec4 angles;
 };
 layout(std140) uniform Lights {
-  ivec4 light_count;
   Light lights[16];
 };
+
+// What one light adds.
+vec3 reflected(Light light, vec3 n, vec3 place, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
+  vec3 l = light.location_kind.xyz;
+  float strength = 1.0;
+#ifdef LOCAL_LIGHTS
+  if (light.location_kind.w > 0.5) {
+    l -= place;
+    float distance = length(l);
+    if (distance > light.attenuation_radius.w) return vec3(0.0);
+    l /= max(distance, 1e-30);
+    vec3 c = light.attenuation_radius.xyz;
+    strength = 1.0 / max(c.x + distance * (c.y + distance * c.z), 1.0);
+    if (light.location_kind.w > 1.5) {
+      float angle = acos(clamp(dot(-l, light.direction_ambient.xyz), -1.0, 1.0));
+      float beam_width = light.angles.x, cut_off = light.angles.y;
+      if (angle >= cut_off) return vec3(0.0);
+      if (angle > beam_width) strength *= (angle - cut_off) / (beam_width - cut_off);
+    }
+  }
+#endif
+  float intensity = light.color_intensity.w;
+  vec3 sum = light.direction_ambient.w * ambient + intensity * max(dot(n, l), 0.0) * diffuse;
+#ifdef SPECULAR
+  vec3 h = l + normalize(-place);
+  float cosine = max(dot(n, h) * inversesqrt(max(dot(h, h), 1e-30)), 0.0);
+  // 0 to the power 0 is undefined in GLSL and 1 in the equation.
+  float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
+  sum += intensity * highlight * specular_exponent.rgb;
+#endif
+  return strength * light.color_intensity.rgb * sum;
+}
 
 vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
   vec3 ambient = diffuse * emissive_ambient.w;
   vec3 sum = emissive_ambient.rgb;
-  for (int i = 0; i < light_count.x; ++i) {
-    Light light = lights[i];
-    vec3 l = light.location_kind.xyz;
-    float strength = 1.0;
-#ifdef LOCAL_LIGHTS
-    if (light.location_kind.w > 0.5) {
-      l -= place;
-      float distance = length(l);
-      if (distance > light.attenuation_radius.w) continue;
-      l /= max(distance, 1e-30);
-      vec3 c = light.attenuation_radius.xyz;
-      strength = 1.0 / max(c.x + distance * (c.y + distance * c.z), 1.0);
-      if (light.location_kind.w > 1.5) {
-        float angle = acos(clamp(dot(-l, light.direction_ambient.xyz), -1.0, 1.0));
-        float beam_width = light.angles.x, cut_off = light.angles.y;
-        if (angle >= cut_off) continue;
-        if (angle > beam_width) strength *= (angle - cut_off) / (beam_width - cut_off);
-      }
-    }
-#endif
-    float intensity = light.color_intensity.w;
-    vec3 reflected = light.direction_ambient.w * ambient + intensity * max(dot(n, l), 0.0) * diffuse;
-#ifdef SPECULAR
-    vec3 h = l + normalize(-place);
-    float cosine = max(dot(n, h) * inversesqrt(max(dot(h, h), 1e-30)), 0.0);
-    // 0 to the power 0 is undefined in GLSL and 1 in the equation.
-    float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
-    reflected += intensity * highlight * specular_exponent.rgb;
-#endif
-    sum += strength * light.color_intensity.rgb * reflected;
-  }
+#define ADD(i) sum += reflected(lights[i], n, place, diffuse, ambient, specular_exponent);
+  ALL_LIGHTS
   return sum;
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, COLORS, TEXTURE; with LIT and NORMALS: PER_VERTEX.
+/// Defines: LIT, NORMALS, COLORS, TEXTURE.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
@@ -79,10 +82,6 @@ layout(location = 9) in vec4 specular;
 uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
-#ifdef PER_VERTEX
-out vec4 front_color;
-out vec3 back_color;
-#else
 flat out vec4 base_color;
 #ifdef LIT
 out vec3 camera_position;
@@ -94,7 +93,6 @@ out vec3 camera_normal;
 #endif
 #ifdef COLORS
 out vec3 vertex_color;
-#endif
 #endif
 #ifdef TEXTURE
 out vec2 texture_place;
@@ -120,17 +118,6 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-#ifdef PER_VERTEX
-  vec3 n = normal_in_camera();
-  n *= inversesqrt(max(dot(n, n), 1e-30));
-#ifdef COLORS
-  vec3 diffuse = color;
-#else
-  vec3 diffuse = base.rgb;
-#endif
-  front_color = vec4(lit(n, place, diffuse, emissive, specular), base.a);
-  back_color = lit(-n, place, diffuse, emissive, specular);
-#else
   base_color = base;
 #ifdef LIT
   camera_position = place;
@@ -143,7 +130,6 @@ void main() {
 #ifdef COLORS
   vertex_color = color;
 #endif
-#endif
 #ifdef TEXTURE
   texture_place = (texture_transform * vec3(texture_coordinate, 1.0)).xy;
   texture_place.y = 1.0 - texture_place.y;  // rows of images come from the top, t = 0 is the bottom
@@ -154,14 +140,9 @@ void main() {
 /// Defines: LIT, NORMALS, COLORS, TEXTURE, and with TEXTURE: INTENSITY, TEXTURE_ALPHA, CUT_OUT.
 /// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
-#ifdef PER_VERTEX
-in vec4 front_color;
-in vec3 back_color;
-#else
 flat in vec4 base_color;
 #ifdef COLORS
 in vec3 vertex_color;
-#endif
 #endif
 #ifdef TEXTURE
 in vec2 texture_place;
@@ -169,7 +150,7 @@ uniform sampler2D image;
 #endif
 out vec4 result;
 
-#if defined(LIT) && !defined(PER_VERTEX)
+#ifdef LIT
 in vec3 camera_position;
 flat in vec4 emissive_ambient;
 flat in vec4 specular_exponent;
@@ -189,9 +170,6 @@ vec3 surface_normal() {
 
 #endif
 
-#ifdef PER_VERTEX
-void main() { result = gl_FrontFacing ? front_color : vec4(back_color, front_color.a); }
-#else
 void main() {
   vec4 color = base_color;
 #ifdef COLORS
@@ -217,7 +195,6 @@ void main() {
 #endif
   result = color;
 }
-#endif
 )glsl";
 
 /// One triangle that covers the viewport, from gl_VertexID alone.

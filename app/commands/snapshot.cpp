@@ -95,7 +95,7 @@ std::optional<View> choose_view(const Options& options, const render::RenderList
     view.camera.world_from_camera = viewpoint->world_from_camera;
     view.camera.field_of_view = viewpoint->field_of_view;
   } else {
-    view.camera = render::orbit_camera(list.bounds, 0, 0, kFieldOfView, width, height);
+    view.camera = render::first_camera(list.bounds, kFieldOfView, width, height);
   }
   return view;
 }

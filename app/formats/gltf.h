@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/obj.h"
+#include "app/formats/read_file.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/obj.h"
+#include "app/formats/read_file.h"
 #include "app/formats/scene_builder.h"
 
 #include <tiny_gltf.h>

@@ -1,20 +1,15 @@
 #pragma once
 
+#include "app/formats/read_file.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
 #include <cstddef>
-#include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace gs::app {
-
-/// The bytes of a file that another one names, or nothing when it cannot be had. The name is as written
-/// in that file: the callee resolves it, and decides what may be read.
-using ReadFile = std::function<std::optional<std::vector<std::byte>>(const std::string& name)>;
 
 /// Adds the faces, lines and points of a Wavefront OBJ file to `scene`: one Shape for each group (o, g) and
 /// material (usemtl). Materials come from the libraries (mtllib) that `read_file` gives: Kd, Ks, Ke, Ns, d, Tr,

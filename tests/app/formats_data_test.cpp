@@ -35,7 +35,7 @@ TEST_CASE("meshes from elsewhere are read whole") {
     return;
   }
   using namespace gs::app;
-  // Points and faces as the headers of the files, or counting their lines, say.
+  // PLY: as the headers of the files say; the others: as they were when the pictures were looked at.
   const File files[] = {
       {"cgal/building.ply", import_ply, 100000, 0},
       {"scans/bun_zipper.ply", import_ply, 35947, 69451},
