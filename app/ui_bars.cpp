@@ -171,7 +171,9 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
     tooltip("Back to the viewpoint (Home)");
     ImGui::SameLine(0, 1);
   }
+  ImGui::BeginDisabled(model.mode == NavigationMode::none);
   if (ImGui::Button("Fit")) actions.fit = true;
+  ImGui::EndDisabled();
   tooltip("Bring everything into view (F)");
   if (!narrow) {
     group_gap();

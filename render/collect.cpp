@@ -17,7 +17,7 @@ using glm::dvec3;
 
 // USE lets a small file describe 2^n of anything.
 constexpr std::size_t kMaxVisits = 20'000'000;
-constexpr std::size_t kMaxItems = 4'000'000;
+constexpr std::size_t kMaxItems = 2'000'000;
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
 constexpr std::size_t kMaxLightsOfAnItem = 16;
 constexpr std::size_t kMaxViewpoints = 10'000;

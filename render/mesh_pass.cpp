@@ -14,6 +14,8 @@
 namespace gs::render {
 namespace {
 
+// One frame draws no more than this: USE can ask for more than any driver ends in a day.
+constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2, kShininessScale = 128;  // VRML97 4.14.4
 constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE", "INTENSITY",
                                     "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR"};
@@ -129,6 +131,16 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
   return number;
 }
 
+/// False when a sphere in camera space lies outside of the view; a negative radius is never outside.
+bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) {
+  const float depth = -center.z;
+  if (radius < 0) return std::isfinite(depth);
+  radius *= 1.0001f;  // rounding
+  return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
+         (std::abs(center.x) - depth * view.tangents.x) * view.slopes.x <= radius &&
+         (std::abs(center.y) - depth * view.tangents.y) * view.slopes.y <= radius;
+}
+
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   if (!item.mesh || item.mesh->empty()) return;
   Prepared prepared{};
@@ -136,15 +148,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   compose(view.camera_from_world, item.world_from_node, instance.camera_from_node);
   const Sphere sphere = bounding_sphere(item.mesh->bounds, instance.camera_from_node);
   const float depth = -sphere.center.z;
-  if (sphere.radius >= 0) {
-    const float radius = sphere.radius * 1.0001f;
-    if (depth + radius < view.near_plane || depth - radius > view.far_plane ||
-        (std::abs(sphere.center.x) - depth * view.tangents.x) * view.slopes.x > radius ||
-        (std::abs(sphere.center.y) - depth * view.tangents.y) * view.slopes.y > radius)
-      return;
-  } else if (!std::isfinite(depth)) {
-    return;
-  }
+  if (!in_view(sphere.center, sphere.radius, view)) return;
 
   if (item.mesh.get() != last_mesh_) {
     last_slice_ = meshes_.find(item.mesh);
@@ -254,12 +258,17 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
 void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics) {
   for (const Batch& batch : batches_) {
     const Prepared& prepared = prepared_[batch.prepared];
+    const std::size_t corners = prepared.slice->primitive == GL_TRIANGLES ? 3 : 1;
+    const std::size_t primitives =
+        std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);
+    const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
+    if (count == 0) continue;
+    primitives_ += primitives * count;
     apply(prepared.state, clip_from_camera);
-    meshes_.draw(*prepared.slice, batch.first, batch.count);
-    statistics.items += batch.count;
+    meshes_.draw(*prepared.slice, batch.first, count);
+    statistics.items += count;
     ++statistics.draw_calls;
-    if (prepared.slice->primitive == GL_TRIANGLES)
-      statistics.triangles += static_cast<std::size_t>(prepared.slice->index_count) / 3 * batch.count;
+    if (corners == 3) statistics.triangles += primitives * count;
   }
 }
 
@@ -285,6 +294,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   meshes_.set_instances(instances_);
 
   anything_applied_ = false;
+  primitives_ = 0;
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);

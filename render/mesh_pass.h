@@ -92,6 +92,7 @@ class MeshPass {
   /// The program of a variant, built on first use; null when the driver refused it.
   VariantProgram* program(unsigned variant);
   void prepare(const RenderList& list, const View& view);
+  [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
@@ -119,6 +120,7 @@ class MeshPass {
   VariantProgram* last_program_ = nullptr;
   DrawState applied_;
   bool anything_applied_ = false;
+  std::size_t primitives_ = 0;  // drawn in this frame
 };
 
 }  // namespace gs::render

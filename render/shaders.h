@@ -230,8 +230,14 @@ vec3 ring_color(int first, int count, float angle) {
 
 void main() {
   float from_zenith = atan(length(ray.xz), ray.y), from_nadir = 3.14159265 - from_zenith;
-  bool ground = counts.y > 1 && from_nadir <= texelFetch(rings, ivec2(counts.x + counts.y - 1, 0), 0).w;
-  result = vec4(ground ? ring_color(counts.x, counts.y, from_nadir) : ring_color(0, counts.x, from_zenith), 1.0);
+  float pixel = max(fwidth(from_nadir), 1e-6);
+  vec3 color = ring_color(0, counts.x, from_zenith);
+  if (counts.y > 1) {
+    // One pass shades once a pixel, so the edge of the ground is smoothed here and not by samples.
+    float last = texelFetch(rings, ivec2(counts.x + counts.y - 1, 0), 0).w;
+    color = mix(color, ring_color(counts.x, counts.y, from_nadir), clamp((last - from_nadir) / pixel + 0.5, 0.0, 1.0));
+  }
+  result = vec4(color, 1.0);
 }
 )glsl";
 

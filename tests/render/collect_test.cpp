@@ -181,7 +181,7 @@ TEST_CASE("A hostile tree of USEs ends, with a bounded number of items and visit
     if (i < 30) with_shape += level;
   }
   CHECK(World(text).collect().items.empty());
-  CHECK(World("Transform { scale 0 0 0 children [" + with_shape + "] }").collect().items.size() <= 4'000'000);
+  CHECK(World("Transform { scale 0 0 0 children [" + with_shape + "] }").collect().items.size() <= 2'000'000);
 }
 
 TEST_CASE("Deep nesting costs no stack") {

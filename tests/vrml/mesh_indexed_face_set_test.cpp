@@ -172,7 +172,7 @@ TEST_CASE("IndexedFaceSet: a vertex of very many faces") {
     const Mesh sharp = face_set(points, index).set<SFFloat>("creaseAngle", 0.1f).mesh();
     check_promises(sharp);
     CHECK(normals_on_front(sharp));
-    CHECK(sharp.positions.size() > static_cast<std::size_t>(sides) + 10);
+    CHECK(sharp.positions.size() > static_cast<std::size_t>(sides) + 3);
   }
 }
 

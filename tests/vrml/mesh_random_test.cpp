@@ -78,7 +78,7 @@ void throw_at(const char* type, int rounds, const Fill& fill) {
     GeometryScene scene(type);
     fill(scene, dice);
     const Mesh mesh = scene.mesh({.segments = dice.below(10), .texture_coordinates = dice.flip()});
-    check_promises(mesh);
+    check_promises(mesh, false);
     drawn += mesh.indices.size();
   }
   CHECK(drawn > 0);
@@ -105,7 +105,9 @@ TEST_CASE("Random IndexedFaceSets keep the promises of a mesh") {
 
 TEST_CASE("Random large concave faces keep the promises of a mesh") {
   throw_at("IndexedFaceSet", 60, [](GeometryScene& scene, Dice& dice) {
-    scene.points(dice.triples(400));
+    MFVec3f points;
+    while (points.size() < 400) points.append(dice.triples(100).span());
+    scene.points(points);
     MFInt32 index;
     for (int i = dice.below(3000); i > 0; --i) index.push_back(dice.below(400));
     scene.set("coordIndex", index).set("convex", false);

@@ -127,9 +127,10 @@ class SharedBuilder {
  private:
   void add(FaceCutter& cutter, const FaceReader& reader) {
     const std::span<const std::uint32_t> corners = reader.corners();
-    for (const std::uint32_t corner : corners) used_[reader.vertex(corner)] = 1;
     cutter.cut(corners, [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
-      out_.triangle(reader.vertex(corners[i]), reader.vertex(corners[j]), reader.vertex(corners[k]));
+      const std::uint32_t a = reader.vertex(corners[i]), b = reader.vertex(corners[j]), c = reader.vertex(corners[k]);
+      used_[a] = used_[b] = used_[c] = 1;
+      out_.triangle(a, b, c);
     });
   }
 
@@ -262,11 +263,13 @@ class CornerBuilder {
       cutter.cut(corners,
                  [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) { out_.triangle(made[i], made[j], made[k]); });
     }
+    Array<std::uint32_t> indices = out_.finish();
+    if (indices.empty()) return {};
     if (weld_) {
       writer_ = VertexWriter(faces_, welder_.vertices().size());
       for (const VertexParts& vertex : welder_.vertices()) writer_.write(vertex, normal_of(vertex));
     }
-    return writer_.finish(out_.finish());
+    return writer_.finish(std::move(indices));
   }
 
  private:
@@ -371,32 +374,34 @@ void compact_points(FaceSet& faces) {
   return binding == Binding::by_vertex || binding == Binding::none;
 }
 
+[[nodiscard]] Mesh make_triangles(FaceSet faces) {
+  if (faces.coord_index.empty() || faces.points.empty()) return {};
+  faces.normal.simplify(faces.coord_index.span());
+  faces.color.simplify(faces.coord_index.span());
+  faces.texture_coordinate.simplify(faces.coord_index.span());
+  compact_points(faces);
+  if (faces.points.empty()) return {};
+  const std::span<const std::int32_t> index = readable(faces.coord_index);
+  const UsableVertices vertices(faces.points.span());
+  const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
+  if (smooth) faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
+  const bool shared = faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
+                      by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces);
+  if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
+  if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
+  if (faces.texture_coordinate.binding != Binding::none)
+    faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
+  return SharedBuilder(faces, index, vertices).build();
+}
+
 }  // namespace
 
 Mesh make_mesh(FaceSet faces) {
-  Mesh mesh;
-  if (!faces.coord_index.empty() && !faces.points.empty()) {
-    faces.normal.simplify(faces.coord_index.span());
-    faces.color.simplify(faces.coord_index.span());
-    faces.texture_coordinate.simplify(faces.coord_index.span());
-    compact_points(faces);
-    const std::span<const std::int32_t> index = readable(faces.coord_index);
-    const UsableVertices vertices(faces.points.span());
-    const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
-    if (smooth) faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
-    if (faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
-        by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces)) {
-      if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
-      if (faces.texture_coordinate.binding != Binding::none)
-        faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
-      mesh = SharedBuilder(faces, index, vertices).build();
-    } else {
-      mesh = CornerBuilder(faces, index, vertices, smooth).build();
-    }
-  }
+  const bool solid = faces.solid, map_texture = faces.default_texture_coordinates;
+  Mesh mesh = make_triangles(std::move(faces));
   if (mesh.indices.empty()) mesh = {};
-  mesh.solid = faces.solid;
-  if (faces.default_texture_coordinates && !mesh.empty() && mesh.texture_coordinates.empty())
+  mesh.solid = solid;
+  if (map_texture && !mesh.empty() && mesh.texture_coordinates.empty())
     mesh.texture_coordinates = default_texture_coordinates(mesh.positions.span(), mesh.bounds);
   return mesh;
 }

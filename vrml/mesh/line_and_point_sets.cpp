@@ -81,6 +81,7 @@ void for_each_segment(std::span<const std::int32_t> index, const UsableVertices&
       lines.color.values = gather(lines.color.values, compaction.kept, lines.color.values.back());
     lines.points = gather(lines.points, compaction.kept, glm::vec3(0));
     lines.coord_index = std::move(compaction.index);
+    if (lines.points.empty()) return {};
   }
   const std::span<const std::int32_t> index = readable(lines.coord_index);
   const UsableVertices vertices(lines.points.span());

@@ -73,28 +73,54 @@ void PolygonTriangulator::project(std::span<const glm::vec3> polygon, const glm:
   for (std::size_t i = 0; i < polygon.size(); ++i) points_[i] = {polygon[i][u], polygon[i][v]};
 }
 
-/// Makes the ring of corners, without ones that coincide with the corner before.
+/// Makes the ring of corners and puts all of them into the queue.
 void PolygonTriangulator::link() {
   const auto count = static_cast<std::uint32_t>(points_.size());
   previous_.resize(count);
   next_.resize(count);
   place_.assign(count, kNone);
+  turn_.assign(count, 0);
   reflex_.clear();
-  cell_head_.clear();
+  queue_.clear();
+  queue_head_ = 0;
   columns_ = 0;
+  first_ = 0;
   remaining_ = count;
   steps_left_ = count * kStepsPerCorner + kStepsAtLeast;
+  changed_.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     previous_[i] = i == 0 ? count - 1 : i - 1;
     next_[i] = i + 1 == count ? 0 : i + 1;
+    changed_.push_back(count - 1 - i);
   }
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (remaining_ > 2 && points_[i] == points_[previous_[i]]) unlink(i);
-  first_ = 0;
-  while (next_[previous_[first_]] != first_) ++first_;
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (next_[previous_[i]] == i) refresh(i);
+  settle();
   if (reflex_.size() >= kGridFrom) build_grid();
+}
+
+/// Corners that cover nothing: one that coincides with the next, or the tip of zero width where the
+/// polygon turns back on itself, as cuts to holes leave it behind.
+bool PolygonTriangulator::is_spike(std::uint32_t corner) const {
+  const glm::dvec2 back = points_[previous_[corner]] - points_[corner];
+  const glm::dvec2 forth = points_[next_[corner]] - points_[corner];
+  return forth == glm::dvec2(0) || (back.x * forth.y == back.y * forth.x && glm::dot(back, forth) > 0);
+}
+
+/// Brings everything up to date about the corners that have new neighbours: takes them out if they
+/// are spikes, which changes further ones, and else puts them at the end of the queue.
+void PolygonTriangulator::settle() {
+  while (!changed_.empty()) {
+    const std::uint32_t corner = changed_.back();
+    changed_.pop_back();
+    if (!in_ring(corner)) continue;
+    if (remaining_ > 3 && is_spike(corner)) {
+      unlink(corner);
+      changed_.push_back(next_[corner]);
+      changed_.push_back(previous_[corner]);
+    } else {
+      refresh(corner);
+      enqueue(corner);
+    }
+  }
 }
 
 double PolygonTriangulator::area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -219,28 +245,6 @@ bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) 
   return false;
 }
 
-/// Removes corners that coincide with the next one and tips of zero width, which cover nothing.
-bool PolygonTriangulator::remove_spikes() {
-  bool removed = false;
-  std::uint32_t corner = first_;
-  for (std::size_t left = remaining_; left > 0 && remaining_ > 3; --left) {
-    const std::uint32_t a = previous_[corner], c = next_[corner];
-    const glm::dvec2 back = points_[a] - points_[corner], forth = points_[c] - points_[corner];
-    const bool spike = area(a, corner, c) == 0 && glm::dot(back, forth) > 0;
-    if (spike || points_[corner] == points_[c]) {
-      unlink(corner);
-      refresh(a);
-      refresh(c);
-      removed = true;
-      corner = a;
-    } else {
-      corner = c;
-    }
-  }
-  spend(remaining_);
-  return removed;
-}
-
 /// Gives up on ears: a fan over what is left, without its empty triangles.
 void PolygonTriangulator::fan() {
   for (std::uint32_t b = next_[first_]; next_[b] != first_; b = next_[b])
@@ -263,38 +267,32 @@ void PolygonTriangulator::enqueue_all() {
 /// Cutting an ear can make ears of its two neighbours only. They go to the back of the queue, so that
 /// ears are cut all around the polygon rather than as a fan of slivers at one place.
 void PolygonTriangulator::clip() {
-  turn_.assign(points_.size(), 0);
-  enqueue_all();
   Strictness strictness = Strictness::clear;
   int exceptions = 0;
   while (remaining_ > 3 && steps_left_ > 0 && exceptions < kMostExceptions) {
     if (queue_head_ == queue_.size()) {
       if (strictness == Strictness::any_convex) break;
-      const bool removed = strictness == Strictness::clear && remove_spikes();
-      if (!removed) strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;
+      strictness = strictness == Strictness::clear ? Strictness::interior_clear : Strictness::any_convex;
       enqueue_all();
       continue;
     }
     const Candidate candidate = queue_[queue_head_++];
     const std::uint32_t tip = candidate.corner;
     spend(1);
-    if (turn_[tip] != candidate.turn || !is_ear(tip, strictness)) continue;
-    const std::uint32_t a = previous_[tip], c = next_[tip];
-    triangles_.insert(triangles_.end(), {a, tip, c});
+    if (turn_[tip] != candidate.turn || !in_ring(tip) || !is_ear(tip, strictness)) continue;
+    triangles_.insert(triangles_.end(), {previous_[tip], tip, next_[tip]});
     unlink(tip);
-    refresh(a);
-    refresh(c);
-    if (columns_ != 0 && reflex_.size() * 4 < grid_filling_) {
-      columns_ = 0;
-      if (reflex_.size() >= kGridFrom) build_grid();
-    }
     if (strictness != Strictness::clear) {  // what an exception has opened is again cut with care
       strictness = Strictness::clear;
       queue_head_ = queue_.size();
       ++exceptions;
     }
-    enqueue(a);
-    enqueue(c);
+    changed_ = {next_[tip], previous_[tip]};
+    settle();
+    if (columns_ != 0 && reflex_.size() * 4 < grid_filling_) {
+      columns_ = 0;
+      if (reflex_.size() >= kGridFrom) build_grid();
+    }
   }
   if (remaining_ >= 3) fan();
 }

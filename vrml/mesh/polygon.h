@@ -34,7 +34,9 @@ class PolygonTriangulator {
   void link();
   void clip();
   void fan();
-  [[nodiscard]] bool remove_spikes();
+  void settle();
+  [[nodiscard]] bool in_ring(std::uint32_t corner) const { return next_[previous_[corner]] == corner; }
+  [[nodiscard]] bool is_spike(std::uint32_t corner) const;
   void unlink(std::uint32_t corner);
   void refresh(std::uint32_t corner);
   void build_grid();
@@ -66,7 +68,8 @@ class PolygonTriangulator {
   std::vector<Candidate> queue_;
   std::vector<std::uint32_t> turn_;
   std::size_t queue_head_ = 0;
-  std::uint32_t first_ = 0;  // some corner of the ring
+  std::vector<std::uint32_t> changed_;  // corners that have new neighbours
+  std::uint32_t first_ = 0;             // some corner of the ring
   glm::dvec2 grid_origin_{0}, grid_scale_{0};
   std::size_t columns_ = 0, rows_ = 0;  // 0 while there is no grid
   std::size_t grid_filling_ = 0;
