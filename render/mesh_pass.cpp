@@ -17,8 +17,8 @@ namespace {
 // One frame draws no more than this: USE can ask for more than any driver ends in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2, kShininessScale = 128;  // VRML97 4.14.4
-constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE", "INTENSITY",
-                                    "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR"};
+constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE",  "INTENSITY",
+                                    "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
 
 // Numbers of lights for which there are shaders; sets are filled up with black lights.
 constexpr std::size_t kLightCounts[] = {0, 1, 2, 3, 4, 6, 8, 12, 16};
@@ -172,7 +172,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     set(instance.emissive, material.emissive);
     instance.ambient_intensity = material.ambient_intensity;
     set(instance.specular, material.specular);
-    if (material.specular != glm::vec3(0)) state.variant |= kSpecular;
+    state.variant |= frame_variant_;
     if (!lights_.directional_only(state.lights)) state.variant |= kLocalLights;
     state.variant |= kFirstLightBit * light_count_class(lights_.count(state.lights));
     instance.shininess = material.shininess * kShininessScale;
@@ -205,6 +205,14 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
   binding_numbers_.clear();
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
+  frame_variant_ = 0;
+  for (const Light& light : list.lights)
+    if (light.ambient_intensity > 0) frame_variant_ |= kEmissive;
+  for (const DrawItem& item : list.items) {
+    if (!item.material.lit) continue;
+    if (item.material.specular != glm::vec3(0)) frame_variant_ |= kSpecular;
+    if (item.material.emissive != glm::vec3(0)) frame_variant_ |= kEmissive;
+  }
   for (const DrawItem& item : list.items) prepare_item(item, view);
 
   // Near ones first where the order is free: what they hide is not shaded.

@@ -42,7 +42,8 @@ class MeshPass {
     kCutOut = 64,
     kLocalLights = 128,
     kSpecular = 256,
-    kFirstLightBit = 512,  // from here on: the number of lights, as an index of kLightCounts
+    kEmissive = 512,
+    kFirstLightBit = 1024,  // from here on: the number of lights, as an index of kLightCounts
   };
   struct VariantProgram {
     Program program;
@@ -116,6 +117,7 @@ class MeshPass {
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
+  unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs
   unsigned last_variant_ = 0;
   VariantProgram* last_program_ = nullptr;
   DrawState applied_;

@@ -4,9 +4,9 @@
 namespace gs::render {
 
 /// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
-/// LOCAL_LIGHTS (point and spot lights), SPECULAR, and ALL_LIGHTS: "ADD(0) ADD(1) ..." for each light.
-/// What an item does not need is left out, and lights have constant numbers, because a software driver
-/// takes long to compile the one and to look the other up for every pixel.
+/// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and ALL_LIGHTS: "ADD(0)
+/// ADD(1) ..." for each light. What an item does not need is left out, and lights have constant numbers, because a
+/// software driver takes long to compile the one and to look the other up for every pixel.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_kind;
@@ -60,7 +60,8 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, COLORS, TEXTURE.
+/// Defines: LIT, NORMALS, COLORS, TEXTURE; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
+/// use is passed on: software drivers keep all of it for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
@@ -71,6 +72,9 @@ layout(location = 2) in vec3 color;
 #endif
 #ifdef TEXTURE
 layout(location = 3) in vec2 texture_coordinate;
+#endif
+#if defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)
+#define POSITION
 #endif
 layout(location = 4) in vec4 camera_from_node_x;
 layout(location = 5) in vec4 camera_from_node_y;
@@ -84,9 +88,15 @@ uniform mat3 texture_transform;
 
 flat out vec4 base_color;
 #ifdef LIT
+#ifdef POSITION
 out vec3 camera_position;
+#endif
+#ifdef EMISSIVE
 flat out vec4 emissive_ambient;
+#endif
+#ifdef SPECULAR
 flat out vec4 specular_exponent;
+#endif
 #ifdef NORMALS
 out vec3 camera_normal;
 #endif
@@ -120,9 +130,15 @@ void main() {
   gl_Position = clip_from_camera * vec4(place, 1.0);
   base_color = base;
 #ifdef LIT
+#ifdef POSITION
   camera_position = place;
+#endif
+#ifdef EMISSIVE
   emissive_ambient = emissive;
+#endif
+#ifdef SPECULAR
   specular_exponent = specular;
+#endif
 #ifdef NORMALS
   camera_normal = normal_in_camera();
 #endif
@@ -137,9 +153,12 @@ void main() {
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, COLORS, TEXTURE, and with TEXTURE: INTENSITY, TEXTURE_ALPHA, CUT_OUT.
+/// Defines: those of the vertex shader, and with TEXTURE: INTENSITY, TEXTURE_ALPHA, CUT_OUT.
 /// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
+#if defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)
+#define POSITION
+#endif
 flat in vec4 base_color;
 #ifdef COLORS
 in vec3 vertex_color;
@@ -151,9 +170,21 @@ uniform sampler2D image;
 out vec4 result;
 
 #ifdef LIT
+#ifdef POSITION
 in vec3 camera_position;
+#else
+const vec3 camera_position = vec3(0.0);
+#endif
+#ifdef EMISSIVE
 flat in vec4 emissive_ambient;
+#else
+const vec4 emissive_ambient = vec4(0.0);
+#endif
+#ifdef SPECULAR
 flat in vec4 specular_exponent;
+#else
+const vec4 specular_exponent = vec4(0.0);
+#endif
 #ifdef NORMALS
 in vec3 camera_normal;
 #endif

@@ -101,7 +101,7 @@ class Array {
     requires std::is_trivially_copyable_v<T>
   {
     if (size() + count > capacity() || shared()) own(grown(size() + count));
-    return elements(block_) + block_->size;
+    return block_ ? elements(block_) + block_->size : nullptr;
   }
   void commit(std::size_t count) {
     if (block_) block_->size += count;

@@ -81,6 +81,11 @@ void Parser::State::warn_once(bool& said, SourceLocation location, std::string m
   if (!std::exchange(said, true)) warn(location, std::move(message));
 }
 
+void Parser::State::unexpected(const Token& found, const std::string& what) {
+  if (found.kind == TokenKind::end && (frames.size() > 1 || std::exchange(end_reported, true))) return;
+  error(found.location, "expected " + what + ", found " + describe(found));
+}
+
 void Parser::State::refuse(std::string message, SourceLocation location) {
   error(location, std::move(message));
   outcome = ParseOutcome::refused;

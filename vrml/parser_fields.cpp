@@ -140,7 +140,7 @@ Step Parser::State::is_mapping(const Token& name) {
   if (outer_name.kind == TokenKind::need_more) return Step::need_more;
   const NodeType& type = *frames.back().type;
   if (outer_name.kind != TokenKind::word) {
-    error(outer_name.location, "expected a name after IS, found " + describe(outer_name));
+    unexpected(outer_name, "a name after IS");
     return Step::done;
   }
   if (!in_prototype_body()) {
@@ -179,9 +179,7 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
   if (name.kind == TokenKind::need_more) return Step::need_more;
   const auto field_type = field_type_named(type_name.text);
   if (!field_type || type_name.kind != TokenKind::word || name.kind != TokenKind::word) {
-    error(field_type ? name.location : type_name.location,
-          "expected a field type and a name after " + std::string(name_of(access)) + ", found " +
-              describe(field_type ? name : type_name));
+    unexpected(field_type ? name : type_name, "a field type and a name after " + std::string(name_of(access)));
     lexer.go_back(behind_access);
     if (type_name.kind == TokenKind::word) {
       (void)lexer.next();

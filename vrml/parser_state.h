@@ -74,6 +74,9 @@ struct Parser::State {
   void report(Severity severity, SourceLocation location, std::string message);
   void error(SourceLocation location, std::string message) { report(Severity::error, location, std::move(message)); }
   void warn(SourceLocation location, std::string message) { report(Severity::warning, location, std::move(message)); }
+  /// "expected `what`, found ..."; of the end of the text only where nothing is open, since the open
+  /// construct that it cuts short is reported anyway.
+  void unexpected(const Token& found, const std::string& what);
   void warn_once(bool& said, SourceLocation location, std::string message);
   bool open(Frame frame);
   void report_end_inside(const Frame& frame);

@@ -81,7 +81,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     const Token id = lexer.next();
     if (id.kind == TokenKind::need_more) return Step::need_more;
     if (id.kind != TokenKind::word) {
-      error(id.location, "expected a name after " + std::string(token.text) + ", found " + describe(id));
+      unexpected(id, "a name after " + std::string(token.text));
       lexer.go_back(before);
       return Step::done;
     }
@@ -101,7 +101,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     token = lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
     if (token.kind != TokenKind::word) {
-      error(token.location, "expected a node type after DEF " + std::string(name) + ", found " + describe(token));
+      unexpected(token, "a node type after DEF " + std::string(name));
       lexer.go_back(before);
       return Step::done;
     }
@@ -112,10 +112,11 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   const NodeType* type = find_type(token.text);
   if (brace.kind != TokenKind::open_brace) {
     // Of prose in place of nodes the first word is enough to complain about.
-    if (!std::exchange(rubbish, true))
-      error(type ? brace.location : token.location,
-            type ? "expected '{' after " + std::string(token.text) + ", found " + describe(brace)
-                 : "expected a node, found " + describe(token));
+    if (brace.kind == TokenKind::end) {
+      unexpected(brace, "'{' after " + std::string(token.text));
+    } else if (!std::exchange(rubbish, true)) {
+      type ? unexpected(brace, "'{' after " + std::string(token.text)) : unexpected(token, "a node");
+    }
     lexer.go_back(behind_type);
     // Statements of X3D (META "name" "content", PROFILE, ...) are passed over with what belongs to them.
     if (brace.kind == TokenKind::string) skip_value();
@@ -290,9 +291,7 @@ Step Parser::State::prototype_head(bool external) {
   const Token bracket = name.kind == TokenKind::word ? lexer.next() : name;
   if (bracket.kind == TokenKind::need_more) return Step::need_more;
   if (name.kind != TokenKind::word || bracket.kind != TokenKind::open_bracket) {
-    error(name.kind != TokenKind::word ? name.location : bracket.location,
-          std::string("expected a name and '[' after ") + (external ? "EXTERNPROTO" : "PROTO") + ", found " +
-              describe(name.kind != TokenKind::word ? name : bracket));
+    unexpected(name.kind != TokenKind::word ? name : bracket, std::string("a name and '[' after ") + (external ? "EXTERNPROTO" : "PROTO"));
     lexer.go_back(before);
     return Step::done;
   }
@@ -351,7 +350,7 @@ Step Parser::State::interface_step() {
     const Token brace = lexer.next();
     if (brace.kind == TokenKind::need_more) return Step::need_more;
     if (brace.kind != TokenKind::open_brace) {
-      error(brace.location, "expected '{' and the body of PROTO " + type.name + ", found " + describe(brace));
+      unexpected(brace, "'{' and the body of PROTO " + type.name);
       lexer.go_back(behind);
       --interfaces_open;
       frames.pop_back();

@@ -155,7 +155,7 @@ Step Parser::State::value(FieldType type, FieldValue& into, std::string_view nam
       if (step == Step::need_more) into = std::move(old);
       return step;
     }
-    error(token.location, "expected a node for " + std::string(name) + ", found " + describe(token));
+    unexpected(token, "a node for " + std::string(name));
     lexer.go_back(before);
     skip_value();
     return Step::done;
@@ -166,8 +166,8 @@ Step Parser::State::value(FieldType type, FieldValue& into, std::string_view nam
 
 // One value of a type other than nodes and images, which `token` begins. An MF type gets one element.
 Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
-  const auto unexpected = [&](const Token& found, const Lexer::Position& before) {
-    error(found.location, "expected " + std::string(element_name(type)) + " for " + std::string(name) + ", found " + describe(found));
+  const auto refuse_token = [&](const Token& found, const Lexer::Position& before) {
+    unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
     lexer.go_back(before);
     if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
         (found.kind == TokenKind::word && (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
@@ -182,7 +182,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   switch (type) {
     case FieldType::SFString:
     case FieldType::MFString: {
-      if (token.kind != TokenKind::string) return unexpected(token, before);
+      if (token.kind != TokenKind::string) return refuse_token(token, before);
       if (type == FieldType::SFString) {
         into = string_of(token);
       } else {
@@ -194,7 +194,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
       const std::string_view word = token.kind == TokenKind::word ? token.text : std::string_view{};
       const bool yes = word == "TRUE" || word == "true" || word == "True" || word == "1";
       const bool no = word == "FALSE" || word == "false" || word == "False" || word == "0";
-      if (!yes && !no) return unexpected(token, before);
+      if (!yes && !no) return refuse_token(token, before);
       if (word != "TRUE" && word != "FALSE")
         warn_once(said_bool_form, token.location, "expected TRUE or FALSE, found " + describe(token));
       into.emplace<SFBool>(yes);
@@ -211,7 +211,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   int count = 0;
   for (;;) {
     tokens[count] = token;
-    if (!is_number_like(token)) return unexpected(token, before);
+    if (!is_number_like(token)) return refuse_token(token, before);
     if (++count == wanted) break;
     before = lexer.position();
     token = lexer.next();
@@ -248,7 +248,7 @@ Step Parser::State::image_head(FieldValue& into, Token token, std::string_view n
     if (i > 0) token = lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
     if (token.kind != TokenKind::word || !number_of(token, head[i])) {
-      error(token.location, "expected width, height and components of an image for " + std::string(name) + ", found " + describe(token));
+      unexpected(token, "width, height and components of an image for " + std::string(name));
       if (i > 0) lexer.go_back(before);
       return Step::done;
     }

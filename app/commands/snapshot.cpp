@@ -1,4 +1,5 @@
 #include "app/commands/commands.h"
+#include "app/navigation.h"
 #include "app/world_loader.h"
 #include "net/file.h"
 #include "render/camera.h"
@@ -10,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -41,23 +41,11 @@ bool may_write(const std::string& path, const std::string& world) {
   return file->bytes().empty() || (file->bytes().size() >= 4 && std::memcmp(file->bytes().data(), kPng, 4) == 0);
 }
 
-// The Viewpoint of this description, DEF name or number from 1; null where there is none.
-const render::ViewpointState* find_viewpoint(const std::vector<render::ViewpointState>& viewpoints, const std::string& wanted) {
-  for (const render::ViewpointState& viewpoint : viewpoints)
-    if (viewpoint.description == wanted || viewpoint.name == wanted) return &viewpoint;
-  std::size_t number = 0;
-  const auto result = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
-  const bool good = result.ec == std::errc() && result.ptr == wanted.data() + wanted.size();
-  return good && number >= 1 && number <= viewpoints.size() ? &viewpoints[number - 1] : nullptr;
-}
-
 std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {
   if (viewpoints.empty()) return "the world has none";
   std::string text = "the world has";
-  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i) {
-    const auto& v = viewpoints[i];
-    text += (i ? ", " : " ") + std::to_string(i + 1) + (v.description.empty() ? v.name.empty() ? "" : " '" + v.name + "'" : " '" + v.description + "'");
-  }
+  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i)
+    text += (i ? ", " : " ") + std::to_string(i + 1) + " '" + viewpoint_label(viewpoints[i], i) + "'";
   return text;
 }
 
@@ -86,14 +74,19 @@ std::optional<View> choose_view(const Options& options, const render::RenderList
     view.headlight = options.headlight.value_or(true);
     return view;
   }
-  const render::ViewpointState* viewpoint = list.viewpoints.empty() ? nullptr : &list.viewpoints.front();
-  if (!options.viewpoint.empty() && !(viewpoint = find_viewpoint(list.viewpoints, options.viewpoint))) {
-    error = "no Viewpoint '" + options.viewpoint + "'; " + viewpoint_list(list.viewpoints);
-    return std::nullopt;
+  std::optional<std::size_t> viewpoint;
+  if (!options.viewpoint.empty()) {
+    viewpoint = find_viewpoint(list.viewpoints, options.viewpoint);
+    if (!viewpoint) {
+      error = "no Viewpoint '" + options.viewpoint + "'; " + viewpoint_list(list.viewpoints);
+      return std::nullopt;
+    }
+  } else if (!list.viewpoints.empty()) {
+    viewpoint = 0;
   }
   if (viewpoint) {
-    view.camera.world_from_camera = viewpoint->world_from_camera;
-    view.camera.field_of_view = viewpoint->field_of_view;
+    view.camera.world_from_camera = list.viewpoints[*viewpoint].world_from_camera;
+    view.camera.field_of_view = list.viewpoints[*viewpoint].field_of_view;
   } else {
     view.camera = render::first_camera(list.bounds, kFieldOfView, width, height);
   }
