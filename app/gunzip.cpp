@@ -45,7 +45,8 @@ std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t 
         // Another member may follow (RFC 1952 2.2); anything else behind the last one is ignored.
         running = is_gzip(bytes.subspan(next)) && inflateReset(&stream) == Z_OK;
         break;
-      case Z_OK: break;
+      case Z_OK:
+        break;
       case Z_BUF_ERROR:
         if (next == bytes.size()) {
           problem = "the gzip data ends too early";

@@ -17,9 +17,9 @@ struct OpenedWorld {
   std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
   render::Images images;
   vrml::Diagnostics diagnostics;
-  bool truncated = false;                   // the file ends before the world does
-  std::size_t bytes = 0;                    // of the file itself, as it lies on disk
-  double parse_seconds = 0;                 // of the file itself, without what it refers to
+  bool truncated = false;    // the file ends before the world does
+  std::size_t bytes = 0;     // of the file itself, as it lies on disk
+  double parse_seconds = 0;  // of the file itself, without what it refers to
 };
 
 }  // namespace gs::app

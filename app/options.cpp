@@ -26,7 +26,8 @@ bool read(std::string_view text, Number& number) {
 bool read_list(std::string_view text, char separator, std::span<double> numbers) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const std::size_t end = i + 1 < numbers.size() ? text.find(separator) : text.size();
-    if (end == std::string_view::npos || !read(text.substr(0, end), numbers[i]) || !std::isfinite(numbers[i])) return false;
+    if (end == std::string_view::npos || !read(text.substr(0, end), numbers[i]) || !std::isfinite(numbers[i]))
+      return false;
     text.remove_prefix(std::min(text.size(), end + 1));
   }
   return true;
@@ -83,32 +84,56 @@ Problem set_background(Options& options, const std::string& value) {
 }
 
 Problem set_timeout(Options& options, const std::string& value) {
-  return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{} : "expected seconds, more than 0";
+  return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{}
+                                                                             : "expected seconds, more than 0";
 }
 
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
-     [](Options& o, const std::string& v) { o.snapshot = v; return Problem{}; }},
+     [](Options& o, const std::string& v) {
+       o.snapshot = v;
+       return Problem{};
+     }},
     {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open ", set_size},
     {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},
     {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)", "open ",
-     [](Options& o, const std::string& v) { o.viewpoint = v; return Problem{}; }},
-    {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z", "open ", set_orbit},
+     [](Options& o, const std::string& v) {
+       o.viewpoint = v;
+       return Problem{};
+     }},
+    {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z",
+     "open ", set_orbit},
     {"--headlight", "on|off", "", "in place of what the world says", "open ", set_headlight},
-    {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ", set_background},
+    {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
+     set_background},
     {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
-    {"--max-bytes", "N", "", "take only the first N bytes of the file, as if the rest had not arrived", "open check ", set_max_bytes},
-    {"--timeout", "SECONDS", "30", "for loading; what has not come by then is left out", "open check print ", set_timeout},
+    {"--max-bytes", "N", "", "take only the first N bytes of the file, as if the rest had not arrived", "open check ",
+     set_max_bytes},
+    {"--timeout", "SECONDS", "30", "for loading; what has not come by then is left out", "open check print ",
+     set_timeout},
     {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
-     [](Options& o, const std::string& v) { o.stats = v; return Problem{}; }},
-    {"--markdown", "", "", "as Markdown tables", "nodes ", [](Options& o, const std::string&) { o.markdown = true; return Problem{}; }},
-    {"--wrl", "", "", "as PROTO declarations (the default)", "nodes ", [](Options& o, const std::string&) { o.wrl = true; return Problem{}; }},
+     [](Options& o, const std::string& v) {
+       o.stats = v;
+       return Problem{};
+     }},
+    {"--markdown", "", "", "as Markdown tables", "nodes ",
+     [](Options& o, const std::string&) {
+       o.markdown = true;
+       return Problem{};
+     }},
+    {"--wrl", "", "", "as PROTO declarations (the default)", "nodes ",
+     [](Options& o, const std::string&) {
+       o.wrl = true;
+       return Problem{};
+     }},
 };
 
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 constexpr CommandRow kCommands[] = {
-    {"open", "[FILE|URL...]", "show worlds in a window, or draw one with --snapshot; without a file, the demo world", 0, kAny, run_open},
-    {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny, run_check},
+    {"open", "[FILE|URL...]", "show worlds in a window, or draw one with --snapshot; without a file, the demo world", 0,
+     kAny, run_open},
+    {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny,
+     run_check},
     {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},
     {"nodes", "", "print the table of node types", 0, 0, run_nodes},
     {"man", "", "print the manual page (roff)", 0, 0, run_man},
@@ -122,14 +147,18 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
   for (const OptionRow& row : kOptions) {
     if (!applies(row, command)) continue;
     const auto take = [&options, &row](const std::string& value) {
-      if (const Problem problem = row.set(options, value)) throw CLI::ValidationError(std::string(row.name), *problem + ", not '" + value + "'");
+      if (const Problem problem = row.set(options, value))
+        throw CLI::ValidationError(std::string(row.name), *problem + ", not '" + value + "'");
     };
     std::string help(row.help);
     if (!row.standard.empty()) help += " [" + std::string(row.standard) + "]";
     if (row.argument.empty()) {
-      parser.add_flag_callback(std::string(row.name), [take] { take(""); }, help);
+      parser.add_flag_callback(
+          std::string(row.name), [take] { take(""); }, help);
     } else {
-      parser.add_option_function<std::string>(std::string(row.name), take, help)->type_name(std::string(row.argument))->expected(1);
+      parser.add_option_function<std::string>(std::string(row.name), take, help)
+          ->type_name(std::string(row.argument))
+          ->expected(1);
     }
   }
   if (command.most_files > 0) parser.add_option("files", options.files, "")->type_name("")->group("");
@@ -141,10 +170,11 @@ std::span<const OptionRow> option_rows() { return kOptions; }
 std::span<const CommandRow> command_rows() { return kCommands; }
 
 std::string manual_page() {
-  std::string out = ".TH GHOSTSPACE 1\n.SH NAME\nghostspace \\- browser for VRML97 worlds and 3D models\n.SH SYNOPSIS\n";
+  std::string out =
+      ".TH GHOSTSPACE 1\n.SH NAME\nghostspace \\- browser for VRML97 worlds and 3D models\n.SH SYNOPSIS\n";
   for (const CommandRow& command : kCommands)
-    out += ".B ghostspace" + (command.name == "open" ? std::string() : " " + std::string(command.name)) + "\n[options] " +
-           std::string(command.arguments) + "\n.br\n";
+    out += ".B ghostspace" + (command.name == "open" ? std::string() : " " + std::string(command.name)) +
+           "\n[options] " + std::string(command.arguments) + "\n.br\n";
   for (const CommandRow& command : kCommands) {
     out += ".SH " + std::string(command.name) + "\n" + std::string(command.help) + ".\n";
     for (const OptionRow& row : kOptions) {
@@ -165,13 +195,16 @@ int run_command_line(int count, char** arguments) {
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
   parser.name("ghostspace");
   parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
-  parser.footer("Files: VRML97 (.wrl, .wrz, gzip'd or not), glTF, GLB, PLY, OBJ, STL.\n"
-                "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage.");
+  parser.footer(
+      "Files: VRML97 (.wrl, .wrz, gzip'd or not), glTF, GLB, PLY, OBJ, STL.\n"
+      "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage.");
   const CommandRow* chosen = &kCommands[0];
   add_options(parser, kCommands[0], options);
   std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
   for (const CommandRow& command : std::span(kCommands).subspan(1)) {
-    CLI::App* sub = parser.add_subcommand(std::string(command.name), std::string(command.help) + (command.arguments.empty() ? "" : ": " + std::string(command.arguments)));
+    CLI::App* sub = parser.add_subcommand(
+        std::string(command.name),
+        std::string(command.help) + (command.arguments.empty() ? "" : ": " + std::string(command.arguments)));
     add_options(*sub, command, options);
     subcommands.emplace_back(sub, &command);
   }
@@ -181,7 +214,8 @@ int run_command_line(int count, char** arguments) {
       if (sub->parsed()) chosen = command;
     if (options.files.size() < chosen->least_files || options.files.size() > chosen->most_files)
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
-    if (!options.snapshot.empty() && options.files.size() > 1) throw CLI::ValidationError("--snapshot", "expected one file");
+    if (!options.snapshot.empty() && options.files.size() > 1)
+      throw CLI::ValidationError("--snapshot", "expected one file");
   } catch (const CLI::Success& help) {
     return parser.exit(help);
   } catch (const CLI::ParseError& problem) {

@@ -23,7 +23,8 @@ constexpr std::size_t kMaxChain = 32;      // Inlines and EXTERNPROTOs inside ea
 constexpr std::size_t kMaxFiles = 20'000;  // of all kinds, one world
 
 std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   return text;
 }
 
@@ -47,7 +48,8 @@ std::string find_ignoring_case(const fs::path& path) {
 
 class ReferenceLoader {
  public:
-  ReferenceLoader(render::Images& images, vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline)
+  ReferenceLoader(render::Images& images, vrml::Diagnostics& diagnostics,
+                  std::chrono::steady_clock::time_point deadline)
       : images_(images), diagnostics_(diagnostics), deadline_(deadline) {}
 
   // `chain`: the files that this scene lies in, outermost first.
@@ -80,8 +82,9 @@ class ReferenceLoader {
     stopped_ = std::chrono::steady_clock::now() > deadline_ || files_ >= kMaxFiles;
     if (stopped_)
       report(Severity::error, scene, {},
-             files_ >= kMaxFiles ? "refers to more than " + std::to_string(kMaxFiles) + " files; the rest is left out"
-                                 : "the time for loading is over; Inlines, textures and EXTERNPROTOs that are missing are left out");
+             files_ >= kMaxFiles
+                 ? "refers to more than " + std::to_string(kMaxFiles) + " files; the rest is left out"
+                 : "the time for loading is over; Inlines, textures and EXTERNPROTOs that are missing are left out");
     return stopped_;
   }
 
@@ -111,12 +114,14 @@ class ReferenceLoader {
     return text;
   }
 
-  void load_external_prototypes(vrml::SceneGraph& scene, const std::vector<std::string>& chain, std::vector<net::Url>& bases) {
+  void load_external_prototypes(vrml::SceneGraph& scene, const std::vector<std::string>& chain,
+                                std::vector<net::Url>& bases) {
     std::unordered_set<const vrml::NodeType*> used;
     for (std::uint32_t i = 1; i <= scene.node_count(); ++i) used.insert(scene.node(scene.id_at(i)).type);
     std::unordered_map<std::string, vrml::SceneGraph*> libraries;
     for (const std::unique_ptr<vrml::NodeType>& type : scene.types()) {
-      if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype || !used.contains(type.get())) continue;
+      if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype || !used.contains(type.get()))
+        continue;
       if (out_of_time(scene)) return;
       auto found = find(type->url, {bases.front()});
       if (!found) {
@@ -124,7 +129,8 @@ class ReferenceLoader {
         continue;
       }
       if (std::find(chain.begin(), chain.end(), found->path) != chain.end() || chain.size() >= kMaxChain) {
-        report(Severity::error, scene, {}, "EXTERNPROTO " + type->name + " leads back to " + found->path + "; left out");
+        report(Severity::error, scene, {},
+               "EXTERNPROTO " + type->name + " leads back to " + found->path + "; left out");
         continue;
       }
       vrml::SceneGraph*& library = libraries[found->path];
@@ -141,14 +147,16 @@ class ReferenceLoader {
       const vrml::NodeType* source = vrml::find_prototype(*library, found->fragment);
       if (!source || !source->prototype) {
         report(Severity::error, scene, {},
-               found->path + " declares no PROTO" + (found->fragment.empty() ? "" : " '" + found->fragment + "'") + " for EXTERNPROTO " + type->name);
+               found->path + " declares no PROTO" + (found->fragment.empty() ? "" : " '" + found->fragment + "'") +
+                   " for EXTERNPROTO " + type->name);
       } else if (!vrml::resolve_external(scene, *type, *source)) {
         report(Severity::error, scene, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
       }
     }
   }
 
-  void load_inline(vrml::SceneGraph& scene, NodeId id, const std::vector<std::string>& chain, const std::vector<net::Url>& bases) {
+  void load_inline(vrml::SceneGraph& scene, NodeId id, const std::vector<std::string>& chain,
+                   const std::vector<net::Url>& bases) {
     if (scene.inlined(id) || out_of_time(scene)) return;
     const auto& urls = scene.get<vrml::MFString>(id, "url");
     if (urls.empty()) return;
@@ -280,8 +288,8 @@ std::optional<std::vector<std::byte>> data_of_url(std::string_view url) {
   return bytes;
 }
 
-void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images, vrml::Diagnostics& diagnostics,
-                     std::chrono::steady_clock::time_point deadline) {
+void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images,
+                     vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error);
   ReferenceLoader(images, diagnostics, deadline).load(scene, {error ? path : absolute.lexically_normal().string()});

@@ -18,8 +18,8 @@ namespace gs::app {
 /// content) and the images of textures. Of each url list the first entry that works is taken (VRML97
 /// 4.5.2); what is missing gives a warning and is left out. Inlines and EXTERNPROTOs that contain
 /// themselves are cut. Stops with a diagnostic at `deadline`.
-void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images, vrml::Diagnostics& diagnostics,
-                     std::chrono::steady_clock::time_point deadline);
+void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images,
+                     vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline);
 
 /// The local file that `reference` means, seen from `base`; also where only upper and lower case differ,
 /// as in worlds that come from Windows. Nothing when there is none.

@@ -41,7 +41,8 @@ struct ParseRun {
       late = Clock::now() > deadline;
     }
     if (late && !text.empty())
-      diagnostics.add({Severity::error, scene.file_name(), {}, "the time for loading is over; the rest of the file is left out"});
+      diagnostics.add(
+          {Severity::error, scene.file_name(), {}, "the time for loading is over; the rest of the file is left out"});
     return !late;
   }
 };
@@ -64,7 +65,8 @@ bool read_vrml(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::
   return whole && !run.late && outcome == vrml::ParseOutcome::complete;
 }
 
-std::optional<std::vector<std::byte>> unpacked(std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics, const std::string& file) {
+std::optional<std::vector<std::byte>> unpacked(std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
+                                               const std::string& file) {
   std::vector<std::byte> out;
   const auto problem = gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) {
     const auto* first = reinterpret_cast<const std::byte*>(piece.data());

@@ -21,7 +21,7 @@ struct SceneRead {
 /// Makes a scene of the bytes of a file of any type of the table of content types, gzip'd or not; nothing
 /// that it refers to is read but the materials and buffers that belong to the format. Stops at `deadline`.
 /// Safe for untrusted bytes.
-[[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
-                                   std::chrono::steady_clock::time_point deadline);
+[[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes,
+                                   vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline);
 
 }  // namespace gs::app

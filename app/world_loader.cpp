@@ -21,7 +21,8 @@ std::string title_of(const vrml::SceneGraph& scene, const std::string& path) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
     const vrml::Node& node = scene.node(id);
-    if (node.in_prototype_body || node.type->name != "WorldInfo" || node.type->kind != vrml::NodeType::Kind::built_in) continue;
+    if (node.in_prototype_body || node.type->name != "WorldInfo" || node.type->kind != vrml::NodeType::Kind::built_in)
+      continue;
     const std::string title = scene.get<vrml::SFString>(id, "title").str();
     if (!title.empty()) return title;
   }
@@ -34,14 +35,15 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 OpenedWorld load_world(const std::string& asked, const LoadOptions& options) {
   const Clock::time_point start = Clock::now();
-  const Clock::time_point deadline =
-      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
+  const Clock::time_point deadline = start + std::chrono::duration_cast<Clock::duration>(
+                                                 std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
   OpenedWorld world;
   world.path = asked;
   world.title = std::filesystem::path(asked).filename().string();
   const net::Url url = net::parse_url(asked);
   if (!url.scheme.empty() && url.scheme != "file") {
-    world.diagnostics.add({Severity::error, asked, {}, "cannot load '" + url.scheme + ":' URLs; expected a path or a file: URL"});
+    world.diagnostics.add(
+        {Severity::error, asked, {}, "cannot load '" + url.scheme + ":' URLs; expected a path or a file: URL"});
     return world;
   }
   const std::string path = url.scheme == "file" ? net::path_of_url(url) : asked;

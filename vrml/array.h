@@ -97,9 +97,7 @@ class Array {
 
   /// Room for at least `count` more elements after the last one; trivially copyable types only.
   /// Write there, then call `commit` with how many were written.
-  [[nodiscard]] T* prepare(std::size_t count)
-    requires std::is_trivially_copyable_v<T>
-  {
+  [[nodiscard]] T* prepare(std::size_t count) requires std::is_trivially_copyable_v<T> {
     if (size() + count > capacity() || shared()) own(grown(size() + count));
     return block_ ? elements(block_) + block_->size : nullptr;
   }
@@ -123,16 +121,12 @@ class Array {
   };
   static constexpr std::size_t kHeader = (sizeof(Block) + alignof(T) - 1) / alignof(T) * alignof(T);
 
-  static T* elements(Block* block) {
-    return reinterpret_cast<T*>(reinterpret_cast<std::byte*>(block) + kHeader);
-  }
+  static T* elements(Block* block) { return reinterpret_cast<T*>(reinterpret_cast<std::byte*>(block) + kHeader); }
   static std::size_t bytes(std::size_t capacity) {
     if (capacity > (SIZE_MAX / 2 - kHeader) / sizeof(T)) throw std::bad_alloc();
     return kHeader + capacity * sizeof(T);
   }
-  [[nodiscard]] bool shared() const {
-    return block_ && block_->references.load(std::memory_order_acquire) != 1;
-  }
+  [[nodiscard]] bool shared() const { return block_ && block_->references.load(std::memory_order_acquire) != 1; }
   [[nodiscard]] std::size_t grown(std::size_t least) const {
     const std::size_t doubled = capacity() * 2;
     return least > doubled ? (least < 4 ? 4 : least) : doubled;

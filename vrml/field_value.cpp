@@ -6,8 +6,9 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::array<std::string_view, kFieldTypeCount> kNames = {
-    "SFBool",   "SFColor", "SFFloat", "SFImage", "SFInt32", "SFNode",     "SFRotation", "SFString", "SFTime",  "SFVec2f",
-    "SFVec3f",  "MFColor", "MFFloat", "MFInt32", "MFNode",  "MFRotation", "MFString",   "MFTime",   "MFVec2f", "MFVec3f"};
+    "SFBool",   "SFColor",    "SFFloat",  "SFImage", "SFInt32", "SFNode",  "SFRotation",
+    "SFString", "SFTime",     "SFVec2f",  "SFVec3f", "MFColor", "MFFloat", "MFInt32",
+    "MFNode",   "MFRotation", "MFString", "MFTime",  "MFVec2f", "MFVec3f"};
 
 template <std::size_t... I>
 FieldValue initial_at(std::size_t index, std::index_sequence<I...>) {

@@ -68,8 +68,26 @@ struct NodeId {
 
 /// The 20 field types of VRML97 clause 5, in the order of the alternatives of FieldValue.
 enum class FieldType : std::uint8_t {
-  SFBool, SFColor, SFFloat, SFImage, SFInt32, SFNode, SFRotation, SFString, SFTime, SFVec2f, SFVec3f,
-  MFColor, MFFloat, MFInt32, MFNode, MFRotation, MFString, MFTime, MFVec2f, MFVec3f,
+  SFBool,
+  SFColor,
+  SFFloat,
+  SFImage,
+  SFInt32,
+  SFNode,
+  SFRotation,
+  SFString,
+  SFTime,
+  SFVec2f,
+  SFVec3f,
+  MFColor,
+  MFFloat,
+  MFInt32,
+  MFNode,
+  MFRotation,
+  MFString,
+  MFTime,
+  MFVec2f,
+  MFVec3f,
 };
 inline constexpr int kFieldTypeCount = 20;
 

@@ -127,9 +127,12 @@ char Lexer::peek() { return skip_blanks() == Blank::passed ? *next_ : '\0'; }
 
 Token Lexer::next() {
   switch (skip_blanks()) {
-    case Blank::need_more: return {TokenKind::need_more, {}, location()};
-    case Blank::end: return {TokenKind::end, {}, location()};
-    case Blank::passed: break;
+    case Blank::need_more:
+      return {TokenKind::need_more, {}, location()};
+    case Blank::end:
+      return {TokenKind::end, {}, location()};
+    case Blank::passed:
+      break;
   }
   const auto single = [&](TokenKind kind) {
     Token token{kind, {next_, 1}, location()};
@@ -137,12 +140,18 @@ Token Lexer::next() {
     return token;
   };
   switch (*next_) {
-    case '{': return single(TokenKind::open_brace);
-    case '}': return single(TokenKind::close_brace);
-    case '[': return single(TokenKind::open_bracket);
-    case ']': return single(TokenKind::close_bracket);
-    case '"': return string_token();
-    default: break;
+    case '{':
+      return single(TokenKind::open_brace);
+    case '}':
+      return single(TokenKind::close_brace);
+    case '[':
+      return single(TokenKind::open_bracket);
+    case ']':
+      return single(TokenKind::close_bracket);
+    case '"':
+      return string_token();
+    default:
+      break;
   }
   if (class_of(*next_) == unused) return single(TokenKind::bad);
   const char* p = next_;

@@ -14,13 +14,16 @@ enum class TokenKind : std::uint8_t {
   end,        // of the text
   word,       // a run of characters that are no delimiters: a keyword, an Id, a number, `node.event`
   string,     // text without its quotes, escapes still in it
-  open_brace, close_brace, open_bracket, close_bracket,
-  bad,        // one byte that VRML97 has no use for, or an unterminated string at the end of the text
+  open_brace,
+  close_brace,
+  open_bracket,
+  close_bracket,
+  bad,  // one byte that VRML97 has no use for, or an unterminated string at the end of the text
 };
 
 struct Token {
   TokenKind kind = TokenKind::end;
-  std::string_view text;     // points into the lexer's buffer
+  std::string_view text;  // points into the lexer's buffer
   SourceLocation location;
   bool has_escapes = false;  // string: holds a backslash
 };

@@ -21,10 +21,14 @@ std::uint32_t digest(std::string_view name) {
 
 std::string_view name_of(AccessType access) {
   switch (access) {
-    case AccessType::eventIn: return "eventIn";
-    case AccessType::eventOut: return "eventOut";
-    case AccessType::field: return "field";
-    case AccessType::exposedField: return "exposedField";
+    case AccessType::eventIn:
+      return "eventIn";
+    case AccessType::eventOut:
+      return "eventOut";
+    case AccessType::field:
+      return "field";
+    case AccessType::exposedField:
+      return "exposedField";
   }
   return {};
 }

@@ -26,27 +26,27 @@ struct InterfaceDeclaration {
   AccessType access = AccessType::field;
   FieldType type = FieldType::SFBool;
   std::string name;
-  FieldValue initial;   // fields and exposedFields only
-  std::string range;    // "[0,1]" as the standard writes it; built-in nodes only
-  int slot = -1;        // place of the stored value in a node; -1 for eventIn and eventOut
+  FieldValue initial;  // fields and exposedFields only
+  std::string range;   // "[0,1]" as the standard writes it; built-in nodes only
+  int slot = -1;       // place of the stored value in a node; -1 for eventIn and eventOut
 };
 
 /// What a node is for; a set of bits. From it follow where a node may stand and who looks at it.
 enum class Role : std::uint32_t {
   none = 0,
-  child = 1 << 0,          // may stand in `children` and at top level (VRML97 4.6.5)
-  grouping = 1 << 1,       // has children and a transformation hierarchy (4.6.5)
-  geometry = 1 << 2,       // Shape.geometry (4.6.3)
+  child = 1 << 0,               // may stand in `children` and at top level (VRML97 4.6.5)
+  grouping = 1 << 1,            // has children and a transformation hierarchy (4.6.5)
+  geometry = 1 << 2,            // Shape.geometry (4.6.3)
   geometric_property = 1 << 3,  // Color, Coordinate, Normal, TextureCoordinate (4.6.3.2)
   appearance = 1 << 4,
   material = 1 << 5,
   texture = 1 << 6,
   texture_transform = 1 << 7,
   font_style = 1 << 8,
-  light = 1 << 9,          // 4.6.6
-  bindable = 1 << 10,      // 4.6.10
-  sensor = 1 << 11,        // 4.6.7
-  interpolator = 1 << 12,  // 4.6.8
+  light = 1 << 9,            // 4.6.6
+  bindable = 1 << 10,        // 4.6.10
+  sensor = 1 << 11,          // 4.6.7
+  interpolator = 1 << 12,    // 4.6.8
   time_dependent = 1 << 13,  // 4.6.9
   sound_source = 1 << 14,
   script = 1 << 15,
@@ -65,7 +65,7 @@ using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const Mesh
 /// defaults, IS and ROUTE checks, printing, documentation) is derived.
 struct NodeRow {
   std::string_view name;
-  std::string_view clause;          // "6.7"; "GhostSpace" for our own nodes
+  std::string_view clause;  // "6.7"; "GhostSpace" for our own nodes
   Role role;
   std::string_view interface_text;  // one declaration a line, the range in a comment behind it
   Tessellate tessellate = nullptr;  // geometry only
@@ -80,11 +80,11 @@ struct NodeType {
   std::string clause;  // built-in only
   Kind kind = Kind::built_in;
   Role role = Role::none;
-  std::deque<InterfaceDeclaration> interfaces;   // in declaration order; places never move
-  std::vector<FieldValue> defaults;              // by slot
+  std::deque<InterfaceDeclaration> interfaces;  // in declaration order; places never move
+  std::vector<FieldValue> defaults;             // by slot
   Tessellate tessellate = nullptr;
-  std::unique_ptr<Prototype> prototype;          // body of a PROTO
-  MFString url;                                  // of an EXTERNPROTO
+  std::unique_ptr<Prototype> prototype;  // body of a PROTO
+  MFString url;                          // of an EXTERNPROTO
 
   NodeType();
   ~NodeType();

@@ -51,15 +51,18 @@ std::string normalised(std::string_view line) {
 
 std::string describe(const Token& token) {
   switch (token.kind) {
-    case TokenKind::end: return "the end of the file";
-    case TokenKind::string: return "a string";
+    case TokenKind::end:
+      return "the end of the file";
+    case TokenKind::string:
+      return "a string";
     case TokenKind::bad:
       if (token.text.size() == 1) {
         const auto byte = static_cast<unsigned char>(token.text.front());
         if (byte < 0x20 || byte == 0x7f) return "byte " + std::to_string(byte);
       }
       break;
-    default: break;
+    default:
+      break;
   }
   constexpr std::size_t kLongest = 40;
   std::string text;
@@ -94,7 +97,8 @@ void Parser::State::refuse(std::string message, SourceLocation location) {
 bool Parser::State::open(Frame frame) {
   if (frames.size() >= scene.limits().nesting) {
     if (!std::exchange(said_limit, true))
-      error(frame.start, "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; what lies deeper is left out");
+      error(frame.start,
+            "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; what lies deeper is left out");
     Frame skip;
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
@@ -138,8 +142,9 @@ Step Parser::State::read_header() {
   } else if (starts_with_ignoring_case(header, "#inventor")) {
     refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
   } else if (starts_with_ignoring_case(header, "<")) {
-    refuse(text.find("X3D") != std::string_view::npos ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
-                                                      : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
+    refuse(text.find("X3D") != std::string_view::npos
+               ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
+               : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
            top);
   } else if (looks_binary(text, true)) {
     refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
@@ -156,14 +161,22 @@ Step Parser::State::step() {
   if (!header_read) return read_header();
   switch (frames.back().kind) {
     case Frame::Kind::statements:
-    case Frame::Kind::prototype_body: return statement_step();
-    case Frame::Kind::prototype_interface: return interface_step();
-    case Frame::Kind::external_url: return external_url_step();
-    case Frame::Kind::node_body: return node_body_step();
-    case Frame::Kind::node_list: return node_list_step();
-    case Frame::Kind::values: return values_step();
-    case Frame::Kind::image: return image_step();
-    case Frame::Kind::skip: return skip_step();
+    case Frame::Kind::prototype_body:
+      return statement_step();
+    case Frame::Kind::prototype_interface:
+      return interface_step();
+    case Frame::Kind::external_url:
+      return external_url_step();
+    case Frame::Kind::node_body:
+      return node_body_step();
+    case Frame::Kind::node_list:
+      return node_list_step();
+    case Frame::Kind::values:
+      return values_step();
+    case Frame::Kind::image:
+      return image_step();
+    case Frame::Kind::skip:
+      return skip_step();
   }
   return Step::finished;
 }
@@ -191,7 +204,9 @@ void Parser::State::report_end_inside(const Frame& frame) {
   const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
                     frame.kind == Frame::Kind::prototype_interface;
   error(lexer.location(), "the file ends inside " + what + " that begins at line " + std::to_string(frame.start.line) +
-                              (frame.kind == Frame::Kind::image ? "" : list ? "; expected ']'" : "; expected '}'"));
+                              (frame.kind == Frame::Kind::image ? ""
+                               : list                           ? "; expected ']'"
+                                                                : "; expected '}'"));
 }
 
 ParseOutcome Parser::State::close() {
@@ -214,7 +229,8 @@ ParseOutcome Parser::State::close() {
     }
   }
   end_scope();
-  if (!anything_read && headerless) refuse("the file holds nothing; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  if (!anything_read && headerless)
+    refuse("the file holds nothing; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
   return outcome;
 }

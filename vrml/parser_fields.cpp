@@ -7,15 +7,14 @@ namespace gs::vrml {
 namespace {
 
 std::optional<AccessType> access_named(std::string_view word) {
-  for (const AccessType access : {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
+  for (const AccessType access :
+       {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
     if (word == name_of(access)) return access;
   return std::nullopt;
 }
 
 // VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
-bool may_be_mapped(AccessType inner, AccessType outer) {
-  return inner == outer || inner == AccessType::exposedField;
-}
+bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
 
 // The role that a node must have to stand in a field of this name of a built-in node (VRML97 4.6.3,
 // 4.6.5); none: any node.
@@ -25,14 +24,21 @@ Role role_for(std::string_view field) {
     Role role;
   };
   static constexpr Row kRows[] = {
-      {"children", Role::child},         {"choice", Role::child},
-      {"level", Role::child},            {"proxy", Role::child},
-      {"geometry", Role::geometry},      {"appearance", Role::appearance},
-      {"material", Role::material},      {"texture", Role::texture},
+      {"children", Role::child},
+      {"choice", Role::child},
+      {"level", Role::child},
+      {"proxy", Role::child},
+      {"geometry", Role::geometry},
+      {"appearance", Role::appearance},
+      {"material", Role::material},
+      {"texture", Role::texture},
       {"textureTransform", Role::texture_transform},
-      {"coord", Role::geometric_property}, {"color", Role::geometric_property},
-      {"normal", Role::geometric_property}, {"texCoord", Role::geometric_property},
-      {"fontStyle", Role::font_style},   {"source", Role::sound_source},
+      {"coord", Role::geometric_property},
+      {"color", Role::geometric_property},
+      {"normal", Role::geometric_property},
+      {"texCoord", Role::geometric_property},
+      {"fontStyle", Role::font_style},
+      {"source", Role::sound_source},
   };
   for (const Row& row : kRows)
     if (row.field == field) return row.role;
@@ -46,13 +52,16 @@ Step Parser::State::node_body_step() {
   finish_pending();
   const Token token = lexer.next();
   switch (token.kind) {
-    case TokenKind::need_more: return Step::need_more;
-    case TokenKind::end: return Step::finished;
+    case TokenKind::need_more:
+      return Step::need_more;
+    case TokenKind::end:
+      return Step::finished;
     case TokenKind::close_brace:
       rubbish = false;
       end_node();
       return Step::done;
-    case TokenKind::word: break;
+    case TokenKind::word:
+      break;
     default:
       if (token.kind == TokenKind::bad && token.text.size() != 1) {
         error(token.location, "a string that begins here never ends; expected '\"'");
@@ -117,12 +126,14 @@ Step Parser::State::field(const Token& name) {
   if (step != Step::done) return step;
   if (declaration->slot < 64) {
     const std::uint64_t bit = std::uint64_t{1} << declaration->slot;
-    if (frames[index].fields_seen & bit) warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one counts");
+    if (frames[index].fields_seen & bit)
+      warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one counts");
     frames[index].fields_seen |= bit;
     scene.node(frames[index].node).fields_set |= bit;
   }
   // A single node is checked here, the nodes of a list where they are read.
-  if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body && type.kind == NodeType::Kind::built_in)
+  if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body &&
+      type.kind == NodeType::Kind::built_in)
     check_role(frames.back().node, declaration->name);
   return step;
 }
@@ -154,12 +165,13 @@ Step Parser::State::is_mapping(const Token& name) {
   const InterfaceDeclaration* outer = prototype.find(outer_name.text);
   if (!inner || !outer) {
     error(inner ? outer_name.location : name.location,
-          inner ? "PROTO " + prototype.name + " has no " + describe(outer_name) : type.name + " has no " + describe(name));
+          inner ? "PROTO " + prototype.name + " has no " + describe(outer_name)
+                : type.name + " has no " + describe(name));
     return Step::done;
   }
   if (inner->type != outer->type) {
-    error(name.location, std::string(name_of(inner->type)) + " " + describe(name) + " IS " + std::string(name_of(outer->type)) +
-                             " " + describe(outer_name) + "; expected equal types");
+    error(name.location, std::string(name_of(inner->type)) + " " + describe(name) + " IS " +
+                             std::string(name_of(outer->type)) + " " + describe(outer_name) + "; expected equal types");
     return Step::done;
   }
   if (!may_be_mapped(inner->access, outer->access))
@@ -287,8 +299,10 @@ Step Parser::State::skip_step() {
       complain();
       frame.skipped_value = true;
       return Step::done;
-    case TokenKind::bad: return Step::done;
-    default: break;
+    case TokenKind::bad:
+      return Step::done;
+    default:
+      break;
   }
   if (token.text == "DEF") {
     if (frame.depth == 0 && frame.skipped_value) return leave();

@@ -14,10 +14,10 @@ namespace gs::vrml {
 
 /// What one step of the parser came to.
 enum class Step : std::uint8_t {
-  done,       // something was read
-  need_more,  // nothing was read: more bytes are needed first
+  done,            // something was read
+  need_more,       // nothing was read: more bytes are needed first
   need_more_kept,  // likewise, but what was read before of this list counts
-  finished,   // there is no more to read
+  finished,        // there is no more to read
 };
 
 /// One open construct. The stack of these is the parser's whole memory of where it is.
@@ -44,10 +44,10 @@ struct Frame {
   std::uint64_t fields_seen = 0;                  // node_body: a bit for each slot below 64
   std::array<double, 4> partial{};                // values: numbers of an element that is not whole yet
   std::uint8_t partial_count = 0;
-  std::uint64_t pixels_left = 0;                  // image
-  std::size_t depth = 0;                          // skip: open brackets
-  bool skipped_value = false;                     // skip: something was skipped already
-  bool value_unexpected = false;                  // skip: there should be nothing to skip
+  std::uint64_t pixels_left = 0;  // image
+  std::size_t depth = 0;          // skip: open brackets
+  bool skipped_value = false;     // skip: something was skipped already
+  bool value_unexpected = false;  // skip: there should be nothing to skip
 };
 
 /// A name scope (VRML97 4.4.3): the file, or the body of a PROTO.
@@ -129,20 +129,20 @@ struct Parser::State {
   Lexer lexer;
   std::vector<Frame> frames;
   std::vector<Scope> scopes;
-  std::string carry;               // bytes that came and could not be used yet
-  std::size_t retry_size = 0;      // try again when `carry` has grown to this
-  int interfaces_open = 0;         // PROTO interfaces that are being read, whose default nodes are live
+  std::string carry;           // bytes that came and could not be used yet
+  std::size_t retry_size = 0;  // try again when `carry` has grown to this
+  int interfaces_open = 0;     // PROTO interfaces that are being read, whose default nodes are live
   bool header_read = false;
   bool headerless = false;
   bool anything_read = false;
-  bool table_text = false;         // interface text of our own: no header, no scene
-  bool rubbish = false;            // the last token was rubbish and has been complained about
+  bool table_text = false;  // interface text of our own: no header, no scene
+  bool rubbish = false;     // the last token was rubbish and has been complained about
   bool end_reported = false;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // of declarations that don't count
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read
-  bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false, said_bad_id = false, said_number_form = false,
-       said_limit = false;
+  bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,
+       said_bad_id = false, said_number_form = false, said_limit = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
 

@@ -31,7 +31,8 @@ Step Parser::State::statement_step() {
         if (brace.kind == TokenKind::need_more) return Step::need_more;
         lexer.go_back(behind);
         if (brace.kind != TokenKind::open_brace) {
-          refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token), token.location);
+          refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+                 token.location);
           return Step::finished;
         }
       }
@@ -41,7 +42,8 @@ Step Parser::State::statement_step() {
     }
   }
   if (headerless && !anything_read) {
-    refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token), token.location);
+    refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+           token.location);
     return Step::finished;
   }
   if (token.kind == TokenKind::bad && token.text.size() != 1) {
@@ -85,7 +87,8 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
       lexer.go_back(before);
       return Step::done;
     }
-    if (!is_id(id.text)) warn_once(said_bad_id, id.location, describe(id) + " is no legal name (VRML97 Annex A.2); taken as one");
+    if (!is_id(id.text))
+      warn_once(said_bad_id, id.location, describe(id) + " is no legal name (VRML97 Annex A.2); taken as one");
     if (!define) {
       const auto found = scopes.back().names.find(id.text);
       if (found == scopes.back().names.end()) {
@@ -205,7 +208,8 @@ bool Parser::State::read_node_event(std::string& node, std::string& event, Step&
       step = Step::need_more;
       return false;
     }
-    const bool goes_on = text.empty() || text.back() == '.' || (token.kind == TokenKind::word && token.text.front() == '.');
+    const bool goes_on =
+        text.empty() || text.back() == '.' || (token.kind == TokenKind::word && token.text.front() == '.');
     if (token.kind != TokenKind::word || !goes_on) {
       lexer.go_back(before);
       break;
@@ -254,7 +258,8 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
     if (!last_chance) {
       scope.unresolved_routes.push_back(wanted);
     } else {
-      error(wanted.location, "ROUTE names '" + (from == scope.names.end() ? wanted.from : wanted.to) + "', which no DEF names");
+      error(wanted.location,
+            "ROUTE names '" + (from == scope.names.end() ? wanted.from : wanted.to) + "', which no DEF names");
     }
     return;
   }
@@ -273,12 +278,12 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
     return;
   }
   if (route.event_out->type != route.event_in->type) {
-    error(wanted.location, "ROUTE from " + std::string(name_of(route.event_out->type)) + " '" + wanted.event_out + "' to " +
-                               std::string(name_of(route.event_in->type)) + " '" + wanted.event_in + "'; expected equal types");
+    error(wanted.location, "ROUTE from " + std::string(name_of(route.event_out->type)) + " '" + wanted.event_out +
+                               "' to " + std::string(name_of(route.event_in->type)) + " '" + wanted.event_in +
+                               "'; expected equal types");
     return;
   }
-  std::vector<Statement>& statements =
-      scope.prototype ? scope.prototype->prototype->statements : scene.statements();
+  std::vector<Statement>& statements = scope.prototype ? scope.prototype->prototype->statements : scene.statements();
   statements.push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scope.prototype) scene.routes().push_back(route);
 }
@@ -291,11 +296,13 @@ Step Parser::State::prototype_head(bool external) {
   const Token bracket = name.kind == TokenKind::word ? lexer.next() : name;
   if (bracket.kind == TokenKind::need_more) return Step::need_more;
   if (name.kind != TokenKind::word || bracket.kind != TokenKind::open_bracket) {
-    unexpected(name.kind != TokenKind::word ? name : bracket, std::string("a name and '[' after ") + (external ? "EXTERNPROTO" : "PROTO"));
+    unexpected(name.kind != TokenKind::word ? name : bracket,
+               std::string("a name and '[' after ") + (external ? "EXTERNPROTO" : "PROTO"));
     lexer.go_back(before);
     return Step::done;
   }
-  if (!is_id(name.text)) warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
+  if (!is_id(name.text))
+    warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
   auto type = std::make_unique<NodeType>();
   type->name = name.text;
   type->kind = external ? NodeType::Kind::external_prototype : NodeType::Kind::prototype;
@@ -332,7 +339,8 @@ Step Parser::State::interface_step() {
   if (token.kind == TokenKind::need_more) return Step::need_more;
   if (token.kind == TokenKind::end) return Step::finished;
   if (token.kind == TokenKind::word) {
-    for (const AccessType access : {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
+    for (const AccessType access :
+         {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
       if (token.text == name_of(access)) {
         rubbish = false;
         return interface_declaration(access, type, !external, false);
@@ -418,7 +426,8 @@ void Parser::State::end_scope() {
 
 // A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.
 void Parser::State::add_type_statement(const NodeType& type) {
-  std::vector<Statement>& list = scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
+  std::vector<Statement>& list =
+      scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
   auto place = list.end();
   const Frame::Kind inside = frames.back().kind;
   if (inside != Frame::Kind::statements && inside != Frame::Kind::prototype_body)

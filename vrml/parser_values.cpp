@@ -19,14 +19,18 @@ constexpr std::size_t kLongRun = 16 * 1024;
 constexpr int arity(FieldType type) {
   switch (type) {
     case FieldType::SFVec2f:
-    case FieldType::MFVec2f: return 2;
+    case FieldType::MFVec2f:
+      return 2;
     case FieldType::SFColor:
     case FieldType::SFVec3f:
     case FieldType::MFColor:
-    case FieldType::MFVec3f: return 3;
+    case FieldType::MFVec3f:
+      return 3;
     case FieldType::SFRotation:
-    case FieldType::MFRotation: return 4;
-    default: return 1;
+    case FieldType::MFRotation:
+      return 4;
+    default:
+      return 1;
   }
 }
 
@@ -80,7 +84,8 @@ bool Parser::State::number_of(const Token& token, double& number) {
     }
     double real = 0;
     if (!parse_number(token.text, real)) return false;
-    warn_once(said_number_form, token.location, "expected an integer of 32 bits, found " + describe(token) + "; cut to one");
+    warn_once(said_number_form, token.location,
+              "expected an integer of 32 bits, found " + describe(token) + "; cut to one");
     number = std::isnan(real) ? 0 : std::trunc(std::clamp(real, -2147483648.0, 2147483647.0));
     return true;
   }
@@ -109,8 +114,8 @@ String Parser::State::string_of(const Token& token) {
 // A single value of floats in the plain form that nearly all files use; false, and nothing read, for
 // anything else.
 bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
-  if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f && type != FieldType::SFColor &&
-      type != FieldType::SFRotation)
+  if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f &&
+      type != FieldType::SFColor && type != FieldType::SFRotation)
     return false;
   float f[4];
   const auto wanted = static_cast<std::size_t>(arity(type));
@@ -118,11 +123,21 @@ bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
   if (run.count != wanted) return false;
   lexer.advance(run.next, run.lines, run.line_start);
   switch (type) {
-    case FieldType::SFFloat: into.emplace<SFFloat>(f[0]); break;
-    case FieldType::SFVec2f: into.emplace<SFVec2f>(f[0], f[1]); break;
-    case FieldType::SFVec3f: into.emplace<SFVec3f>(f[0], f[1], f[2]); break;
-    case FieldType::SFColor: into.emplace<SFColor>(SFColor{f[0], f[1], f[2]}); break;
-    default: into.emplace<SFRotation>(SFRotation{f[0], f[1], f[2], f[3]}); break;
+    case FieldType::SFFloat:
+      into.emplace<SFFloat>(f[0]);
+      break;
+    case FieldType::SFVec2f:
+      into.emplace<SFVec2f>(f[0], f[1]);
+      break;
+    case FieldType::SFVec3f:
+      into.emplace<SFVec3f>(f[0], f[1], f[2]);
+      break;
+    case FieldType::SFColor:
+      into.emplace<SFColor>(SFColor{f[0], f[1], f[2]});
+      break;
+    default:
+      into.emplace<SFRotation>(SFRotation{f[0], f[1], f[2], f[3]});
+      break;
   }
   return true;
 }
@@ -170,7 +185,8 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
     unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
     lexer.go_back(before);
     if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
-        (found.kind == TokenKind::word && (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
+        (found.kind == TokenKind::word &&
+         (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
       skip_value();
     return Step::done;
   };
@@ -200,7 +216,8 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
       into.emplace<SFBool>(yes);
       return Step::done;
     }
-    default: break;
+    default:
+      break;
   }
   // All tokens first: a need for more bytes must leave no trace, diagnostics included.
   std::array<Token, 4> tokens;
@@ -221,16 +238,31 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   number_type = type;
   for (int i = 0; i < wanted; ++i)
     if (!number_of(tokens[i], numbers[i]))
-      error(tokens[i].location, "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 taken");
+      error(tokens[i].location,
+            "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 taken");
   const auto f = [&](int i) { return to_float(numbers[i]); };
   switch (type) {
-    case FieldType::SFFloat: into.emplace<SFFloat>(f(0)); break;
-    case FieldType::SFTime: into.emplace<SFTime>(numbers[0]); break;
-    case FieldType::SFInt32: into.emplace<SFInt32>(static_cast<std::int32_t>(numbers[0])); break;
-    case FieldType::SFVec2f: into.emplace<SFVec2f>(f(0), f(1)); break;
-    case FieldType::SFVec3f: into.emplace<SFVec3f>(f(0), f(1), f(2)); break;
-    case FieldType::SFColor: into.emplace<SFColor>(SFColor{f(0), f(1), f(2)}); break;
-    case FieldType::SFRotation: into.emplace<SFRotation>(SFRotation{f(0), f(1), f(2), f(3)}); break;
+    case FieldType::SFFloat:
+      into.emplace<SFFloat>(f(0));
+      break;
+    case FieldType::SFTime:
+      into.emplace<SFTime>(numbers[0]);
+      break;
+    case FieldType::SFInt32:
+      into.emplace<SFInt32>(static_cast<std::int32_t>(numbers[0]));
+      break;
+    case FieldType::SFVec2f:
+      into.emplace<SFVec2f>(f(0), f(1));
+      break;
+    case FieldType::SFVec3f:
+      into.emplace<SFVec3f>(f(0), f(1), f(2));
+      break;
+    case FieldType::SFColor:
+      into.emplace<SFColor>(SFColor{f(0), f(1), f(2)});
+      break;
+    case FieldType::SFRotation:
+      into.emplace<SFRotation>(SFRotation{f(0), f(1), f(2), f(3)});
+      break;
     default:
       into = initial_value(type);
       append_element(into, numbers);
@@ -259,7 +291,8 @@ Step Parser::State::image_head(FieldValue& into, Token token, std::string_view n
   if (!good) {
     error(token.location, "an image of " + std::to_string(static_cast<long long>(head[0])) + " x " +
                               std::to_string(static_cast<long long>(head[1])) + " pixels with " +
-                              std::to_string(static_cast<long long>(head[2])) + " components; expected 0 to 4 components and at most " +
+                              std::to_string(static_cast<long long>(head[2])) +
+                              " components; expected 0 to 4 components and at most " +
                               std::to_string(scene.limits().image_pixels) + " pixels");
     skip_value();
     return Step::done;
@@ -294,10 +327,12 @@ Step Parser::State::image_step() {
     }
     std::int32_t number = 0;
     double large = 0;
-    const bool is_number = token.kind == TokenKind::word &&
-                           (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
+    const bool is_number =
+        token.kind == TokenKind::word &&
+        (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
     if (!is_number) {
-      error(token.location, std::to_string(frame.pixels_left) + " pixels of an image are missing; expected a pixel, found " + describe(token));
+      error(token.location, std::to_string(frame.pixels_left) +
+                                " pixels of an image are missing; expected a pixel, found " + describe(token));
       lexer.go_back(before);
       while (frame.pixels_left-- > 0 && words.size() < 3 + scene.limits().image_pixels) words.push_back(0);
       break;
@@ -313,8 +348,10 @@ Step Parser::State::node_list_step() {
   const Lexer::Position start = lexer.position();
   const Token token = lexer.next();
   switch (token.kind) {
-    case TokenKind::need_more: return Step::need_more;
-    case TokenKind::end: return Step::finished;
+    case TokenKind::need_more:
+      return Step::need_more;
+    case TokenKind::end:
+      return Step::finished;
     case TokenKind::close_bracket:
       rubbish = false;
       shrink(*frames.back().into);
@@ -327,7 +364,8 @@ Step Parser::State::node_list_step() {
       lexer.go_back(start);
       return Step::done;
     }
-    default: break;
+    default:
+      break;
   }
   if (token.kind == TokenKind::word && token.text == "NULL") return Step::done;
   bool was_statement = false;
@@ -335,7 +373,8 @@ Step Parser::State::node_list_step() {
     const Step read = statement(token, was_statement);
     if (was_statement) {
       if (read == Step::done)
-        warn_once(said_route_in_list, token.location, std::string(token.text) + " inside a list of nodes; taken as if it stood before the node");
+        warn_once(said_route_in_list, token.location,
+                  std::string(token.text) + " inside a list of nodes; taken as if it stood before the node");
       return read;
     }
     if (is_id(token.text)) {
@@ -362,7 +401,8 @@ void Parser::State::bulk_floats(Frame& frame, Array<T>& array) {
   constexpr std::size_t kArity = sizeof(T) / sizeof(float);
   const auto take = [&](float* at, std::size_t capacity) {
     for (std::size_t i = 0; i < frame.partial_count; ++i) at[i] = to_float(frame.partial[i]);
-    const NumberRun run = parse_floats(lexer.unread(), lexer.window_end(), at + frame.partial_count, capacity - frame.partial_count);
+    const NumberRun run =
+        parse_floats(lexer.unread(), lexer.window_end(), at + frame.partial_count, capacity - frame.partial_count);
     lexer.advance(run.next, run.lines, run.line_start);
     const std::size_t count = run.count + frame.partial_count;
     frame.partial_count = static_cast<std::uint8_t>(count % kArity);
@@ -427,8 +467,9 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   const FieldType type = type_of(list);
   const auto leave = [&] {
     if (frame.partial_count > 0)
-      error(token.location, "the last value of " + std::string(frame.name) + " has " + std::to_string(frame.partial_count) +
-                                " numbers; expected " + std::to_string(arity(type)));
+      error(token.location, "the last value of " + std::string(frame.name) + " has " +
+                                std::to_string(frame.partial_count) + " numbers; expected " +
+                                std::to_string(arity(type)));
     shrink(list);
     frames.pop_back();
     return Step::done;
@@ -443,7 +484,8 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   if (token.kind == TokenKind::word && type != FieldType::MFString) {
     bool taken = number_of(token, number);
     if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
-      error(token.location, "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 taken");
+      error(token.location,
+            "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 taken");
       taken = true;
       number = 0;
     }
@@ -470,7 +512,8 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
     error(token.location, "a string that begins here never ends; expected '\"'");
     end_reported = true;
   } else if (!std::exchange(rubbish, true)) {
-    error(token.location, "expected " + std::string(element_name(type)) + " or ']' in " + std::string(frame.name) + ", found " + describe(token));
+    error(token.location, "expected " + std::string(element_name(type)) + " or ']' in " + std::string(frame.name) +
+                              ", found " + describe(token));
   }
   if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
     skip_value();

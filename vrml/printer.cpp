@@ -114,9 +114,15 @@ class Printer {
       first = false;
       out_ += indent;
       switch (statement.kind) {
-        case Statement::Kind::node: print_node(statement.node, indent, 0); break;
-        case Statement::Kind::prototype: print_type(*statement.type, indent); break;
-        case Statement::Kind::route: print_route(statement.route); break;
+        case Statement::Kind::node:
+          print_node(statement.node, indent, 0);
+          break;
+        case Statement::Kind::prototype:
+          print_type(*statement.type, indent);
+          break;
+        case Statement::Kind::route:
+          print_route(statement.route);
+          break;
       }
       out_ += '\n';
     }
@@ -149,7 +155,8 @@ class Printer {
     const Node& node = scene_.node(id);
     const std::string stem = node.name.empty() ? "_" + node.type->name : std::string(node.name);
     name = stem;
-    for (std::size_t& number = suffixes_[stem]; !used_.insert(name).second;) name = stem + "_" + std::to_string(++number);
+    for (std::size_t& number = suffixes_[stem]; !used_.insert(name).second;)
+      name = stem + "_" + std::to_string(++number);
     return name;
   }
 
@@ -179,7 +186,8 @@ class Printer {
       const bool own = plain && !plain->find(declaration.name);
       if (own) {
         out_ += inner + std::string(name_of(declaration.access)) + ' ' + std::string(name_of(declaration.type)) + ' ';
-      } else if (!mapping && (declaration.slot < 0 || node.values[declaration.slot] == node.type->defaults[declaration.slot])) {
+      } else if (!mapping &&
+                 (declaration.slot < 0 || node.values[declaration.slot] == node.type->defaults[declaration.slot])) {
         continue;
       } else {
         out_ += inner;
@@ -233,7 +241,8 @@ class Printer {
     const std::string inner = indent + "  ";
     out_ += (external ? "EXTERNPROTO " : "PROTO ") + type.name + " [\n";
     for (const InterfaceDeclaration& declaration : type.interfaces) {
-      out_ += inner + std::string(name_of(declaration.access)) + ' ' + std::string(name_of(declaration.type)) + ' ' + declaration.name;
+      out_ += inner + std::string(name_of(declaration.access)) + ' ' + std::string(name_of(declaration.type)) + ' ' +
+              declaration.name;
       if (declaration.slot >= 0 && !external) {
         out_ += ' ';
         if (const auto* node = std::get_if<SFNode>(&declaration.initial)) count(*node);

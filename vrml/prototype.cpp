@@ -78,7 +78,8 @@ class Copier {
     if (!made) return {};
     waiting_.push_back(original);
     if (waiting_.size() > 1) return made;  // the loop below is running already
-    for (std::size_t i = 0; i < waiting_.size(); ++i) copy_values(from_.node(waiting_[i]), imported_[waiting_[i].index]);
+    for (std::size_t i = 0; i < waiting_.size(); ++i)
+      copy_values(from_.node(waiting_[i]), imported_[waiting_[i].index]);
     waiting_.clear();
     return made;
   }
@@ -107,7 +108,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
     // An EXTERNPROTO may declare less than the PROTO; the rest has the PROTO's own values.
     const InterfaceDeclaration* own = type.find_field(mapping.outer->name);
     FieldValue value = own && own->type == mapping.outer->type ? scene.node(instance).values[own->slot]
-                                                              : copier.import(mapping.outer->initial);
+                                                               : copier.import(mapping.outer->initial);
     Node& inner_node = scene.node(copier.of(mapping.node));
     inner_node.values[mapping.inner->slot] = std::move(value);
     if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
@@ -116,8 +117,8 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   for (const Statement& statement : prototype.statements) {
     if (statement.kind == Statement::Kind::node) expansion.push_back(copier.of(statement.node));
     if (statement.kind == Statement::Kind::route)
-      scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to), statement.route.event_out,
-                                statement.route.event_in});
+      scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to),
+                                statement.route.event_out, statement.route.event_in});
   }
   scene.node(instance).expansion = expansion;
   scene.node(instance).expansion_first = first;
@@ -164,7 +165,8 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
 
 const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
   for (const Statement& statement : scene.statements())
-    if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name)) return statement.type;
+    if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name))
+      return statement.type;
   return nullptr;
 }
 

@@ -65,9 +65,7 @@ NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
   return resolved && nodes_[resolved.index].type->name == type_name ? resolved : NodeId{};
 }
 
-void SceneGraph::set_name(NodeId id, std::string_view name) {
-  node(id).name = *keep_name(name);
-}
+void SceneGraph::set_name(NodeId id, std::string_view name) { node(id).name = *keep_name(name); }
 
 const std::string* SceneGraph::keep_name(std::string_view name) { return &names_.emplace_back(name); }
 

@@ -18,15 +18,16 @@ namespace gs::vrml {
 /// One node: its type and one value for each slot of the type.
 struct Node {
   const NodeType* type = nullptr;
-  FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
-  std::string_view name;             // DEF name or empty; bytes owned by the scene
+  FieldValue* values = nullptr;  // type->defaults.size() of them, owned by the scene
+  std::string_view name;         // DEF name or empty; bytes owned by the scene
   SourceLocation location;
   std::uint32_t value_capacity = 0;
   std::uint32_t generation = 1;
-  std::uint64_t fields_set = 0;      // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
-  bool in_prototype_body = false;    // part of a PROTO's declaration, not of the world
-  MFNode expansion;                  // of a PROTO instance: the nodes of its body; the first one stands for it
-  std::uint32_t expansion_first = 0; // of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow
+  std::uint64_t fields_set = 0;    // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
+  bool in_prototype_body = false;  // part of a PROTO's declaration, not of the world
+  MFNode expansion;                // of a PROTO instance: the nodes of its body; the first one stands for it
+  std::uint32_t expansion_first =
+      0;  // of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow
 };
 
 /// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The declarations belong to the nodes' types.
@@ -48,15 +49,15 @@ struct IsMapping {
 struct Statement {
   enum class Kind : std::uint8_t { node, prototype, route };
   Kind kind;
-  NodeId node;                    // Kind::node
-  const NodeType* type = nullptr; // Kind::prototype: PROTO or EXTERNPROTO
-  Route route;                    // Kind::route
+  NodeId node;                     // Kind::node
+  const NodeType* type = nullptr;  // Kind::prototype: PROTO or EXTERNPROTO
+  Route route;                     // Kind::route
 };
 
 /// The body of a PROTO: the nodes that each instance gets copies of.
 struct Prototype {
   std::vector<Statement> statements;
-  std::vector<NodeId> nodes;        // all, in the order in which they were made
+  std::vector<NodeId> nodes;  // all, in the order in which they were made
   std::vector<IsMapping> mappings;
   const SceneGraph* scene = nullptr;  // whose arena holds the nodes
   bool complete = false;              // the closing brace was seen
@@ -139,7 +140,9 @@ class SceneGraph {
   void attach_inline(NodeId inline_node, std::unique_ptr<SceneGraph> content);
   /// Null while nothing has been attached.
   [[nodiscard]] SceneGraph* inlined(NodeId inline_node) const;
-  [[nodiscard]] const std::unordered_map<std::uint32_t, std::unique_ptr<SceneGraph>>& inlines() const { return inlines_; }
+  [[nodiscard]] const std::unordered_map<std::uint32_t, std::unique_ptr<SceneGraph>>& inlines() const {
+    return inlines_;
+  }
   /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
   SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 

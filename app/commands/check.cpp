@@ -16,8 +16,10 @@ int run_check(const Options& options) {
     load.timeout_seconds = options.timeout_seconds;
     load.references = false;
     const OpenedWorld world = load_world(file, load);
-    for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries()) std::printf("%s\n", diagnostic.text().c_str());
-    if (world.diagnostics.dropped() > 0) std::printf("%s: note: %zu more diagnostics\n", file.c_str(), world.diagnostics.dropped());
+    for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries())
+      std::printf("%s\n", diagnostic.text().c_str());
+    if (world.diagnostics.dropped() > 0)
+      std::printf("%s: note: %zu more diagnostics\n", file.c_str(), world.diagnostics.dropped());
     bytes += world.bytes;
     seconds += world.parse_seconds;
     errors += world.diagnostics.errors();
@@ -25,8 +27,9 @@ int run_check(const Options& options) {
     if (world.scene) nodes += world.scene->node_count();
   }
   if (!options.stats.empty()) {
-    const nlohmann::json stats = {{"bytes", bytes}, {"parse_s", seconds}, {"nodes", nodes},
-                                  {"peak_rss_bytes", peak_memory()}, {"errors", errors}, {"warnings", warnings}};
+    const nlohmann::json stats = {{"bytes", bytes},   {"parse_s", seconds},
+                                  {"nodes", nodes},   {"peak_rss_bytes", peak_memory()},
+                                  {"errors", errors}, {"warnings", warnings}};
     if (!write_text(options.stats, stats.dump(2) + "\n")) return kFailed;
   }
   return errors > 0 ? kFailed : kDone;

@@ -21,8 +21,11 @@ int run_open(const Options& options) {
   load.max_bytes = options.max_bytes;
   load.timeout_seconds = options.timeout_seconds;
   std::string error;
-  const int status = run_viewer(viewer, [load](const std::string& path) { return load_world(path, load); }, error);
-  if (status != 0) std::fprintf(stderr, "ghostspace: error: %s\nA picture without a window: ghostspace --snapshot OUT.png FILE\n", error.c_str());
+  const int status = run_viewer(
+      viewer, [load](const std::string& path) { return load_world(path, load); }, error);
+  if (status != 0)
+    std::fprintf(stderr, "ghostspace: error: %s\nA picture without a window: ghostspace --snapshot OUT.png FILE\n",
+                 error.c_str());
   return status;
 }
 

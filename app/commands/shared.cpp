@@ -9,8 +9,10 @@
 namespace gs::app {
 
 void print_diagnostics(const vrml::Diagnostics& diagnostics) {
-  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) std::fprintf(stderr, "%s\n", diagnostic.text().c_str());
-  if (diagnostics.dropped() > 0) std::fprintf(stderr, "ghostspace: %zu more diagnostics are not shown\n", diagnostics.dropped());
+  for (const vrml::Diagnostic& diagnostic : diagnostics.entries())
+    std::fprintf(stderr, "%s\n", diagnostic.text().c_str());
+  if (diagnostics.dropped() > 0)
+    std::fprintf(stderr, "ghostspace: %zu more diagnostics are not shown\n", diagnostics.dropped());
 }
 
 bool write_text(const std::string& path, const std::string& text) {
@@ -30,7 +32,8 @@ std::string demo_world() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const fs::path installed = program.parent_path() / "../share/ghostspace/worlds/demo.wrl";
-  return !error && fs::exists(installed, error) ? installed.lexically_normal().string() : GHOSTSPACE_SOURCE_ASSETS "/worlds/demo.wrl";
+  return !error && fs::exists(installed, error) ? installed.lexically_normal().string()
+                                                : GHOSTSPACE_SOURCE_ASSETS "/worlds/demo.wrl";
 }
 
 }  // namespace gs::app

@@ -54,7 +54,8 @@ std::size_t count_colors(const render::Image& image) {
   constexpr std::size_t kEnough = 65536;
   std::unordered_set<std::uint32_t> seen;
   for (std::size_t i = 0; i + 2 < image.pixels.size() && seen.size() < kEnough; i += 3)
-    seen.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 | static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
+    seen.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 |
+                static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
   return seen.size();
 }
 
@@ -69,8 +70,9 @@ std::optional<View> choose_view(const Options& options, const render::RenderList
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
   constexpr float kFieldOfView = 0.785398f;
   if (options.orbit) {
-    view.camera = render::orbit_camera(list.bounds, glm::radians(static_cast<float>(options.orbit->first)),
-                                       glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView, width, height);
+    view.camera =
+        render::orbit_camera(list.bounds, glm::radians(static_cast<float>(options.orbit->first)),
+                             glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView, width, height);
     view.headlight = options.headlight.value_or(true);
     return view;
   }
@@ -107,7 +109,8 @@ int run_snapshot(const Options& options, const std::string& file) {
   if (!may_write(options.snapshot, file))
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
 
-  if (options.backend == "glfw") return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
+  if (options.backend == "glfw")
+    return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
   auto opened = render::open_headless_context(options.backend);
   if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
   render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);

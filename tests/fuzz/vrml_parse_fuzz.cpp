@@ -29,7 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ParseOutcome piecewise = parser.finish();
 
   const std::string printed = print(whole);
-  if (piecewise != outcome || print(pieces) != printed || said_whole.entries().size() != said_pieces.entries().size()) std::abort();
+  if (piecewise != outcome || print(pieces) != printed || said_whole.entries().size() != said_pieces.entries().size())
+    std::abort();
   MeshOptions coarse;
   coarse.segments = 6;
   for (std::uint32_t i = 1; i <= whole.node_count(); ++i) {

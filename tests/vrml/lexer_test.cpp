@@ -19,7 +19,8 @@ std::vector<std::string> tokens_of(const std::string& text, std::size_t piece) {
   std::size_t start = 0, end = std::min(piece, text.size());
   for (;;) {
     // Each window is a copy of its own, so that no token can rely on bytes that are not in it.
-    const std::vector<char> window(text.begin() + static_cast<std::ptrdiff_t>(start), text.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::vector<char> window(text.begin() + static_cast<std::ptrdiff_t>(start),
+                                   text.begin() + static_cast<std::ptrdiff_t>(end));
     static const char kNothing[1] = {};
     const char* begin = window.empty() ? kNothing : window.data();
     lexer.set_window(begin, begin + window.size(), end == text.size());
@@ -41,24 +42,38 @@ std::vector<std::string> tokens_of(const std::string& text, std::size_t piece) {
 }
 
 const std::string kText =
-    "#VRML V2.0 utf8\r\nDEF a.b Node{f[1,-2.5e3 .5]\"str\\\"ing\n x\\\\\"TRUE}\r# note\n\t0x1F,,1.#QNAN 1.# no\n'\\ \x01 end";
+    "#VRML V2.0 utf8\r\nDEF a.b Node{f[1,-2.5e3 .5]\"str\\\"ing\n x\\\\\"TRUE}\r# note\n\t0x1F,,1.#QNAN 1.# no\n'\\ "
+    "\x01 end";
 
 }  // namespace
 
 TEST_CASE("tokens and their places") {
   const auto tokens = tokens_of(kText, kText.size());
   const auto token = [](TokenKind kind, const std::string& text, int line, int column) {
-    return std::to_string(static_cast<int>(kind)) + ":" + text + "@" + std::to_string(line) + ":" + std::to_string(column);
+    return std::to_string(static_cast<int>(kind)) + ":" + text + "@" + std::to_string(line) + ":" +
+           std::to_string(column);
   };
-  const std::vector<std::string> expected = {
-      token(TokenKind::word, "DEF", 2, 1), token(TokenKind::word, "a.b", 2, 5), token(TokenKind::word, "Node", 2, 9),
-      token(TokenKind::open_brace, "{", 2, 13), token(TokenKind::word, "f", 2, 14), token(TokenKind::open_bracket, "[", 2, 15),
-      token(TokenKind::word, "1", 2, 16), token(TokenKind::word, "-2.5e3", 2, 18), token(TokenKind::word, ".5", 2, 25),
-      token(TokenKind::close_bracket, "]", 2, 27), token(TokenKind::string, "str\\\"ing\n x\\\\", 2, 28),
-      token(TokenKind::word, "TRUE", 3, 6), token(TokenKind::close_brace, "}", 3, 10), token(TokenKind::word, "0x1F", 5, 2),
-      token(TokenKind::word, "1.#QNAN", 5, 8), token(TokenKind::word, "1.", 5, 16), token(TokenKind::bad, "'", 6, 1),
-      token(TokenKind::bad, "\\", 6, 2), token(TokenKind::bad, "\x01", 6, 4), token(TokenKind::word, "end", 6, 6),
-      token(TokenKind::end, "", 6, 9)};
+  const std::vector<std::string> expected = {token(TokenKind::word, "DEF", 2, 1),
+                                             token(TokenKind::word, "a.b", 2, 5),
+                                             token(TokenKind::word, "Node", 2, 9),
+                                             token(TokenKind::open_brace, "{", 2, 13),
+                                             token(TokenKind::word, "f", 2, 14),
+                                             token(TokenKind::open_bracket, "[", 2, 15),
+                                             token(TokenKind::word, "1", 2, 16),
+                                             token(TokenKind::word, "-2.5e3", 2, 18),
+                                             token(TokenKind::word, ".5", 2, 25),
+                                             token(TokenKind::close_bracket, "]", 2, 27),
+                                             token(TokenKind::string, "str\\\"ing\n x\\\\", 2, 28),
+                                             token(TokenKind::word, "TRUE", 3, 6),
+                                             token(TokenKind::close_brace, "}", 3, 10),
+                                             token(TokenKind::word, "0x1F", 5, 2),
+                                             token(TokenKind::word, "1.#QNAN", 5, 8),
+                                             token(TokenKind::word, "1.", 5, 16),
+                                             token(TokenKind::bad, "'", 6, 1),
+                                             token(TokenKind::bad, "\\", 6, 2),
+                                             token(TokenKind::bad, "\x01", 6, 4),
+                                             token(TokenKind::word, "end", 6, 6),
+                                             token(TokenKind::end, "", 6, 9)};
   CHECK(tokens == expected);
 }
 
@@ -80,7 +95,8 @@ TEST_CASE("tokens of every prefix end with its end, and are those of the text up
 TEST_CASE("strings: escapes, UTF-8, Latin-1") {
   bool latin1 = false;
   CHECK(decode_string(R"(a\"b\\c\n)", true, latin1) == "a\"b\\c\\n");
-  CHECK(decode_string("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9d\x84\x9e", false, latin1) == "gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9d\x84\x9e");
+  CHECK(decode_string("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9d\x84\x9e", false, latin1) ==
+        "gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9d\x84\x9e");
   CHECK_FALSE(latin1);
   CHECK(decode_string("caf\xe9", false, latin1) == "caf\xc3\xa9");
   CHECK(latin1);

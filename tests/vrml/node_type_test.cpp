@@ -34,7 +34,8 @@ std::string repaired(const std::string& node, std::string range) {
   if (node == "CylinderSensor" && range == "[-2,2]") return "[-2pi,2pi]";
   if (node == "CylinderSensor" && range == "(0,/2)") return "(0,pi/2)";
   const auto replace = [&](const std::string& what, const std::string& with) {
-    for (std::size_t at = 0; (at = range.find(what, at)) != std::string::npos; at += with.size()) range.replace(at, what.size(), with);
+    for (std::size_t at = 0; (at = range.find(what, at)) != std::string::npos; at += with.size())
+      range.replace(at, what.size(), with);
   };
   replace("(-,)", "(-inf,inf)");
   replace(",)", ",inf)");

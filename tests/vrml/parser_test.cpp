@@ -31,8 +31,10 @@ std::vector<fs::path> corpus(const std::string& folder) {
 }
 
 // All that can be seen of a parse: how it ended, what it said, what it made.
-std::string result_of(const std::string& name, ParseOutcome outcome, const SceneGraph& scene, const Diagnostics& diagnostics) {
-  std::string result = name + " " + std::to_string(static_cast<int>(outcome)) + " nodes " + std::to_string(scene.node_count()) + "\n";
+std::string result_of(const std::string& name, ParseOutcome outcome, const SceneGraph& scene,
+                      const Diagnostics& diagnostics) {
+  std::string result =
+      name + " " + std::to_string(static_cast<int>(outcome)) + " nodes " + std::to_string(scene.node_count()) + "\n";
   for (const Diagnostic& diagnostic : diagnostics.entries()) result += diagnostic.text() + "\n";
   return result + print(scene);
 }
@@ -165,7 +167,8 @@ TEST_CASE("nodes of a list stand in the scene before the list is closed") {
   SceneGraph scene("progressive");
   Diagnostics diagnostics;
   Parser parser(scene, diagnostics);
-  parser.push("#VRML V2.0 utf8\nGroup { children [ Shape { geometry IndexedFaceSet { coord Coordinate { point [ " + std::string(2000, ' '));
+  parser.push("#VRML V2.0 utf8\nGroup { children [ Shape { geometry IndexedFaceSet { coord Coordinate { point [ " +
+              std::string(2000, ' '));
   REQUIRE(scene.roots().size() == 1);
   const NodeId shape = scene.get<MFNode>(scene.roots()[0], "children")[0];
   const NodeId faces = scene.get<SFNode>(shape, "geometry");
@@ -182,7 +185,8 @@ TEST_CASE("nodes of a list stand in the scene before the list is closed") {
 
 TEST_CASE("long number lists give the same values in pieces as whole") {
   std::string text = "#VRML V2.0 utf8\nIndexedFaceSet { coord Coordinate { point [\n";
-  for (int i = 0; i < 30000; ++i) text += std::to_string(i * 0.37 - 500) + " " + std::to_string(i) + (i % 3 ? " -0.5, " : " 1e-3,\n# note\n");
+  for (int i = 0; i < 30000; ++i)
+    text += std::to_string(i * 0.37 - 500) + " " + std::to_string(i) + (i % 3 ? " -0.5, " : " 1e-3,\n# note\n");
   text += "] } coordIndex [";
   for (int i = 0; i < 50000; ++i) text += std::to_string(i % 30000) + (i % 4 == 3 ? ", -1,\n" : ", ");
   text += "] }\n";
@@ -229,7 +233,8 @@ TEST_CASE("field values are what the text says") {
 
 TEST_CASE("locations count lines for LF, CRLF and CR, and columns in bytes") {
   for (const char* end : {"\n", "\r\n", "\r"}) {
-    const std::string text = std::string("#VRML V2.0 utf8") + end + end + "# note" + end + "  Shape { nothing 1 }" + end;
+    const std::string text =
+        std::string("#VRML V2.0 utf8") + end + end + "# note" + end + "  Shape { nothing 1 }" + end;
     SceneGraph scene("f");
     Diagnostics diagnostics;
     (void)parse(text, scene, diagnostics);
@@ -242,7 +247,10 @@ TEST_CASE("locations count lines for LF, CRLF and CR, and columns in bytes") {
 TEST_CASE("the number of nodes and of what PROTOs make of them is bounded") {
   Limits limits;
   limits.nodes = 10;
-  const Parsed few("Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { }", limits);
+  const Parsed few(
+      "Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } "
+      "Shape { }",
+      limits);
   CHECK(few.scene.node_count() == 10);
   CHECK(few.diagnostics.errors() == 1);
 

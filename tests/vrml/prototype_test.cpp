@@ -53,7 +53,8 @@ TEST_CASE("each instance has nodes of its own, with the values IS hands over") {
 }
 
 TEST_CASE("the first node of an instance stands for it, through instances inside instances") {
-  const auto scene = scene_of(R"(PROTO A [ field SFFloat r 1 ] { Sphere { radius IS r } } PROTO B [ field SFFloat q 2 ] { A { r IS q } }
+  const auto scene = scene_of(
+      R"(PROTO A [ field SFFloat r 1 ] { Sphere { radius IS r } } PROTO B [ field SFFloat q 2 ] { A { r IS q } }
                                  PROTO C [ ] { B { q 9 } } Shape { geometry C { } })");
   const NodeId geometry = scene->get<SFNode>(scene->roots()[0], "geometry");
   CHECK(scene->node(geometry).type->name == "C");
@@ -83,7 +84,8 @@ TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scen
   const auto radius = [&](NodeId ball) {
     const NodeId transform = scene->resolve_as(ball, "Transform");
     REQUIRE(transform);
-    CHECK(scene->get<SFVec3f>(transform, "translation") == SFVec3f(1, 2, 3));  // not in the EXTERNPROTO: the PROTO's own
+    CHECK(scene->get<SFVec3f>(transform, "translation") ==
+          SFVec3f(1, 2, 3));  // not in the EXTERNPROTO: the PROTO's own
     const MFNode extra = scene->get<MFNode>(child(*scene, transform, 1), "children");
     REQUIRE(extra.size() == 1);
     CHECK(scene->node(extra[0]).type->name == "Shape");
@@ -98,7 +100,8 @@ TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scen
 
 TEST_CASE("ten thousand PROTOs inside each other need no stack") {
   std::string text = "PROTO P0 [ ] { Group { } }\n";
-  for (int i = 1; i < 10000; ++i) text += "PROTO P" + std::to_string(i) + " [ ] { P" + std::to_string(i - 1) + " { } }\n";
+  for (int i = 1; i < 10000; ++i)
+    text += "PROTO P" + std::to_string(i) + " [ ] { P" + std::to_string(i - 1) + " { } }\n";
   const auto scene = scene_of(text + "P9999 { }");
   CHECK(scene->resolve_as(scene->roots()[0], "Group"));
 }
