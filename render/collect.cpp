@@ -266,14 +266,39 @@ std::shared_ptr<const Image> Collector::image_of_texture(const NodeView& texture
   return entry.image;
 }
 
+// Type and measures of a geometry that a few numbers describe wholly; empty for any other.
+std::string primitive_key(const vrml::Node& node) {
+  std::string key;
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
+    const bool plain = std::visit(
+        [&key](const auto& value) {
+          using T = std::decay_t<decltype(value)>;
+          constexpr bool kPlain =
+              std::is_same_v<T, vrml::SFFloat> || std::is_same_v<T, vrml::SFBool> || std::is_same_v<T, vrml::SFVec3f>;
+          if constexpr (kPlain) key.append(reinterpret_cast<const char*>(&value), sizeof value);
+          return kPlain;
+        },
+        node.values[i]);
+    if (!plain) return {};
+  }
+  return key.empty() ? key : key + node.type->name;
+}
+
 std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                      bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
   if (!entry.mesh || (textured && !entry.texture_coordinates)) {
+    const std::string key = primitive_key(scene.node(geometry));
+    std::weak_ptr<const vrml::Mesh>* shared = key.empty() ? nullptr : &meshes_.primitives[key];
+    if (shared && (entry.mesh = shared->lock())) {
+      entry.texture_coordinates = true;  // primitives always have them
+      return entry.mesh;
+    }
     vrml::MeshOptions options;
-    options.texture_coordinates = textured;
+    options.texture_coordinates = textured || shared;
     entry.mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
-    entry.texture_coordinates = textured;
+    entry.texture_coordinates = options.texture_coordinates;
+    if (shared) *shared = entry.mesh;
   }
   return entry.mesh;
 }

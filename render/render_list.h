@@ -94,6 +94,9 @@ struct MeshCache {
   };
   std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
+  /// Boxes, cones, cylinders and spheres by type and measures: equal ones in different nodes, of which
+  /// worlds full of PROTO instances have thousands, share one mesh and so one draw call.
+  std::unordered_map<std::string, std::weak_ptr<const vrml::Mesh>> primitives;
 
   void erase(const vrml::Node* geometry) { meshes.erase(geometry); }
   void clear() { *this = {}; }

@@ -164,6 +164,23 @@ TEST_CASE("USE shares meshes; Anchor, Collision and Group show their children; p
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
 
+TEST_CASE("Equal primitives share one mesh, whatever nodes and PROTO instances they stand in") {
+  World world(
+      "PROTO Ball [ field SFFloat r 2 ] { Shape { geometry Sphere { radius IS r } } }\n"
+      "Ball { } Ball { } Ball { r 3 } Shape { geometry Sphere { radius 2 } } Shape { geometry Box { size 2 2 2 } }\n"
+      "Shape { geometry Cone { bottomRadius 2 height 3 } } Shape { geometry Cone { bottomRadius 3 height 2 } }\n"
+      "Shape { geometry Cone { bottomRadius 2 height 3 side FALSE } }");
+  const RenderList list = world.collect();
+  REQUIRE(list.items.size() == 8);
+  CHECK(list.items[0].mesh == list.items[1].mesh);
+  CHECK(list.items[0].mesh == list.items[3].mesh);
+  CHECK(list.items[0].mesh != list.items[2].mesh);
+  CHECK(list.items[0].mesh != list.items[4].mesh);
+  CHECK(list.items[5].mesh != list.items[6].mesh);
+  CHECK(list.items[5].mesh != list.items[7].mesh);
+  CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
+}
+
 TEST_CASE("Cycles are cut") {
   World world("DEF A Group { children [ DEF B Transform { translation 1 0 0 } " + kBox + "] }");
   const vrml::NodeId a = world.find("A"), b = world.find("B");
