@@ -69,7 +69,7 @@ sweep_one() {
   local message=
   if [ "$check" != ok ] || [ "$picture" = refused ]; then
     message=$(cat "$scratch"/check.out "$scratch"/check.err "$scratch"/picture.err |
-      { grep -m 1 -aE 'error:|Error|ERROR' || true; } | tr '\t' ' ' | cut -c1-300)
+      { grep -m 1 -aE 'error:|Error|ERROR' || true; } | tr '\t' ' ' | cut -c1-300) || true # cat may find its reader gone
   fi
   # one write a row: rows of two processes do not mix
   printf '%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n' "$collection" "$relative" "$check" "$picture" "$colors" \
@@ -105,7 +105,9 @@ SWEEP_OUT=$root/build/sweep
   exit 2
 }
 # An exit status of its own, so that a report is not taken for a refusal.
-export ASAN_OPTIONS=exitcode=99:detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:exitcode=99
+# Leaks are looked for by the unit tests: at the end of a program that drew, LeakSanitizer sometimes crashes itself while
+# the threads of the software rasteriser go.
+export ASAN_OPTIONS=exitcode=99:detect_leaks=0:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:exitcode=99
 export SWEEP_DIR SWEEP_BINARY SWEEP_OUT
 rm -rf "$SWEEP_OUT"
 mkdir -p "$SWEEP_OUT/pictures" "$SWEEP_OUT/logs"

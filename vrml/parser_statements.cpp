@@ -115,7 +115,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   const NodeType* type = find_type(token.text);
   if (brace.kind != TokenKind::open_brace) {
     // Of prose in place of nodes the first word is enough to complain about.
-    if (brace.kind == TokenKind::end) {
+    if (brace.kind == TokenKind::end && (type || frames.size() > 1)) {
       unexpected(brace, "'{' after " + std::string(token.text));
     } else if (!std::exchange(rubbish, true)) {
       type ? unexpected(brace, "'{' after " + std::string(token.text)) : unexpected(token, "a node");
