@@ -118,7 +118,7 @@ Token Lexer::string_token() {
     ++p;
   }
   token.text = {first, static_cast<std::size_t>(end_ - first)};
-  token.kind = last_ ? TokenKind::bad : TokenKind::need_more;
+  token.kind = last_ ? TokenKind::unterminated_string : TokenKind::need_more;
   if (last_) next_ = end_;
   return token;
 }

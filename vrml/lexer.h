@@ -18,7 +18,8 @@ enum class TokenKind : std::uint8_t {
   close_brace,
   open_bracket,
   close_bracket,
-  bad,  // one byte that VRML97 has no use for, or an unterminated string at the end of the text
+  unterminated_string,  // one that the end of the text cuts short
+  bad,                  // one byte that VRML97 has no use for
 };
 
 struct Token {

@@ -55,6 +55,8 @@ std::string describe(const Token& token) {
       return "the end of the file";
     case TokenKind::string:
       return "a string";
+    case TokenKind::unterminated_string:
+      return "a string that never ends";
     case TokenKind::bad:
       if (token.text.size() == 1) {
         const auto byte = static_cast<unsigned char>(token.text.front());
@@ -86,7 +88,21 @@ void Parser::State::warn_once(bool& said, SourceLocation location, std::string m
 
 void Parser::State::unexpected(const Token& found, const std::string& what) {
   if (found.kind == TokenKind::end && (frames.size() > 1 || std::exchange(end_reported, true))) return;
+  if (found.kind == TokenKind::unterminated_string) {
+    error(found.location, "a string that begins here never ends; expected '\"'");
+    end_reported = true;
+    return;
+  }
   error(found.location, "expected " + what + ", found " + describe(found));
+}
+
+void Parser::State::rubbish_token(const Token& token, const std::string& what) {
+  if (token.kind == TokenKind::unterminated_string || !std::exchange(rubbish, true)) unexpected(token, what);
+  if (frames.back().kind == Frame::Kind::statements || frames.back().kind == Frame::Kind::prototype_body) return;
+  if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
+    skip_value();
+    frames.back().depth = 1;
+  }
 }
 
 void Parser::State::refuse(std::string message, SourceLocation location) {

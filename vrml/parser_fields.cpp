@@ -63,17 +63,7 @@ Step Parser::State::node_body_step() {
     case TokenKind::word:
       break;
     default:
-      if (token.kind == TokenKind::bad && token.text.size() != 1) {
-        error(token.location, "a string that begins here never ends; expected '\"'");
-        end_reported = true;
-      } else if (!std::exchange(rubbish, true)) {
-        error(token.location, "expected a field of " + frames.back().type->name + " or '}', found " + describe(token));
-      }
-      // A list nobody asked for is passed over whole.
-      if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
-        skip_value();
-        frames.back().depth = 1;
-      }
+      rubbish_token(token, "a field of " + frames.back().type->name + " or '}'");
       return Step::done;
   }
   bool was_statement = false;
@@ -298,6 +288,9 @@ Step Parser::State::skip_step() {
     case TokenKind::string:
       complain();
       frame.skipped_value = true;
+      return Step::done;
+    case TokenKind::unterminated_string:
+      unexpected(token, "'\"'");
       return Step::done;
     case TokenKind::bad:
       return Step::done;

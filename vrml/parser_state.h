@@ -77,6 +77,9 @@ struct Parser::State {
   /// "expected `what`, found ..."; of the end of the text only where nothing is open, since the open
   /// construct that it cuts short is reported anyway.
   void unexpected(const Token& found, const std::string& what);
+  /// Complains of the first of several tokens in a row that have no use here, and passes over a list or node
+  /// body that nobody asked for.
+  void rubbish_token(const Token& token, const std::string& what);
   void warn_once(bool& said, SourceLocation location, std::string message);
   bool open(Frame frame);
   void report_end_inside(const Frame& frame);

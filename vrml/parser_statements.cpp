@@ -46,12 +46,7 @@ Step Parser::State::statement_step() {
            token.location);
     return Step::finished;
   }
-  if (token.kind == TokenKind::bad && token.text.size() != 1) {
-    error(token.location, "a string that begins here never ends; expected '\"'");
-    end_reported = true;
-  } else if (!std::exchange(rubbish, true)) {
-    error(token.location, "expected a node, PROTO, EXTERNPROTO or ROUTE, found " + describe(token));
-  }
+  rubbish_token(token, "a node, PROTO, EXTERNPROTO or ROUTE");
   return Step::done;
 }
 

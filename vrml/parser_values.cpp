@@ -193,7 +193,8 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   // Where the first token starts; its text always lies in the window.
   Lexer::Position before = lexer.position();
   before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
-  if (token.text.data() == nullptr || token.kind == TokenKind::string) before = lexer.position();
+  if (token.text.data() == nullptr || token.kind == TokenKind::string || token.kind == TokenKind::unterminated_string)
+    before = lexer.position();
 
   switch (type) {
     case FieldType::SFString:
@@ -315,11 +316,7 @@ Step Parser::State::node_list_step() {
       return step;
     }
   }
-  if (!std::exchange(rubbish, true)) error(token.location, "expected a node or ']', found " + describe(token));
-  if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
-    skip_value();
-    frames.back().depth = 1;
-  }
+  rubbish_token(token, "a node or ']'");
   return Step::done;
 }
 
@@ -435,17 +432,7 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
     lexer.go_back(before);
     return leave();
   }
-  if (token.kind == TokenKind::bad && token.text.size() != 1) {
-    error(token.location, "a string that begins here never ends; expected '\"'");
-    end_reported = true;
-  } else if (!std::exchange(rubbish, true)) {
-    error(token.location, "expected " + std::string(element_name(type)) + " or ']' in " + std::string(frame.name) +
-                              ", found " + describe(token));
-  }
-  if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
-    skip_value();
-    frames.back().depth = 1;
-  }
+  rubbish_token(token, std::string(element_name(type)) + " or ']' in " + std::string(frame.name));
   return Step::done;
 }
 
