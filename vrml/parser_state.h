@@ -87,6 +87,7 @@ struct Parser::State {
   // parser_statements.cpp: statements, node heads, ROUTE, PROTO
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
+  Step x3d_statement(const Token& keyword);
   Step node_head(Token token, FieldValue* into);
   void place(NodeId node, FieldValue* into);
   void end_node();

@@ -56,8 +56,25 @@ Step Parser::State::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
   if (keyword.text == "PROTO") return prototype_head(false);
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
+  for (const std::string_view x3d : {"META", "PROFILE", "COMPONENT", "UNIT", "IMPORT", "EXPORT"})
+    if (keyword.text == x3d && !find_type(x3d)) return x3d_statement(keyword);
   was_statement = false;
   return Step::done;
+}
+
+// A statement of X3D, which some files with a VRML97 header hold: passed over to the end of its line.
+Step Parser::State::x3d_statement(const Token& keyword) {
+  for (;;) {
+    const Lexer::Position before = lexer.position();
+    const Token token = lexer.next();
+    if (token.kind == TokenKind::need_more) return Step::need_more;
+    const bool belongs = token.location.line == keyword.location.line &&
+                         (token.kind == TokenKind::word || token.kind == TokenKind::string);
+    if (belongs) continue;
+    lexer.go_back(before);
+    error(keyword.location, describe(keyword) + " is a statement of X3D; skipped");
+    return Step::done;
+  }
 }
 
 const NodeType* Parser::State::find_type(std::string_view name) const {
@@ -101,7 +118,10 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     if (token.kind != TokenKind::word) {
       unexpected(token, "a node type after DEF " + std::string(name));
       lexer.go_back(before);
-      return Step::done;
+      if (token.kind != TokenKind::open_brace || !find_type(id.text)) return Step::done;
+      // The name was forgotten, and what stands in its place is the type.
+      token = id;
+      name = {};
     }
   }
   const Lexer::Position behind_type = lexer.position();
@@ -116,8 +136,6 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
       type ? unexpected(brace, "'{' after " + std::string(token.text)) : unexpected(token, "a node");
     }
     lexer.go_back(behind_type);
-    // Statements of X3D (META "name" "content", PROFILE, ...) are passed over with what belongs to them.
-    if (brace.kind == TokenKind::string) skip_value();
     return Step::done;
   }
   rubbish = false;
