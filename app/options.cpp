@@ -109,8 +109,9 @@ constexpr OptionRow kOptions[] = {
     {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
     {"--max-bytes", "N", "", "take only the first N bytes of the file, as if the rest had not arrived", "open check ",
      set_max_bytes},
-    {"--timeout", "SECONDS", "30", "for loading; what has not come by then is left out", "open check print ",
-     set_timeout},
+    {"--timeout", "SECONDS", "30",
+     "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long",
+     "open check print ", set_timeout},
     {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;

@@ -10,8 +10,13 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include <sys/time.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -57,6 +62,26 @@ std::size_t count_colors(const render::Image& image) {
     seen.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 |
                 static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
   return seen.size();
+}
+
+// A world of two kilobytes can ask for more pixels than a software rasteriser fills in a day, and a frame
+// that was begun cannot be stopped: after this long the program gives up in one line.
+constexpr double kDrawingPerLoading = 4;
+
+extern "C" void give_up(int) {
+  static constexpr char kMessage[] = "ghostspace: error: drawing takes longer than four times --timeout; given up\n";
+  (void)!write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
+  _exit(kFailed);
+}
+
+// 0 seconds: no limit any more.
+void limit_drawing(double timeout_seconds) {
+  const double seconds = std::min(timeout_seconds * kDrawingPerLoading, 1e6);
+  std::signal(SIGALRM, give_up);
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<time_t>(seconds);
+  timer.it_value.tv_usec = static_cast<suseconds_t>((seconds - std::floor(seconds)) * 999'999);
+  setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
 struct View {
@@ -118,6 +143,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   if (auto* problem = std::get_if<render::ContextError>(&created)) return fail(problem->message);
   render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
 
+  limit_drawing(options.timeout_seconds);
   render::MeshCache meshes;
   render::RenderList list = render::collect(*world.scene, world.images, meshes);
   std::string error;
@@ -138,6 +164,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   render::FrameStatistics statistics;
   auto picture = renderer.draw_to_image(list, view->camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
+  limit_drawing(0);
   const render::Image& image = std::get<render::Image>(picture);
   const double first_image_seconds = seconds_since(start);
   if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))

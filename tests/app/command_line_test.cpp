@@ -149,3 +149,22 @@ TEST_CASE("a snapshot of what is no world gives one line and status 1") {
   CHECK(run("--snapshot " + out + " --viewpoint nowhere --backend osmesa " + quoted(folder.write("box.wrl", kBox)))
             .output.find("no Viewpoint 'nowhere'; the world has none") != std::string::npos);
 }
+
+TEST_CASE("a world that can't be drawn in time is given up in one line, and leaves no picture") {
+  const ScratchFolder folder;
+  // 2^20 boxes in one place, each as large as the picture.
+  std::string text =
+      "#VRML V2.0 utf8\nDEF N0 Shape { appearance Appearance { material Material { transparency 0.5 } } geometry Box { "
+      "} }\n";
+  for (int i = 1; i <= 20; ++i) {
+    const std::string inner = "USE N" + std::to_string(i - 1) + " ";
+    text += "DEF N" + std::to_string(i) + " Group { children [ " + inner + inner + "] }\n";
+  }
+  const Run result = run("--backend osmesa --samples 1 --timeout 0.5 --snapshot " + quoted(folder.path("out.png")) +
+                         " " + quoted(folder.write("boxes.wrl", text)));
+  INFO(result.output);
+  CHECK(result.status == kFailed);
+  CHECK(result.output.find("four times --timeout") != std::string::npos);
+  CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  CHECK(folder.read("out.png").empty());
+}
