@@ -160,7 +160,7 @@ TEST_CASE("a world that can't be drawn in time is given up in one line, and leav
     const std::string inner = "USE N" + std::to_string(i - 1) + " ";
     text += "DEF N" + std::to_string(i) + " Group { children [ " + inner + inner + "] }\n";
   }
-  const Run result = run("--backend osmesa --samples 1 --timeout 0.5 --snapshot " + quoted(folder.path("out.png")) +
+  const Run result = run("--backend osmesa --samples 1 --timeout 1 --snapshot " + quoted(folder.path("out.png")) +
                          " " + quoted(folder.write("boxes.wrl", text)));
   INFO(result.output);
   CHECK(result.status == kFailed);
