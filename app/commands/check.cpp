@@ -30,7 +30,7 @@ int run_check(const Options& options) {
     const nlohmann::json stats = {{"bytes", bytes},   {"parse_s", seconds},
                                   {"nodes", nodes},   {"peak_rss_bytes", peak_memory()},
                                   {"errors", errors}, {"warnings", warnings}};
-    if (!write_text(options.stats, stats.dump(2) + "\n")) return kFailed;
+    if (!write_stats(options.stats, stats.dump(2) + "\n")) return kFailed;
   }
   return errors > 0 ? kFailed : kDone;
 }

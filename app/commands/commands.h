@@ -19,8 +19,9 @@ int run_snapshot(const Options& options, const std::string& file);
 
 /// Prints diagnostics to stderr, a line each.
 void print_diagnostics(const vrml::Diagnostics& diagnostics);
-/// Writes text to a file, complaining on stderr; false when that failed.
-bool write_text(const std::string& path, const std::string& text);
+/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; false when that failed. A
+/// file that is there is only written over if it holds such measurements: a mistyped name must not cost a world.
+bool write_stats(const std::string& path, const std::string& json);
 /// The largest memory this process has held, in bytes.
 [[nodiscard]] std::size_t peak_memory();
 /// The demo world: beside the program where it was installed, else in the source tree.

@@ -2,6 +2,7 @@
 #include "net/file.h"
 
 #include <sys/resource.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <filesystem>
@@ -15,8 +16,23 @@ void print_diagnostics(const vrml::Diagnostics& diagnostics) {
     std::fprintf(stderr, "ghostspace: %zu more diagnostics are not shown\n", diagnostics.dropped());
 }
 
-bool write_text(const std::string& path, const std::string& text) {
-  const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text)));
+bool write_stats(const std::string& path, const std::string& json) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) {
+    const auto opened = net::map_file(path);
+    const auto* file = std::get_if<net::MappedFile>(&opened);
+    const auto old =
+        file ? nlohmann::json::parse(reinterpret_cast<const char*>(file->bytes().data()),
+                                     reinterpret_cast<const char*>(file->bytes().data()) + file->bytes().size(),
+                                     nullptr, false)
+             : nlohmann::json();
+    const bool ours = old.is_object() && old.contains("peak_rss_bytes");
+    if (!ours && !(file && file->bytes().empty())) {
+      std::fprintf(stderr, "%s: error: is there and holds no measurements; it is not written over\n", path.c_str());
+      return false;
+    }
+  }
+  const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(json)));
   if (problem) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problem->message.c_str());
   return !problem;
 }

@@ -188,7 +188,7 @@ int run_snapshot(const Options& options, const std::string& file) {
                                   {"splats", "none"},
                                   {"errors", world.diagnostics.errors()},
                                   {"warnings", world.diagnostics.warnings()}};
-    if (!write_text(options.stats, stats.dump(2) + "\n")) return kFailed;
+    if (!write_stats(options.stats, stats.dump(2) + "\n")) return kFailed;
   }
   return world.truncated ? kFailed : kDone;
 }

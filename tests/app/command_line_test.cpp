@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <set>
 #include <string>
+#include <utility>
 
 using namespace gs::app;
 
@@ -160,11 +161,28 @@ TEST_CASE("a world that can't be drawn in time is given up in one line, and leav
     const std::string inner = "USE N" + std::to_string(i - 1) + " ";
     text += "DEF N" + std::to_string(i) + " Group { children [ " + inner + inner + "] }\n";
   }
-  const Run result = run("--backend osmesa --samples 1 --timeout 1 --snapshot " + quoted(folder.path("out.png")) +
-                         " " + quoted(folder.write("boxes.wrl", text)));
+  const Run result = run("--backend osmesa --samples 1 --timeout 1 --snapshot " + quoted(folder.path("out.png")) + " " +
+                         quoted(folder.write("boxes.wrl", text)));
   INFO(result.output);
   CHECK(result.status == kFailed);
   CHECK(result.output.find("four times --timeout") != std::string::npos);
   CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   CHECK(folder.read("out.png").empty());
+}
+
+TEST_CASE("measurements are written over nothing but measurements") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox), stats = folder.path("s.json");
+  CHECK(run("check --stats " + quoted(stats) + " " + quoted(world)).status == kDone);
+  CHECK(run("check --stats " + quoted(stats) + " " + quoted(world)).status == kDone);
+  const std::string gltf = "{\n  \"asset\": { \"version\": \"2.0\" }\n}\n";
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"box.wrl", kBox}, {"model.gltf", gltf}, {"list.json", "[1]"}}) {
+    const std::string file = folder.write(name, bytes);
+    const Run result = run("check --stats " + quoted(file) + " " + quoted(world));
+    INFO(result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+    CHECK(folder.read(name) == bytes);
+  }
 }
