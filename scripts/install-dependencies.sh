@@ -11,7 +11,9 @@ packages=(
   # mathematics, numbers, JSON, importers
   libglm-dev libfast-float-dev nlohmann-json3-dev libtinygltf-dev
   # images and compression
-  libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev
+  libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
+  # volumes
+  libnifti2-dev libznz-dev libcfitsio-dev libexpat1-dev
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests

@@ -11,11 +11,13 @@ for room in vrml qnv net render; do
   report "$room/ includes a room that it must not know:" \
     "$(sources $room | xargs -r grep -nE '#include "(app|vrml|qnv|net|render)/' | grep -vE "#include \"($allowed)/")"
 done
-report "GLFW belongs in app/window.cpp:" "$(sources app render vrml net | grep -v '^app/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
-report "Dear ImGui belongs in app/ui_*.cpp:" "$(sources app render vrml net | grep -v '^app/ui_' | xargs -r grep -ln '#include [<"]imgui')"
-report "GL headers belong in render/:" "$(sources app vrml net | xargs -r grep -lnE '#include <GL/')"
+report "GLFW belongs in app/window.cpp:" "$(sources app render vrml qnv net | grep -v '^app/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
+report "Dear ImGui belongs in app/ui_*.cpp:" "$(sources app render vrml qnv net | grep -v '^app/ui_' | xargs -r grep -ln '#include [<"]imgui')"
+report "GL headers belong in render/:" "$(sources app vrml qnv net | xargs -r grep -lnE '#include <GL/')"
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"
 report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
-report "Header without #pragma once:" "$(sources app vrml qnv net render | grep '\.h$' | xargs -r grep -L '#pragma once')"
+# render/splat_tile_loop.h is included once for each instruction set.
+report "Header without #pragma once:" \
+  "$(sources app vrml qnv net render | grep '\.h$' | grep -v '^render/splat_tile_loop.h$' | xargs -r grep -L '#pragma once')"
 exit $failed

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "qnv/volume.h"
+
+#include <cstddef>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <utility>
+#include <vector>
+
+/// Volumes in memory, for tests.
+namespace gs::test {
+
+/// A volume of these stored voxels, x fastest. The layout needs no type: it is that of T.
+template <class T>
+qnv::VolumeSource volume_of(qnv::VolumeLayout layout, std::vector<T> voxels) {
+  const std::size_t slice = std::size_t{layout.dimensions[0]} * layout.dimensions[1] * sizeof(T);
+  auto owned = std::make_shared<const std::vector<T>>(std::move(voxels));
+  return {std::move(layout), [owned, slice](std::uint32_t z, std::span<std::byte> to) {
+            if (to.size() != slice || (z + std::size_t{1}) * slice > owned->size() * sizeof(T)) return false;
+            std::memcpy(to.data(), reinterpret_cast<const std::byte*>(owned->data()) + z * slice, slice);
+            return true;
+          }};
+}
+
+/// A volume of floats from a function of the voxel's indices.
+inline qnv::VolumeSource volume_of(qnv::VolumeLayout layout,
+                                   const std::function<float(std::uint32_t, std::uint32_t, std::uint32_t)>& value) {
+  std::vector<float> voxels;
+  const auto [nx, ny, nz] = layout.dimensions;
+  for (std::uint32_t z = 0; z < nz; ++z)
+    for (std::uint32_t y = 0; y < ny; ++y)
+      for (std::uint32_t x = 0; x < nx; ++x) voxels.push_back(value(x, y, z));
+  layout.type = qnv::VoxelType::f32;
+  return volume_of(std::move(layout), std::move(voxels));
+}
+
+/// Anisotropic axes that are not at right angles.
+inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz) {
+  qnv::VolumeLayout layout;
+  layout.dimensions = {nx, ny, nz};
+  layout.axes = {glm::vec3(0.5f, 0.1f, 0), glm::vec3(-0.2f, 0.8f, 0.1f), glm::vec3(0.1f, 0.2f, 1.5f)};
+  layout.origin = glm::vec3(10, -20, 30);
+  return layout;
+}
+
+/// The place of a voxel, by the definition.
+inline glm::vec3 place_of(const qnv::VolumeLayout& layout, float x, float y, float z) {
+  return layout.origin + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
+}
+
+}  // namespace gs::test
