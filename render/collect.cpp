@@ -44,8 +44,8 @@ vrml::Bounds transformed(const vrml::Bounds& bounds, const dmat4& matrix) {
 
 class Collector {
  public:
-  Collector(const Images& images, MeshCache& meshes, const glm::vec3& viewer)
-      : images_(images), meshes_(meshes), viewer_(viewer) {}
+  Collector(const Images& images, MeshCache& meshes, const glm::vec3& viewer, const Clouds& clouds)
+      : images_(images), meshes_(meshes), viewer_(viewer), clouds_(clouds) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -71,6 +71,7 @@ class Collector {
   void add_light(const NodeView& light, const dmat4& world_from_local, bool directional);
   void add_bindable(const NodeView& view, const Frame& parent);
   void add_shape(const Frame& parent, const NodeView& shape);
+  void add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud);
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
   std::shared_ptr<const Image> image_of_texture(const NodeView& texture);
   std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
@@ -79,6 +80,7 @@ class Collector {
   const Images& images_;
   MeshCache& meshes_;
   dvec3 viewer_;
+  const Clouds& clouds_;
   Schemas schemas_;
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
@@ -228,6 +230,10 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
     if (material.kind() == NodeKind::material) item.material = material_of(material);
     item.texture = texture_use(*parent.scene, appearance);
   }
+  if (const auto cloud = clouds_.find(&parent.scene->node(geometry)); cloud != clouds_.end() && cloud->second) {
+    add_splats(parent, item, cloud->second);
+    return;
+  }
   item.mesh = mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
   if (!item.mesh || item.mesh->empty() || !finite(parent.world_from_local)) return;
   item.world_from_node = glm::mat4(parent.world_from_local);
@@ -236,6 +242,22 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
   const vrml::Bounds bounds = transformed(item.mesh->bounds, parent.world_from_local);
   if (!bounds.empty() && std::isfinite(glm::dot(bounds.lower, bounds.upper) * 0.0f)) list_.bounds.add(bounds);
   list_.items.push_back(std::move(item));
+}
+
+void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud) {
+  if (cloud->empty() || !finite(parent.world_from_local)) return;
+  SplatItem item;
+  item.cloud = cloud;
+  item.world_from_node = glm::mat4(parent.world_from_local);
+  // Discs have normals, so they are lit even where no Material asks for it.
+  item.own_color = !shape.material.lit;
+  item.material = item.own_color ? Material{} : shape.material;
+  const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
+  item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
+  const qnv::Box& box = cloud->description.box;
+  const vrml::Bounds bounds = transformed({box.lower, box.upper}, parent.world_from_local);
+  if (!bounds.empty() && std::isfinite(glm::dot(bounds.lower, bounds.upper) * 0.0f)) list_.bounds.add(bounds);
+  list_.splats.push_back(std::move(item));
 }
 
 TextureUse Collector::texture_use(const vrml::SceneGraph& scene, const NodeView& appearance) {
@@ -305,9 +327,10 @@ std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& sce
 
 }  // namespace
 
-RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes, const glm::vec3& viewer) {
+RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes, const glm::vec3& viewer,
+                   const Clouds& clouds) {
   const bool usable = std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z);
-  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10)).collect(scene);
+  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10), clouds).collect(scene);
 }
 
 }  // namespace gs::render

@@ -25,6 +25,7 @@
   X(BUFFERSUBDATA, BufferSubData)                                     \
   X(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus)                   \
   X(CLEAR, Clear)                                                     \
+  X(CLEARBUFFERFV, ClearBufferfv)                                     \
   X(CLEARCOLOR, ClearColor)                                           \
   X(COLORMASK, ColorMask)                                             \
   X(COMPILESHADER, CompileShader)                                     \
@@ -43,10 +44,14 @@
   X(DEPTHMASK, DepthMask)                                             \
   X(DISABLE, Disable)                                                 \
   X(DRAWARRAYS, DrawArrays)                                           \
+  X(DRAWARRAYSINSTANCED, DrawArraysInstanced)                         \
+  X(DRAWBUFFERS, DrawBuffers)                                         \
   X(DRAWELEMENTSINSTANCEDBASEVERTEX, DrawElementsInstancedBaseVertex) \
   X(ENABLE, Enable)                                                   \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                 \
+  X(FINISH, Finish)                                                   \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                 \
+  X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                       \
   X(FRONTFACE, FrontFace)                                             \
   X(GENBUFFERS, GenBuffers)                                           \
   X(GENFRAMEBUFFERS, GenFramebuffers)                                 \
@@ -81,14 +86,17 @@
   X(TEXPARAMETERI, TexParameteri)                                     \
   X(TEXPARAMETERIV, TexParameteriv)                                   \
   X(UNIFORM1I, Uniform1i)                                             \
+  X(UNIFORM1F, Uniform1f)                                             \
   X(UNIFORM2F, Uniform2f)                                             \
   X(UNIFORM2I, Uniform2i)                                             \
+  X(UNIFORM3FV, Uniform3fv)                                           \
   X(UNIFORM4FV, Uniform4fv)                                           \
   X(UNIFORMBLOCKBINDING, UniformBlockBinding)                         \
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                               \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                               \
   X(USEPROGRAM, UseProgram)                                           \
   X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)                         \
+  X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)                       \
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                         \
   X(VIEWPORT, Viewport)
 

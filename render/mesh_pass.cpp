@@ -281,7 +281,7 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
 }
 
 void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
-                    FrameStatistics& statistics) {
+                    FrameStatistics& statistics, const std::function<void()>& between) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
@@ -297,7 +297,10 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
 
   lights_.begin(list.lights, view.camera_from_world, headlight);
   prepare(list, view);
-  if (instances_.empty()) return;
+  if (instances_.empty()) {
+    between();
+    return;
+  }
   lights_.upload();
   meshes_.set_instances(instances_);
 
@@ -314,6 +317,11 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
     return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
   });
   draw_batches(clip_from_camera, statistics);
+  between();
+  anything_applied_ = false;
+  meshes_.forget_binding();
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
   if (!transparent_.empty()) {
     gl_.Enable(GL_BLEND);
     gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -13,6 +13,7 @@
 #include <glm/vec2.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <unordered_map>
 #include <variant>
@@ -27,8 +28,9 @@ class MeshPass {
   static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
 
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
+  /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
   void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
-            FrameStatistics& statistics);
+            FrameStatistics& statistics, const std::function<void()>& between);
 
  private:
   /// Bits that select a shader variant; each is one #define.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/cloud.h"
 #include "render/image.h"
 #include "vrml/mesh.h"
 #include "vrml/scene_graph.h"
@@ -47,6 +48,18 @@ struct DrawItem {
   std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
 };
 
+/// The vectors of the QNV nodes of a world that have arrived, by node.
+using Clouds = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::Cloud>>;
+
+/// One Shape whose geometry is a QNV node, under one transformation.
+struct SplatItem {
+  std::shared_ptr<const qnv::Cloud> cloud;
+  glm::mat4 world_from_node{1.0f};
+  Material material;
+  bool own_color = false;  // the cloud's colour, not the material's
+  std::vector<std::uint16_t> directional_lights;
+};
+
 /// VRML97 6.5. Colours from the zenith (sky) and the nadir (ground); angles in radians.
 struct Background {
   std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
@@ -72,6 +85,7 @@ struct NavigationState {
 /// Everything that one frame needs, as plain data in world space.
 struct RenderList {
   std::vector<DrawItem> items;
+  std::vector<SplatItem> splats;
   std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
@@ -104,8 +118,8 @@ struct MeshCache {
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
 /// Safe for any graph a file can describe: cycles are cut, depth and the number of items are bounded.
-/// `viewer` is the camera's place in world space, for LOD.
+/// `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in `clouds` become splats.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
-                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f));
+                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {});
 
 }  // namespace gs::render

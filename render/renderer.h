@@ -6,6 +6,7 @@
 #include "render/render_list.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,15 +14,21 @@
 
 namespace gs::render {
 
+/// How surfaces of QNV vectors are drawn. automatic: with OpenGL, but on the processor where OpenGL itself is software.
+enum class SplatPath : std::uint8_t { automatic, gl, cpu };
+
 struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
   bool headlight = true;
   std::optional<glm::vec3> background;  // one colour in place of the world's Background
+  SplatPath splats = SplatPath::automatic;
 };
 
 struct FrameStatistics {
   std::size_t triangles = 0, items = 0, draw_calls = 0;
+  std::size_t vectors = 0;      // of clouds, in view
+  const char* splats = "none";  // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
 };
 
 /// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "render/camera.h"
+#include "render/gpu.h"
+#include "render/light_sets.h"
+#include "render/render_list.h"
+#include "render/renderer.h"
+#include "render/splat_gl.h"
+#include "render/splat_raster.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <optional>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// Draws the clouds of a RenderList: rasterises them, on the processor or with OpenGL, and shades the result with the
+/// lights of the scene, pixel by pixel, against the depth of what has been drawn.
+class SplatPass {
+ public:
+  explicit SplatPass(const Gl& gl);
+
+  /// `camera` must have its near and far planes set. Leaves blending and the depth test off.
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+            FrameStatistics& statistics);
+
+ private:
+  struct Shader {
+    Program program;
+    GLint normals = -1, depths = -1, colors = -1, origin = -1, pixel = -1, tangents = -1, depth_row = -1, base = -1,
+          emissive_ambient = -1, specular_exponent = -1;
+  };
+  /// Null when the driver refused it.
+  const Shader* shader(bool colored, std::size_t lights);
+  void shade(const SplatItem& item, const SplatTextures& textures, std::uint32_t light_set,
+             const glm::mat4& clip_from_camera, const DrawOptions& options);
+  /// Empty where OpenGL is not wanted or cannot.
+  std::optional<SplatTextures> with_gl(const SplatItem& item, const SplatView& view, const DrawOptions& options);
+  SplatTextures on_processor(const SplatItem& item, const SplatView& view);
+  void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
+              const void* pixels);
+
+  const Gl& gl_;
+  LightSets lights_;
+  SplatGl splat_gl_;
+  bool software_;  // OpenGL itself runs on the processor
+  VertexArray no_attributes_;
+  Texture normals_, depths_, colors_;
+  std::unordered_map<std::size_t, Shader> shaders_;
+};
+
+}  // namespace gs::render

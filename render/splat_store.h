@@ -1,0 +1,112 @@
+#pragma once
+
+#include "qnv/cloud.h"
+#include "qnv/record.h"
+#include "render/gpu.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::render {
+
+/// A disc as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an octahedral normal
+/// of 2 x 14, a logarithmic radius of 16 and a colour of 24. 0 for the radius: nothing is drawn.
+using SplatCode = std::array<std::uint32_t, 4>;
+/// The cube of a disc: a logarithmic edge of 16 bits (0: none), and how far the centre lies off, of 16.
+using CellCode = std::uint32_t;
+
+/// What the codes of one cloud mean.
+struct SplatCoding {
+  // How far a cube's centre may lie from its disc, in edges.
+  static constexpr float kOffsetRange = 4;
+  glm::vec3 lower{0}, step{0};          // position = lower + code * step; units of the cloud
+  glm::vec2 radius{0}, edge{0};         // log2 of the value = x + code * y
+  float largest_radius = 0, reach = 0;  // reach: of the largest cube from its disc
+};
+
+/// Empty when nothing of the cloud can be drawn: its arrays differ in length, or no disc is finite. Safe for clouds
+/// with any numbers in them.
+[[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud);
+/// Encodes discs `first` and following, as many as `codes` holds.
+void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
+/// Likewise their cubes; the cloud must have some.
+void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
+
+/// Keeps clouds in the memory of the GPU: 16 bytes a disc, 20 with cubes. As long as somebody else holds them, and
+/// those that were drawn longest ago make room for others.
+class SplatStore {
+ public:
+  /// A cloud's instance buffer: all SplatCodes, then all CellCodes.
+  struct Entry {
+    std::weak_ptr<const qnv::Cloud> cloud;
+    std::optional<SplatCoding> coding;
+    Buffer buffer;
+    std::size_t discs = 0, bytes = 0;
+    bool cells = false;
+    std::uint64_t used = 0;
+  };
+
+  /// `most_bytes`: of the memory of the GPU that is taken.
+  explicit SplatStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30) : gl_(gl), most_bytes_(most_bytes) {}
+
+  /// Where the cloud lies, after uploading it if need be. Without a buffer, it cannot be drawn; null when there is no
+  /// memory for it. Valid until the next call of `forget_unused`.
+  const Entry* find(const std::shared_ptr<const qnv::Cloud>& cloud);
+  /// To be called once a frame. Frees the copies of clouds that nobody holds any more.
+  void forget_unused();
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  bool upload(const qnv::Cloud& cloud, Entry& entry);
+  void make_room(std::size_t bytes);
+
+  const Gl& gl_;
+  std::size_t most_bytes_, bytes_ = 0;
+  std::uint64_t frame_ = 0;
+  std::unordered_map<const qnv::Cloud*, Entry> entries_;
+};
+
+/// Chunks of 8-byte records in the memory of the GPU, as they came off the wire; the vertex shader unpacks them.
+class SplatRecords {
+ public:
+  struct Chunk {
+    Buffer buffer;
+    std::size_t records = 0;
+    qnv::RecordFrame frame;
+    std::shared_ptr<const qnv::Cloud> sample;  // some of the vectors, to tell how large they are
+  };
+
+  /// `palette`: colours by index, up to 256; those that are missing are qnv::Rgb8{}.
+  SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided);
+
+  /// Uploads records.size() / 8 records as they are. False when the frame is not valid() or there is no memory.
+  bool add(std::span<const std::byte> records, const qnv::RecordFrame& frame);
+
+  [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
+  [[nodiscard]] const Texture& palette() const { return palette_; }
+  [[nodiscard]] bool two_sided() const { return two_sided_; }
+  [[nodiscard]] bool colored() const { return colored_; }
+
+ private:
+  const Gl& gl_;
+  Texture palette_;
+  bool two_sided_, colored_;
+  std::vector<Chunk> chunks_;
+};
+
+/// Empties the queue of errors of the driver; true when there was one.
+bool take_errors(const Gl& gl);
+
+/// The normals of all codes, 32 x 64 (theta, phi), so that the vertex shader has the very ones of qnv::normal_of.
+[[nodiscard]] Texture make_normal_table(const Gl& gl);
+
+}  // namespace gs::render

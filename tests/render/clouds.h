@@ -1,0 +1,120 @@
+#pragma once
+
+#include "qnv/cloud.h"
+#include "render/splat_raster.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/trigonometric.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <vector>
+
+/// What the tests of splatted clouds share.
+namespace gs::test {
+
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A view of 90 degrees from the origin along -z.
+inline render::SplatView straight_view(int width, int height) {
+  render::SplatView view;
+  view.tangents = {static_cast<float>(width) / static_cast<float>(height), 1.0f};
+  view.width = width;
+  view.height = height;
+  view.near_plane = 0.01f;
+  return view;
+}
+
+/// From `eye` towards the origin, 53 degrees high.
+inline render::SplatView view_from(const glm::vec3& eye, int width, int height) {
+  render::SplatView view;
+  view.camera_from_node = glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f));
+  view.tangents = {0.5f * static_cast<float>(width) / static_cast<float>(height), 0.5f};
+  view.width = width;
+  view.height = height;
+  view.near_plane = 0.01f;
+  return view;
+}
+
+/// 10 log10(1 / mean square error) of values in 0..1.
+class Psnr {
+ public:
+  void add(double a, double b) {
+    sum_ += (a - b) * (a - b);
+    ++count_;
+  }
+  [[nodiscard]] double decibels() const {
+    return sum_ > 0 ? 10 * std::log10(static_cast<double>(count_) / sum_) : 200.0;
+  }
+  [[nodiscard]] std::size_t count() const { return count_; }
+
+ private:
+  double sum_ = 0;
+  std::size_t count_ = 0;
+};
+
+inline void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
+  cloud.positions.push_back(position);
+  cloud.normals.push_back(normal);
+  cloud.weights.push_back(weight);
+}
+
+inline glm::vec3 random_direction(std::mt19937& random) {
+  std::normal_distribution<float> normal;
+  const glm::vec3 v(normal(random), normal(random), normal(random));
+  return v / std::max(std::sqrt(glm::dot(v, v)), 1e-6f);
+}
+
+/// A volume whose transfer function is white and has one opacity for all classes.
+inline qnv::Cloud empty_volume(float opacity, float spacing) {
+  qnv::Cloud cloud;
+  cloud.description.kind = qnv::Kind::volume;
+  cloud.description.spacing = spacing;
+  cloud.description.transfer = {{0, {255, 255, 255}, opacity}, {1, {255, 255, 255}, opacity}};
+  return cloud;
+}
+
+inline void add(qnv::Cloud& cloud, const glm::vec3& position, const glm::vec3& normal, float weight,
+                std::uint8_t value) {
+  add(cloud, position, normal, weight);
+  cloud.classes.push_back(value);
+}
+
+/// A thick shell of radius about 1 of vectors of all magnitudes and classes.
+inline qnv::Cloud random_volume(std::size_t count, unsigned seed, float spacing) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> part(0, 1);
+  qnv::Cloud cloud;
+  cloud.description.kind = qnv::Kind::volume;
+  cloud.description.spacing = spacing;
+  cloud.description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 n = random_direction(random);
+    add(cloud, n * (0.7f + 0.3f * part(random)), random_direction(random), 0.1f + part(random),
+        static_cast<std::uint8_t>(random() % 256));
+  }
+  return cloud;
+}
+
+/// A sphere of discs, evenly spread, whose areas add up to its area.
+inline qnv::Cloud disc_sphere(std::size_t count, float radius, const glm::vec3& center = glm::vec3(0)) {
+  qnv::Cloud cloud;
+  const auto all = static_cast<float>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
+    const float turn = static_cast<float>(i) * 2.39996323f;
+    const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
+    add(cloud, center + n * radius, n, 4 * 3.14159265f * radius * radius / all);
+    cloud.colors.push_back(
+        {static_cast<std::uint8_t>(i * 255 / count), static_cast<std::uint8_t>(128 + 120 * n.x), 90});
+    cloud.description.box.add(cloud.positions.back());
+  }
+  return cloud;
+}
+
+}  // namespace gs::test
