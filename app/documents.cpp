@@ -34,7 +34,8 @@ std::unique_ptr<Document> make_document(OpenedWorld world) {
   document->world = std::move(world);
   if (!document->world.scene) return document;
   inspect(*document);
-  document->list = render::collect(*document->world.scene, document->world.images, document->meshes);
+  document->list = render::collect(*document->world.scene, document->world.images, document->meshes,
+                                   glm::vec3(0, 0, 10), document->world.clouds);
   if (document->viewer_dependent) {
     const auto& viewpoints = document->list.viewpoints;
     document->navigation.pose.position =
@@ -70,7 +71,8 @@ bool follow_viewer(Document& document) {
   const float tolerance = document.list.items.size() > 2000 ? document.navigation.scene_size * 0.002f : 0.0f;
   if (!(glm::distance(viewer, document.collected_for) > tolerance)) return false;
   document.collected_for = viewer;
-  document.list = render::collect(*document.world.scene, document.world.images, document.meshes, viewer);
+  document.list =
+      render::collect(*document.world.scene, document.world.images, document.meshes, viewer, document.world.clouds);
   if (document.viewpoint && *document.viewpoint >= document.list.viewpoints.size()) document.viewpoint.reset();
   return true;
 }

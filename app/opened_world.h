@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/image.h"
+#include "render/render_list.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
@@ -16,6 +17,7 @@ struct OpenedWorld {
   std::string path;                         // as it was asked for
   std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
   render::Images images;
+  render::Clouds clouds;
   vrml::Diagnostics diagnostics;
   bool truncated = false;    // the file ends before the world does
   std::size_t bytes = 0;     // of the file itself, as it lies on disk

@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include "app/commands/commands.h"
+#include "app/content_types.h"
 #include "render/context.h"
 
 #include <CLI/CLI.hpp>
@@ -55,6 +56,7 @@ Problem set_orbit(Options& options, const std::string& value) {
 }
 
 Problem set_max_bytes(Options& options, const std::string& value) {
+  options.max_bytes_given = true;
   return read(value, options.max_bytes) ? Problem{} : "expected a number of bytes";
 }
 
@@ -88,6 +90,48 @@ Problem set_timeout(Options& options, const std::string& value) {
                                                                              : "expected seconds, more than 0";
 }
 
+Problem set_vectors(Options& options, const std::string& value) {
+  return read(value, options.vectors) && options.vectors > 0 ? Problem{} : "expected a number of vectors, more than 0";
+}
+
+Problem set_fraction(Options& options, const std::string& value) {
+  return read(value, options.fraction) && options.fraction > 0 && options.fraction <= 1
+             ? Problem{}
+             : "expected a number from 0 (without) to 1";
+}
+
+Problem set_isovalue(Options& options, const std::string& value) {
+  double isovalue = 0;
+  if (!read(value, isovalue) || !std::isfinite(isovalue)) return "expected a number";
+  options.isovalue = isovalue;
+  return {};
+}
+
+Problem set_seed(Options& options, const std::string& value) {
+  return read(value, options.seed) ? Problem{} : "expected a whole number";
+}
+
+Problem set_dimensions(Options& options, const std::string& value) {
+  return read_dimensions(value, options.raw) ? Problem{} : "expected WIDTHxHEIGHTxDEPTH in voxels";
+}
+
+Problem set_voxel_type(Options& options, const std::string& value) {
+  return read_voxel_type(value, options.raw) ? Problem{} : "expected " + std::string(kVoxelTypes);
+}
+
+Problem set_spacing(Options& options, const std::string& value) {
+  double spacing[3];
+  if (!read_list(value, ',', spacing) ||
+      std::any_of(spacing, spacing + 3, [](double s) { return !(s > 0) || !std::isfinite(static_cast<float>(s)); }))
+    return "expected X,Y,Z, each more than 0";
+  for (std::size_t i = 0; i < 3; ++i) options.raw.spacing[i] = static_cast<float>(spacing[i]);
+  return {};
+}
+
+Problem set_offset(Options& options, const std::string& value) {
+  return read(value, options.raw.offset) ? Problem{} : "expected a number of bytes";
+}
+
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
      [](Options& o, const std::string& v) {
@@ -107,11 +151,44 @@ constexpr OptionRow kOptions[] = {
     {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
      set_background},
     {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
-    {"--max-bytes", "N", "", "take only the first N bytes of the file, as if the rest had not arrived", "open check ",
-     set_max_bytes},
+    {"--max-bytes", "N", "",
+     "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
+     "open check info encode ", set_max_bytes},
+    {"--vectors", "N", "", "about so many vectors", "encode export ", set_vectors},
+    {"--fraction", "F", "", "this part of a volume's voxels, of a cloud's vectors, of a surface's triangles (0 to 1)",
+     "encode ", set_fraction},
+    {"--isovalue", "V", "", "the surface of a volume where it has this value, in the place of its gradients",
+     "encode export ", set_isovalue},
+    {"--packed", "", "", "entropy-coded octree: fewest bytes, for surfaces (the default for them)", "encode ",
+     [](Options& o, const std::string&) {
+       o.packed = true;
+       return Problem{};
+     }},
+    {"--records", "", "", "records of 8 bytes (the default for volumes, splats and points)", "encode ",
+     [](Options& o, const std::string&) {
+       o.records = true;
+       return Problem{};
+     }},
+    {"--seed", "S", "1", "of the order of records; one seed, one stream", "encode ", set_seed},
+    {"--dims", "XxYxZ", "", "a volume without header: its voxels, x fastest", "encode export info ", set_dimensions},
+    {"--type", "TYPE", "u8",
+     "what its voxels are: u8, i8, u16, i16, u32, i32, f32 or f64, with be behind it if big-endian",
+     "encode export info ", set_voxel_type},
+    {"--spacing", "X,Y,Z", "1,1,1", "the distances of its voxels", "encode export info ", set_spacing},
+    {"--offset", "BYTES", "0", "how many bytes come before the first voxel", "encode export info ", set_offset},
+    {"--vrml97", "", "", "a world for any VRML97 browser, in which ours finds the stream", "export ",
+     [](Options& o, const std::string&) {
+       o.vrml97 = true;
+       return Problem{};
+     }},
+    {"--json", "", "", "machine-readable", "info encode ",
+     [](Options& o, const std::string&) {
+       o.json = true;
+       return Problem{};
+     }},
     {"--timeout", "SECONDS", "30",
      "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long",
-     "open check print ", set_timeout},
+     "open check print info encode export ", set_timeout},
     {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;
@@ -136,6 +213,10 @@ constexpr CommandRow kCommands[] = {
     {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny,
      run_check},
     {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},
+    {"info", "FILE", "tell what is inside a file", 1, 1, run_info},
+    {"encode", "IN OUT.qnv", "turn a world, mesh, volume or splats into a QNV stream", 2, 2, run_encode, check_encode},
+    {"export", "IN OUT", "write the vectors of a stream, volume, splats or mesh in another program's format", 2, 2,
+     run_export, check_export},
     {"nodes", "", "print the table of node types", 0, 0, run_nodes},
     {"man", "", "print the manual page (roff)", 0, 0, run_man},
 };
@@ -187,6 +268,8 @@ std::string manual_page() {
       out += ".\n";
     }
   }
+  out += ".SH FILES\nRead, gzip'd or not: " + content_type_list() +
+         ".\n.PP\nWritten by export: " + export_format_list() + ".\n";
   out += ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage.\n";
   return out;
 }
@@ -196,9 +279,9 @@ int run_command_line(int count, char** arguments) {
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
   parser.name("ghostspace");
   parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
-  parser.footer(
-      "Files: VRML97 (.wrl, .wrz, gzip'd or not), glTF, GLB, PLY, OBJ, STL.\n"
-      "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage.");
+  parser.footer("Files, gzip'd or not: " + content_type_list() +
+                ".\n"
+                "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage.");
   const CommandRow* chosen = &kCommands[0];
   add_options(parser, kCommands[0], options);
   std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
@@ -217,6 +300,9 @@ int run_command_line(int count, char** arguments) {
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
     if (!options.snapshot.empty() && options.files.size() > 1)
       throw CLI::ValidationError("--snapshot", "expected one file");
+    if (chosen->check)
+      if (const Problem problem = chosen->check(options))
+        throw CLI::ValidationError(std::string(chosen->name), *problem);
   } catch (const CLI::Success& help) {
     return parser.exit(help);
   } catch (const CLI::ParseError& problem) {

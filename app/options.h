@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/formats/volume.h"
+
 #include <glm/vec3.hpp>
 
 #include <cstddef>
@@ -26,7 +28,14 @@ struct Options {
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
   double timeout_seconds = 30;
-  bool markdown = false, wrl = false;
+  bool markdown = false, wrl = false, json = false, vrml97 = false;
+  std::size_t vectors = 0;       // 0: not asked for
+  double fraction = 0;           // 0: not asked for
+  bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
+  std::optional<double> isovalue;
+  bool packed = false, records = false;
+  std::uint64_t seed = 1;
+  RawVolume raw;  // dimensions 0: the file has a header
 };
 
 /// Exit statuses of every command.
@@ -51,6 +60,8 @@ struct CommandRow {
   std::string_view help;
   std::size_t least_files, most_files;
   int (*run)(const Options& options);
+  /// What is wrong with options that are right one by one; null: nothing can be.
+  std::optional<std::string> (*check)(const Options& options) = nullptr;
 };
 [[nodiscard]] std::span<const CommandRow> command_rows();
 

@@ -1,5 +1,7 @@
 #include "app/references.h"
 
+#include "app/cloud_reader.h"
+#include "app/content_types.h"
 #include "app/scene_reader.h"
 #include "vrml/prototype.h"
 
@@ -19,8 +21,9 @@ namespace fs = std::filesystem;
 using vrml::NodeId;
 using vrml::Severity;
 
-constexpr std::size_t kMaxChain = 32;      // Inlines and EXTERNPROTOs inside each other
-constexpr std::size_t kMaxFiles = 20'000;  // of all kinds, one world
+constexpr std::size_t kMaxChain = 32;                     // Inlines and EXTERNPROTOs inside each other
+constexpr std::size_t kMaxFiles = 20'000;                 // of all kinds, one world
+constexpr std::size_t kMaxCopied = std::size_t{1} << 26;  // vectors of nodes that change what a stream says
 
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -48,9 +51,8 @@ std::string find_ignoring_case(const fs::path& path) {
 
 class ReferenceLoader {
  public:
-  ReferenceLoader(render::Images& images, vrml::Diagnostics& diagnostics,
-                  std::chrono::steady_clock::time_point deadline)
-      : images_(images), diagnostics_(diagnostics), deadline_(deadline) {}
+  ReferenceLoader(References found, vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline)
+      : images_(found.images), clouds_(found.clouds), diagnostics_(diagnostics), deadline_(deadline) {}
 
   // `chain`: the files that this scene lies in, outermost first.
   void load(vrml::SceneGraph& scene, const std::vector<std::string>& chain) {
@@ -60,9 +62,15 @@ class ReferenceLoader {
     for (std::uint32_t i = 1; i <= count; ++i) {
       const NodeId id = scene.id_at(i);
       const vrml::Node& node = scene.node(id);
-      if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
+      if (node.in_prototype_body) continue;
+      if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
+        if (node.type->name == "QNV") replace_fallback(scene, id, bases);
+        continue;
+      }
+      if (node.type->kind != vrml::NodeType::Kind::built_in) continue;
       if (node.type->name == "Inline") load_inline(scene, id, chain, bases);
       if (node.type->name == "ImageTexture") load_image(scene, id, bases);
+      if (node.type->name == "QNV") load_cloud(scene, id, bases);
     }
   }
 
@@ -125,7 +133,7 @@ class ReferenceLoader {
       if (out_of_time(scene)) return;
       auto found = find(type->url, {bases.front()});
       if (!found) {
-        report(Severity::warning, scene, {}, missing("EXTERNPROTO " + type->name, type->url));
+        if (type->name != "QNV") report(Severity::warning, scene, {}, missing("EXTERNPROTO " + type->name, type->url));
         continue;
       }
       if (std::find(chain.begin(), chain.end(), found->path) != chain.end() || chain.size() >= kMaxChain) {
@@ -174,6 +182,7 @@ class ReferenceLoader {
     if (!read.scene) return;
     std::vector<std::string> inner = chain;
     inner.push_back(found->path);
+    clouds_.insert(read.clouds.begin(), read.clouds.end());
     load(*read.scene, inner);
     scene.attach_inline(id, std::move(read.scene));
   }
@@ -204,6 +213,74 @@ class ReferenceLoader {
     keep(by_path_[found->path] = decode(found->file.bytes(), scene, location, found->path));
   }
 
+  // From its own records, else from the first file of its url list; the node's transfer function goes before the
+  // stream's.
+  void load_cloud(vrml::SceneGraph& scene, NodeId id, const std::vector<net::Url>& bases) {
+    const vrml::Node* node = &scene.node(id);
+    if (clouds_.contains(node) || out_of_time(scene)) return;
+    if (!scene.get<vrml::MFInt32>(id, "vectors").empty()) {
+      auto made = inline_cloud(scene, id);
+      if (const auto* problem = std::get_if<std::string>(&made))
+        report(Severity::warning, scene, node->location, "QNV: " + *problem);
+      else
+        clouds_[node] = std::make_shared<const qnv::Cloud>(std::move(std::get<qnv::Cloud>(made)));
+      return;
+    }
+    const auto& urls = scene.get<vrml::MFString>(id, "url");
+    if (urls.empty()) return;
+    const auto found = find(urls, bases);
+    if (!found) {
+      report(Severity::warning, scene, node->location, missing("QNV", urls));
+      return;
+    }
+    const auto [known, is_new] = clouds_by_path_.try_emplace(found->path);
+    if (is_new) known->second = read_vectors(*found, scene, node->location);
+    if (!known->second) return;
+    auto transfer = transfer_of(scene.get<vrml::MFFloat>(id, "transfer"));
+    clouds_[node] = known->second;
+    if (transfer.empty()) return;
+    if (known->second->size() > kMaxCopied - copied_) {
+      report(Severity::warning, scene, node->location, "QNV: too many vectors with a transfer of their own; left out");
+      return;
+    }
+    copied_ += known->second->size();
+    qnv::Cloud own = *known->second;
+    own.description.transfer = std::move(transfer);
+    clouds_[node] = std::make_shared<const qnv::Cloud>(std::move(own));
+  }
+
+  // A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
+  // there, they are shown in the place of its body.
+  void replace_fallback(vrml::SceneGraph& scene, NodeId id, const std::vector<net::Url>& bases) {
+    vrml::Node& instance = scene.node(id);
+    const vrml::NodeType& native = *vrml::built_in_node_type("QNV");
+    const NodeId made = scene.create(native, instance.location);
+    if (!made) return;
+    vrml::Node& node = scene.node(made);
+    for (const vrml::InterfaceDeclaration& declaration : native.interfaces) {
+      const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
+      if (declaration.slot >= 0 && own && own->type == declaration.type)
+        node.values[declaration.slot] = instance.values[own->slot];
+    }
+    load_cloud(scene, made, bases);
+    if (!clouds_.contains(&node)) return;
+    instance.expansion = {};
+    instance.expansion.push_back(made);
+  }
+
+  std::shared_ptr<const qnv::Cloud> read_vectors(const Found& found, const vrml::SceneGraph& scene,
+                                                 vrml::SourceLocation location) {
+    const auto bytes = found.file.bytes();
+    const ContentType& type = content_type_of(found.path, first_bytes(bytes));
+    if (!type.is_cloud()) {
+      report(Severity::warning, scene, location,
+             "QNV: " + found.path + " is " + std::string(type.name) + "; expected a QNV stream");
+      return nullptr;
+    }
+    auto cloud = read_cloud(type, {found.path, bytes}, diagnostics_, deadline_);
+    return cloud ? std::make_shared<const qnv::Cloud>(std::move(*cloud)) : nullptr;
+  }
+
   std::shared_ptr<const render::Image> decode(std::span<const std::byte> bytes, const vrml::SceneGraph& scene,
                                               vrml::SourceLocation location, const std::string& name) {
     auto decoded = render::decode_image(bytes);
@@ -215,10 +292,12 @@ class ReferenceLoader {
   }
 
   render::Images& images_;
+  render::Clouds& clouds_;
   vrml::Diagnostics& diagnostics_;
   std::chrono::steady_clock::time_point deadline_;
   std::unordered_map<std::string, std::shared_ptr<const render::Image>> by_path_;
-  std::size_t files_ = 0;
+  std::unordered_map<std::string, std::shared_ptr<const qnv::Cloud>> clouds_by_path_;
+  std::size_t files_ = 0, copied_ = 0;
   bool stopped_ = false;
 };
 
@@ -288,11 +367,11 @@ std::optional<std::vector<std::byte>> data_of_url(std::string_view url) {
   return bytes;
 }
 
-void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images,
-                     vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline) {
+void load_references(vrml::SceneGraph& scene, const std::string& path, References found, vrml::Diagnostics& diagnostics,
+                     std::chrono::steady_clock::time_point deadline) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error);
-  ReferenceLoader(images, diagnostics, deadline).load(scene, {error ? path : absolute.lexically_normal().string()});
+  ReferenceLoader(found, diagnostics, deadline).load(scene, {error ? path : absolute.lexically_normal().string()});
 }
 
 }  // namespace gs::app

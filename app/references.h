@@ -3,6 +3,7 @@
 #include "net/file.h"
 #include "net/url.h"
 #include "render/image.h"
+#include "render/render_list.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
@@ -14,12 +15,18 @@
 
 namespace gs::app {
 
+/// What nodes refer to, by node.
+struct References {
+  render::Images& images;
+  render::Clouds& clouds;  // nodes that are in it already are left alone
+};
+
 /// Loads what the live nodes of a world refer to: EXTERNPROTOs, Inlines (with all of this again for their
-/// content) and the images of textures. Of each url list the first entry that works is taken (VRML97
-/// 4.5.2); what is missing gives a warning and is left out. Inlines and EXTERNPROTOs that contain
-/// themselves are cut. Stops with a diagnostic at `deadline`.
-void load_references(vrml::SceneGraph& scene, const std::string& path, render::Images& images,
-                     vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline);
+/// content), the images of textures and the vectors of QNV nodes. Of each url list the first entry that works is taken
+/// (VRML97 4.5.2); what is missing gives a warning and is left out. Inlines and EXTERNPROTOs that contain themselves
+/// are cut. Stops with a diagnostic at `deadline`.
+void load_references(vrml::SceneGraph& scene, const std::string& path, References found, vrml::Diagnostics& diagnostics,
+                     std::chrono::steady_clock::time_point deadline);
 
 /// The local file that `reference` means, seen from `base`; also where only upper and lower case differ,
 /// as in worlds that come from Windows. Nothing when there is none.

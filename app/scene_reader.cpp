@@ -1,12 +1,15 @@
 #include "app/scene_reader.h"
 
+#include "app/cloud_reader.h"
 #include "app/content_types.h"
 #include "app/gunzip.h"
 #include "app/references.h"
+#include "net/file.h"
 #include "net/url.h"
 #include "vrml/parser.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -78,22 +81,6 @@ std::optional<std::vector<std::byte>> unpacked(std::span<const std::byte> bytes,
   return out;
 }
 
-// The first bytes behind a gzip wrapper, by which the content is told.
-std::vector<std::byte> first_bytes(std::span<const std::byte> bytes) {
-  constexpr std::size_t kEnough = 1024;
-  std::vector<std::byte> head;
-  if (!is_gzip(bytes)) {
-    head.assign(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kEnough)));
-    return head;
-  }
-  (void)gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) {
-    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
-    head.insert(head.end(), first, first + std::min(piece.size(), kEnough));
-    return false;
-  });
-  return head;
-}
-
 ReadFile reader_beside(const std::string& path) {
   const net::Url base = net::url_of_path(path);
   return [base](const std::string& name) -> std::optional<std::vector<std::byte>> {
@@ -103,27 +90,43 @@ ReadFile reader_beside(const std::string& path) {
   };
 }
 
+// The nodes of a mesh's file. True when there is nothing to show.
+bool read_mesh(const ContentType& type, const std::string& path, std::span<const std::byte> bytes,
+               vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  if (bytes.empty()) {
+    diagnostics.add({Severity::error, path, {}, "the file is empty; expected " + std::string(type.name)});
+    return true;
+  }
+  const std::size_t errors = diagnostics.errors();
+  std::optional<std::vector<std::byte>> packed;
+  if (is_gzip(bytes)) packed = unpacked(bytes, diagnostics, path);
+  type.import(packed ? std::span<const std::byte>(*packed) : bytes, scene, diagnostics, reader_beside(path));
+  const bool refused = scene.roots().empty();
+  if (refused && diagnostics.errors() == errors)
+    diagnostics.add({Severity::error, path, {}, "holds nothing to show; read as " + std::string(type.name)});
+  return refused;
+}
+
 }  // namespace
 
 SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
-                     Clock::time_point deadline) {
+                     Clock::time_point deadline, bool cut) {
   SceneRead read;
   auto scene = std::make_unique<vrml::SceneGraph>(path);
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   bool refused = false;
-  if (!type.import) {
+  if (type.content == ContentClass::vrml) {
     read.whole = read_vrml(bytes, *scene, diagnostics, deadline, refused);
-  } else if (bytes.empty()) {
-    diagnostics.add({Severity::error, path, {}, "the file is empty; expected " + std::string(type.name)});
-    refused = true;
+  } else if (type.content == ContentClass::mesh) {
+    refused = read_mesh(type, path, bytes, *scene, diagnostics);
   } else {
-    const std::size_t errors = diagnostics.errors();
-    std::optional<std::vector<std::byte>> packed;
-    if (is_gzip(bytes)) packed = unpacked(bytes, diagnostics, path);
-    type.import(packed ? std::span<const std::byte>(*packed) : bytes, *scene, diagnostics, reader_beside(path));
-    refused = scene->roots().empty();
-    if (refused && diagnostics.errors() == errors)
-      diagnostics.add({Severity::error, path, {}, "holds nothing to show; read as " + std::string(type.name)});
+    auto cloud = read_cloud(type, {path, bytes, cut}, diagnostics, deadline);
+    refused = !cloud;
+    if (cloud) {
+      const std::string url = net::url_of_path(std::filesystem::path(path).filename().string()).path;
+      const vrml::NodeId node = add_cloud_shape(*scene, *cloud, url.substr(url.rfind('/') + 1));
+      if (node) read.clouds[&scene->node(node)] = std::make_shared<const qnv::Cloud>(std::move(*cloud));
+    }
   }
   if (!refused) read.scene = std::move(scene);
   return read;

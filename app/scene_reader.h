@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/file.h"
+#include "render/render_list.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
@@ -16,12 +16,14 @@ namespace gs::app {
 struct SceneRead {
   std::unique_ptr<vrml::SceneGraph> scene;  // null: nothing to show; the diagnostics say why
   bool whole = true;                        // false: the bytes end before the scene does
+  render::Clouds clouds;                    // of a file of vectors: what its QNV node shows
 };
 
 /// Makes a scene of the bytes of a file of any type of the table of content types, gzip'd or not; nothing
 /// that it refers to is read but the materials and buffers that belong to the format. Stops at `deadline`.
-/// Safe for untrusted bytes.
+/// `cut`: the file has more bytes, which are not to be missed. Safe for untrusted bytes.
 [[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes,
-                                   vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline);
+                                   vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline,
+                                   bool cut = false);
 
 }  // namespace gs::app

@@ -57,12 +57,13 @@ OpenedWorld load_world(const std::string& asked, const LoadOptions& options) {
   const std::span<const std::byte> bytes = file.bytes().subspan(0, std::min(file.bytes().size(), options.max_bytes));
   world.bytes = bytes.size();
 
-  SceneRead read = read_scene(path, bytes, world.diagnostics, deadline);
+  SceneRead read = read_scene(path, bytes, world.diagnostics, deadline, cut);
   world.parse_seconds = seconds_since(start);
   world.truncated = !read.whole && !cut;
   if (!read.scene) return world;
   world.title = title_of(*read.scene, path);
-  if (options.references) load_references(*read.scene, path, world.images, world.diagnostics, deadline);
+  world.clouds = std::move(read.clouds);
+  if (options.references) load_references(*read.scene, path, {world.images, world.clouds}, world.diagnostics, deadline);
   world.scene = std::move(read.scene);
   return world;
 }

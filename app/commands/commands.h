@@ -3,6 +3,9 @@
 #include "app/opened_world.h"
 #include "app/options.h"
 
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 
 namespace gs::app {
@@ -13,6 +16,11 @@ int run_check(const Options& options);
 int run_print(const Options& options);
 int run_nodes(const Options& options);
 int run_man(const Options& options);
+int run_info(const Options& options);
+int run_encode(const Options& options);
+int run_export(const Options& options);
+std::optional<std::string> check_encode(const Options& options);
+std::optional<std::string> check_export(const Options& options);
 
 /// Draws one world without a window (`--snapshot`).
 int run_snapshot(const Options& options, const std::string& file);
@@ -22,6 +30,14 @@ void print_diagnostics(const vrml::Diagnostics& diagnostics);
 /// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; false when that failed. A
 /// file that is there is only written over if it holds such measurements: a mistyped name must not cost a world.
 bool write_stats(const std::string& path, const std::string& json);
+/// "ghostspace: error: WHAT" on stderr; kFailed.
+int fail(const std::string& what);
+/// What to say when `bytes` made from the file `in` must not be written to `out`: there is another kind of file, or
+/// `in` itself. Nothing when they may: a mistyped name must not cost a world.
+[[nodiscard]] std::optional<std::string> refuse_to_replace(const std::string& out, const std::string& in,
+                                                           std::span<const std::byte> bytes);
+/// ".ply (PLY points), .glb (...), ...": what export writes.
+[[nodiscard]] std::string export_format_list();
 /// The largest memory this process has held, in bytes.
 [[nodiscard]] std::size_t peak_memory();
 /// The demo world: beside the program where it was installed, else in the source tree.

@@ -1,4 +1,6 @@
 #include "app/commands/commands.h"
+#include "app/content_types.h"
+#include "app/formats/export.h"
 #include "net/file.h"
 
 #include <sys/resource.h>
@@ -35,6 +37,33 @@ bool write_stats(const std::string& path, const std::string& json) {
   const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(json)));
   if (problem) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problem->message.c_str());
   return !problem;
+}
+
+int fail(const std::string& what) {
+  std::fprintf(stderr, "ghostspace: error: %s\n", what.c_str());
+  return kFailed;
+}
+
+std::optional<std::string> refuse_to_replace(const std::string& out, const std::string& in,
+                                             std::span<const std::byte> bytes) {
+  std::error_code error;
+  if (!std::filesystem::exists(out, error)) return std::nullopt;
+  if (std::filesystem::equivalent(out, in, error)) return out + " is what is read; it is not written over";
+  const auto opened = net::map_file(out);
+  if (const auto* problem = std::get_if<net::FileError>(&opened)) return problem->message;
+  const std::span<const std::byte> old = std::get<net::MappedFile>(opened).bytes();
+  if (old.empty()) return std::nullopt;
+  const ContentType* type = content_type_by_mark(first_bytes(bytes));
+  if (type && content_type_by_mark(first_bytes(old)) == type) return std::nullopt;
+  return out + " is there and is no " + (type ? std::string(type->name) : "file of the kind") +
+         "; it is not written over";
+}
+
+std::string export_format_list() {
+  std::string text;
+  for (const ExportFormat& format : export_formats())
+    text += (text.empty() ? "" : ", ") + std::string(format.extension) + " (" + std::string(format.description) + ")";
+  return text;
 }
 
 std::size_t peak_memory() {

@@ -29,11 +29,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-int fail(const std::string& what) {
-  std::fprintf(stderr, "ghostspace: error: %s\n", what.c_str());
-  return kFailed;
-}
-
 // A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
 bool may_write(const std::string& path, const std::string& world) {
   std::error_code error;
@@ -145,12 +140,14 @@ int run_snapshot(const Options& options, const std::string& file) {
 
   limit_drawing(options.timeout_seconds);
   render::MeshCache meshes;
-  render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  const glm::vec3 start_point(0, 0, 10);
+  render::RenderList list = render::collect(*world.scene, world.images, meshes, start_point, world.clouds);
   std::string error;
   auto view = choose_view(options, list, error);
   if (!view) return fail(error);
   // Levels of detail and billboards follow the viewer, who is only known now.
-  list = render::collect(*world.scene, world.images, meshes, glm::vec3(view->camera.world_from_camera[3]));
+  list =
+      render::collect(*world.scene, world.images, meshes, glm::vec3(view->camera.world_from_camera[3]), world.clouds);
   view->camera = render::fit_depth(view->camera, list.bounds);
   if (list.navigation.visibility_limit > 0 && !options.orbit)
     view->camera.far_plane = std::max(list.navigation.visibility_limit, view->camera.near_plane * 2);
@@ -178,14 +175,14 @@ int run_snapshot(const Options& options, const std::string& file) {
                                   {"first_image_s", first_image_seconds},
                                   {"frame_s", seconds_since(again)},
                                   {"triangles", statistics.triangles},
-                                  {"vectors", 0},
+                                  {"vectors", statistics.vectors},
                                   {"items", statistics.items},
                                   {"draw_calls", statistics.draw_calls},
                                   {"colors", count_colors(image)},
                                   {"peak_rss_bytes", peak_memory()},
                                   {"backend", std::string(context.backend())},
                                   {"renderer", renderer.gl_renderer()},
-                                  {"splats", "none"},
+                                  {"splats", statistics.splats},
                                   {"errors", world.diagnostics.errors()},
                                   {"warnings", world.diagnostics.warnings()}};
     if (!write_stats(options.stats, stats.dump(2) + "\n")) return kFailed;

@@ -28,7 +28,7 @@ OpenedWorld world_with(std::initializer_list<const char*> types) {
 
 }  // namespace
 
-TEST_CASE("Dropped files join the list; the first of them is shown") {
+TEST_CASE("Dropped files join the list, the first of them is shown") {
   DocumentList list;
   CHECK_FALSE(list.begin_loading());
   CHECK(list.shown() == nullptr);

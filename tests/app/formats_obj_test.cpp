@@ -49,7 +49,7 @@ TEST_CASE("faces with texture coordinates and normals") {
   CHECK(gs::vrml::tessellate(*result.scene, faces).indices.size() == 6);
 }
 
-TEST_CASE("all forms of corners; each form stands in its own Shape") {
+TEST_CASE("all forms of corners, each form stands in its own Shape") {
   const Imported result =
       obj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
           "f 1 2 3 4\nf 1//1 2//1 3//1\nf 1/1 2/1 3/1\n");

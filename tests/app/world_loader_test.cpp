@@ -85,7 +85,7 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
   }
 }
 
-TEST_CASE("gzip'd worlds open under any name; a truncated one shows what there is") {
+TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there is") {
   const ScratchFolder folder;
   const std::string packed = gzipped(kBox);
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {

@@ -127,3 +127,36 @@ TEST_CASE("printed interfaces parse to the same declarations") {
     }
   }
 }
+
+TEST_CASE("our own node QNV is parsed, printed and routed like any other") {
+  const NodeType* type = built_in_node_type("QNV");
+  REQUIRE(type);
+  CHECK(type->clause == "GhostSpace");
+  CHECK(has(type->role, Role::geometry));
+  CHECK_FALSE(type->tessellate);
+  CHECK(type->find_event_out("progress_changed")->type == FieldType::SFFloat);
+  CHECK(type->find_event_out("loadTime")->type == FieldType::SFTime);
+  CHECK(type->find_event_in("set_detail"));
+  CHECK_FALSE(type->find_event_in("set_vectors"));
+
+  const std::string text =
+      "#VRML V2.0 utf8\nDEF T TimeSensor { }\nShape { geometry DEF Q QNV { url [ \"a.qnv\" \"b.qnv\" ] detail 2 "
+      "profile "
+      "\"VOLUME\" transfer [ 0 0 0 0 0, 1 1 1 1 0.5 ] vectors [ 1 -2 ] bboxSize 1 2 3 } }\n"
+      "ROUTE T.fraction_changed TO Q.set_detail\n";
+  SceneGraph scene("q.wrl");
+  Diagnostics diagnostics;
+  REQUIRE(parse(text, scene, diagnostics) == ParseOutcome::complete);
+  CHECK(diagnostics.entries().empty());
+  REQUIRE(scene.routes().size() == 1);
+  const NodeId qnv = scene.routes()[0].to;
+  CHECK(scene.get<MFString>(qnv, "url").size() == 2);
+  CHECK(scene.get<SFFloat>(qnv, "detail") == 2);
+  CHECK(scene.get<MFFloat>(qnv, "transfer").size() == 10);
+  CHECK(scene.get<MFInt32>(qnv, "vectors")[1] == -2);
+  CHECK(scene.get<SFVec3f>(qnv, "bboxSize").z == 3);
+  SceneGraph again("again.wrl");
+  const std::string printed = print(scene);
+  REQUIRE(parse(printed, again, diagnostics) == ParseOutcome::complete);
+  CHECK(print(again) == printed);
+}

@@ -211,7 +211,7 @@ TEST_CASE("a list of numbers takes the memory of its elements") {
   CHECK(points.capacity() == points.size());
 }
 
-TEST_CASE("DEF and USE make one node; the last DEF counts") {
+TEST_CASE("DEF and USE make one node, the last DEF counts") {
   const Parsed p("DEF X Shape { } DEF X Group { } USE X Transform { children [ USE X USE X ] }");
   CHECK(p.root(2) == p.root(1));
   CHECK(p.scene.get<MFNode>(p.root(3), "children") == MFNode{p.root(1), p.root(1)});

@@ -4,7 +4,8 @@
 namespace gs::vrml {
 namespace {
 
-// Geometry nodes (VRML97 4.6.3) and the meshes they make.
+// Geometry nodes (VRML97 4.6.3) and the meshes they make. QNV is our own (docs/formats.md): the renderer draws it from the
+// vectors of its stream.
 constexpr NodeRow kRows[] = {
     {"Box", "6.7", Role::geometry, R"(
   field        SFVec3f    size             2 2 2            # (0,inf)
@@ -87,6 +88,17 @@ constexpr NodeRow kRows[] = {
   exposedField SFNode     color            NULL
   exposedField SFNode     coord            NULL
 )", tessellate_point_set},
+    {"QNV", "GhostSpace", Role::geometry, R"(
+  exposedField MFString   url              []
+  exposedField SFFloat    detail           1                # (0,inf)
+  exposedField SFString   profile          "SURFACE"
+  exposedField MFFloat    transfer         []               # [0,1]
+  field        MFInt32    vectors          []               # (-inf,inf)
+  field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
+  field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
+  eventOut     SFFloat    progress_changed
+  eventOut     SFTime     loadTime
+)"},
     {"Sphere", "6.43", Role::geometry, R"(
   field        SFFloat    radius           1                # (0,inf)
 )", tessellate_sphere},

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "app/content_types.h"
+#include "qnv/cloud.h"
+#include "qnv/parallel.h"
+#include "qnv/volume.h"
+#include "vrml/diagnostic.h"
+#include "vrml/field_value.h"
+#include "vrml/scene_graph.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+
+namespace gs::app {
+
+/// A file that becomes vectors.
+struct CloudFile {
+  std::string path;                  // for diagnostics, and where a volume is opened
+  std::span<const std::byte> bytes;  // of the file, gzip'd or not
+  bool cut = false;                  // more bytes would follow, and nobody misses them (`--max-bytes`)
+};
+
+/// The vectors of a file of a type that `is_cloud`: a stream's, an importer's, or the strongest 9 % of a
+/// volume's gradients. What is wrong goes to `diagnostics`; nothing when there is no vector to show. A stream that
+/// ends early is a smaller cloud and gives a warning at most. Safe for untrusted files; gives up at `deadline`.
+[[nodiscard]] std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file,
+                                                   vrml::Diagnostics& diagnostics,
+                                                   std::chrono::steady_clock::time_point deadline);
+
+/// Makes the scene that shows a cloud: a WorldInfo with its title, and a Shape with a QNV node whose url is
+/// `url`. The QNV node; null when the scene may have no more nodes.
+vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, const std::string& url);
+
+/// The points of the `transfer` field of a QNV node: five numbers each (value, red, green, blue, opacity), clamped
+/// to 0..1 and sorted by value. Numbers that are missing at the end are ignored.
+[[nodiscard]] std::vector<qnv::TransferPoint> transfer_of(const vrml::MFFloat& numbers);
+
+/// The vectors that a QNV node holds itself: records of 8 bytes (qnv/FORMAT-records.md) in its `vectors` field, two
+/// SFInt32 each, the low word first, in the frame of its bounding box. A weight of 1 is 1/32767 of the area of the
+/// box's largest side where `profile` is SURFACE, and 1/32767 where it is VOLUME. C is the class; of a
+/// surface it takes its colour from `transfer`, if that is given. A message when there are none to be had.
+[[nodiscard]] std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId qnv);
+
+/// A piece of work that ends at a deadline: sets `cancelled` then.
+class Deadline {
+ public:
+  explicit Deadline(std::chrono::steady_clock::time_point at);
+  ~Deadline();
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+  qnv::Progress progress;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any done_;
+  std::jthread thread_;  // last: joined before what it uses goes
+};
+
+}  // namespace gs::app

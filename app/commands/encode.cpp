@@ -1,0 +1,56 @@
+#include "app/commands/commands.h"
+#include "app/commands/progress_bar.h"
+#include "app/commands/vectors_of.h"
+#include "net/file.h"
+#include "qnv/container.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdio>
+
+namespace gs::app {
+
+std::optional<std::string> check_encode(const Options& options) {
+  if ((options.vectors > 0) + (options.fraction > 0) + options.max_bytes_given > 1)
+    return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
+  if (options.packed && options.records) return "--packed and --records exclude each other; expected one of them";
+  if (!options.files.back().ends_with(".qnv"))
+    return "expected OUT.qnv as the second file, not '" + options.files.back() + "'";
+  return std::nullopt;
+}
+
+int run_encode(const Options& options) {
+  const std::string &in = options.files[0], &out = options.files[1];
+  const auto start = std::chrono::steady_clock::now();
+  // Known before the work: whether the result may be written.
+  if (const auto refusal = refuse_to_replace(out, in, qnv::encode_header({}))) return fail(*refusal);
+  const auto input = open_input(options, in);
+  if (!input) return kFailed;
+  ProgressBar progress;
+  auto encoded = encode_input(options, *input, progress);
+  if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
+  const auto& stream = std::get<qnv::EncodedStream>(encoded);
+  if (options.max_bytes_given && stream.bytes.size() > options.max_bytes)
+    return fail(in + ": the smallest stream takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
+                std::to_string(options.max_bytes) + " were asked for");
+  if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail(problem->message);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto vectors = static_cast<double>(stream.header.vectors);
+  const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;
+  if (options.json) {
+    const nlohmann::json json = {{"file", out},
+                                 {"vectors", stream.header.vectors},
+                                 {"bytes", stream.bytes.size()},
+                                 {"bits_per_vector", bits},
+                                 {"seconds", seconds}};
+    std::printf("%s\n", json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::printf("%s: %llu vectors, %zu bytes, %.2f bits/vector, %.2f s\n", out.c_str(),
+                static_cast<unsigned long long>(stream.header.vectors), stream.bytes.size(), bits, seconds);
+  }
+  return kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,99 @@
+#include "app/formats/export.h"
+#include "app/commands/commands.h"
+#include "app/commands/progress_bar.h"
+#include "app/commands/vectors_of.h"
+#include "net/file.h"
+#include "net/url.h"
+#include "qnv/container.h"
+#include "qnv/order.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <numeric>
+
+namespace gs::app {
+namespace {
+
+const ExportFormat* format_of(const Options& options) {
+  const ExportFormat* format = export_format_of(options.files.back());
+  return options.vrml97 && format && !format->name.starts_with("vrml97") ? nullptr : format;
+}
+
+// The first `count` vectors of the progressive order; a surface keeps its area.
+qnv::Cloud thinned(const qnv::Cloud& cloud, std::size_t count, const Options& options, qnv::Progress& progress) {
+  qnv::OrderOptions order_options;
+  order_options.seed = options.seed;
+  order_options.kind = cloud.description.kind;
+  order_options.progress = &progress;
+  progress.stage = "thinning";
+  std::vector<std::uint32_t> order =
+      qnv::progressive_order(cloud.positions, cloud.normals, cloud.weights, order_options);
+  order.resize(std::min(order.size(), count));
+  qnv::Cloud out;
+  out.description = cloud.description;
+  out.color = cloud.color;
+  for (const std::uint32_t i : order) {
+    out.positions.push_back(cloud.positions[i]);
+    out.normals.push_back(cloud.normals[i]);
+    out.weights.push_back(cloud.weights[i]);
+    if (!cloud.colors.empty()) out.colors.push_back(cloud.colors[i]);
+    if (!cloud.classes.empty()) out.classes.push_back(cloud.classes[i]);
+  }
+  const double all = std::accumulate(cloud.weights.begin(), cloud.weights.end(), 0.0),
+               kept = std::accumulate(out.weights.begin(), out.weights.end(), 0.0);
+  if (cloud.description.kind == qnv::Kind::surface && kept > 0)
+    for (float& weight : out.weights) weight = static_cast<float>(weight * (all / kept));
+  return out;
+}
+
+// How a world at `out` names the stream `in`.
+std::string url_between(const std::string& out, const std::string& in) {
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(out, error).parent_path();
+  const auto path = std::filesystem::relative(in, folder, error);
+  if (error || path.empty()) return {};
+  const std::string url = net::url_of_path("/" + path.generic_string()).path;
+  return url.substr(std::min<std::size_t>(url.size(), 1));
+}
+
+}  // namespace
+
+std::optional<std::string> check_export(const Options& options) {
+  const std::string& out = options.files.back();
+  if (format_of(options)) return std::nullopt;
+  return options.vrml97 ? "expected OUT.wrl with --vrml97, not '" + out + "'"
+                        : "nothing is known that ends like '" + out + "'; expected one of: " + export_format_list();
+}
+
+int run_export(const Options& options) {
+  const std::string &in = options.files[0], &out = options.files[1];
+  std::error_code error;
+  if (std::filesystem::equivalent(in, out, error)) return fail(out + " is what is read; it is not written over");
+  auto input = open_input(options, in);
+  if (!input) return kFailed;
+  ProgressBar progress;
+  ExportOptions export_options;
+  export_options.title = input->title;
+  if (input->type == "QNV") export_options.stream_url = url_between(out, in);
+  auto made = cloud_of_input(options, std::move(*input), progress);
+  if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  if (const auto* problem = std::get_if<qnv::EncodeError>(&made)) return fail(in + ": " + problem->message);
+  auto& cloud = std::get<qnv::Cloud>(made);
+  for (const auto& [key, value] : cloud.description.metadata)
+    if (key == "title" && !value.empty()) export_options.title = value;
+  if (options.vectors > 0 && cloud.size() > options.vectors)
+    cloud = thinned(cloud, options.vectors, options, progress.whole());
+  if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  progress.whole().stage = "writing";
+  const Exported exported = format_of(options)->write(cloud, export_options);
+  if (const auto* problem = std::get_if<std::string>(&exported)) return fail(out + ": " + *problem);
+  const auto& bytes = std::get<std::vector<std::byte>>(exported);
+  if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
+  if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
+  std::printf("%s: %zu vectors, %zu bytes\n", out.c_str(), cloud.size(), bytes.size());
+  return kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,246 @@
+#include "app/cloud_reader.h"
+#include "app/commands/commands.h"
+#include "app/commands/vectors_of.h"
+#include "app/content_types.h"
+#include "app/surface_triangles.h"
+#include "net/file.h"
+#include "net/url.h"
+#include "qnv/decoder.h"
+#include "qnv/volume_slices.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+
+namespace gs::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+Json json_of(const glm::vec3& p) { return {p.x, p.y, p.z}; }
+
+void put_box(Json& json, const glm::vec3& lower, const glm::vec3& upper) {
+  if (lower.x <= upper.x) json["box"] = {{"lower", json_of(lower)}, {"upper", json_of(upper)}};
+}
+
+void put_metadata(Json& json, const std::vector<std::pair<std::string, std::string>>& metadata) {
+  Json all = Json::object();
+  for (const auto& [key, value] : metadata) all[key] = value;
+  if (!all.empty()) json["metadata"] = std::move(all);
+}
+
+void put_cloud(Json& json, const qnv::Cloud& cloud) {
+  const qnv::Description& d = cloud.description;
+  const bool volume = d.kind == qnv::Kind::volume;
+  json["kind"] = volume ? "volume" : "surface";
+  json["vectors"] = cloud.size();
+  json[volume ? "magnitude" : "area"] = d.total;
+  if (volume) {
+    json["spacing"] = d.spacing;
+    json["values"] = {d.value_range.first, d.value_range.second};
+    json["transfer_points"] = d.transfer.size();
+  } else {
+    json["two_sided"] = d.two_sided;
+    json["colors"] = cloud.colors.empty() ? "one" : "of each vector";
+  }
+  put_box(json, d.box.lower, d.box.upper);
+}
+
+// What has arrived of one level of the octree, or one layer.
+struct Level {
+  std::size_t chunks = 0, bytes = 0, vectors = 0;
+};
+
+// Chunks of a stream by level; vectors only of records, which say how many they are.
+std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
+  std::map<int, Level> levels;
+  qnv::StreamReader reader;
+  (void)reader.push(bytes, [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    int level = -1;
+    std::size_t vectors = 0;
+    if (type == qnv::ChunkType::packed) {
+      const auto read = qnv::read_cluster_header(payload);
+      if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;
+    } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
+      level = std::to_integer<int>(payload.front());
+      vectors = (payload.size() - qnv::kRecordsHeaderBytes) / qnv::kRecordBytes;
+    }
+    if (level < 0) return;
+    Level& l = levels[level];
+    ++l.chunks;
+    l.bytes += qnv::kChunkHeaderBytes + payload.size();
+    l.vectors += vectors;
+  });
+  return levels;
+}
+
+void put_levels(Json& json, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
+                std::span<const std::byte> bytes) {
+  const bool packed = header.payload == qnv::Payload::packed;
+  std::map<int, Level> levels = levels_of(bytes);
+  // Of an octree those are counted that no finer ones have replaced.
+  if (packed)
+    for (const qnv::Cell& cell : cloud.cells)
+      if (cell.edge > 0) ++levels[static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)))].vectors;
+  Json list = Json::array();
+  for (const auto& [level, l] : levels)
+    list.push_back({{packed ? "level" : "layer", level},
+                    {"chunks", l.chunks},
+                    {"bytes", l.bytes},
+                    {packed ? "shown" : "vectors", l.vectors}});
+  json["levels"] = std::move(list);
+}
+
+bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::string& path) {
+  qnv::StreamDecoder decoder;
+  (void)decoder.push(bytes);
+  decoder.finish();
+  Json problems = Json::array();
+  for (const qnv::StreamProblem& problem : decoder.problems())
+    problems.push_back("byte " + std::to_string(problem.offset) + ": " + problem.message);
+  const qnv::StreamHeader* header = decoder.header();
+  if (!header) {
+    for (const qnv::StreamProblem& problem : decoder.problems())
+      std::fprintf(stderr, "%s: error: byte %llu: %s\n", path.c_str(), static_cast<unsigned long long>(problem.offset),
+                   problem.message.c_str());
+    return false;
+  }
+  const qnv::Cloud cloud = decoder.cloud();
+  json["payload"] = header->payload == qnv::Payload::packed ? "packed" : "records";
+  put_cloud(json, cloud);
+  json["vectors_at_full_detail"] = header->vectors;
+  json["chunks"] = header->chunks;
+  json["palette"] = header->palette.size();
+  json["directory_entries"] = decoder.directory().size();
+  json["damaged_chunks"] = decoder.refused_chunks() + problems.size();
+  put_levels(json, *header, cloud, bytes);
+  put_metadata(json, header->description.metadata);
+  if (!problems.empty()) json["problems"] = std::move(problems);
+  return true;
+}
+
+const char* name_of(qnv::VoxelType type) {
+  static constexpr const char* kNames[] = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+void describe_volume(Json& json, const qnv::VolumeSource& volume, Clock::time_point deadline) {
+  const qnv::VolumeLayout& layout = volume.layout;
+  json["dimensions"] = {layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]};
+  json["type_of_voxels"] = std::string(name_of(layout.type)) + (layout.big_endian ? "be" : "");
+  json["axes"] = {json_of(layout.axes[0]), json_of(layout.axes[1]), json_of(layout.axes[2])};
+  json["origin"] = json_of(layout.origin);
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  std::uint64_t missing = 0, seen = 0;
+  std::vector<std::byte> scratch;
+  std::vector<float> values(qnv::check(layout) ? 0 : qnv::slice_voxels(layout));
+  for (std::uint32_t z = 0; !values.empty() && z < layout.dimensions[2] && Clock::now() < deadline; ++z) {
+    if (!qnv::read_slice(volume, z, scratch, values)) break;
+    for (const float v : values) {
+      missing += v != v ? 1 : 0;
+      least = v < least ? v : least;
+      most = v > most ? v : most;
+    }
+    seen += values.size();
+  }
+  if (least <= most) json["values"] = {least, most};
+  if (missing > 0) json["missing_voxels"] = missing;
+  if (qnv::check(layout) || seen < qnv::voxel_count(layout)) json["voxels_read"] = seen;
+  put_metadata(json, layout.metadata);
+}
+
+void describe_world(Json& json, const OpenedSurface& opened) {
+  const SurfaceSummary summary = summarize_surface(opened.list);
+  const OpenedWorld& world = opened.world;
+  std::size_t vectors = 0;
+  for (const auto& [node, cloud] : world.clouds) vectors += cloud->size();
+  json["title"] = world.title;
+  json["nodes"] = world.scene->node_count();
+  json["shapes"] = opened.list.items.size() + opened.list.splats.size();
+  json["triangles"] = summary.triangles;
+  json["vectors"] = vectors;
+  json["viewpoints"] = opened.list.viewpoints.size();
+  json["images"] = world.images.size();
+  json["textured"] = summary.textured;
+  json["two_sided"] = summary.two_sided;
+  if (!opened.list.bounds.empty()) put_box(json, opened.list.bounds.lower, opened.list.bounds.upper);
+  json["errors"] = world.diagnostics.errors();
+  json["warnings"] = world.diagnostics.warnings();
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.7g", value.get<double>());
+    return text;
+  }
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, part] : value.items())
+    text += (text.empty()        ? ""
+             : value.is_object() ? ", "
+                                 : " ") +
+            (value.is_object() ? key + " " : std::string()) + text_of(part);
+  return text;
+}
+
+// A line for each fact; lists of facts and metadata get one for each of theirs.
+void print_facts(const Json& json) {
+  for (const auto& [key, value] : json.items()) {
+    const bool list = value.is_array() && !value.empty() && !value.front().is_number() && !value.front().is_array();
+    std::string name = key;
+    std::replace(name.begin(), name.end(), '_', ' ');
+    if (!list && key != "metadata") {
+      std::printf("%-22s %s\n", name.c_str(), text_of(value).c_str());
+      continue;
+    }
+    std::printf("%s\n", name.c_str());
+    for (const auto& [inner, part] : value.items())
+      std::printf("  %s%s\n", list ? "" : (inner + ": ").c_str(), text_of(part).c_str());
+  }
+}
+
+}  // namespace
+
+int run_info(const Options& options) {
+  const std::string& path = options.files.front();
+  const net::Url url = net::parse_url(path);
+  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                           std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
+  auto mapped = net::map_file(local);
+  if (const auto* problem = std::get_if<net::FileError>(&mapped)) return fail(problem->message);
+  auto bytes = std::get<net::MappedFile>(mapped).bytes();
+  Json json = {{"file", path}, {"type", ""}, {"bytes", bytes.size()}};
+  bytes = bytes.first(std::min(bytes.size(), options.max_bytes));
+  if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
+    json["type"] = type->name;
+    if (!describe_stream(json, bytes, path)) return kFailed;
+  } else {
+    const auto input = open_input(options, path);
+    if (!input) return kFailed;
+    json["type"] = input->type;
+    if (const auto* volume = std::get_if<qnv::VolumeSource>(&input->content)) {
+      describe_volume(json, *volume, deadline);
+    } else if (const auto* cloud = std::get_if<qnv::Cloud>(&input->content)) {
+      put_cloud(json, *cloud);
+      put_metadata(json, cloud->description.metadata);
+    } else {
+      describe_world(json, *std::get<std::unique_ptr<OpenedSurface>>(input->content));
+    }
+  }
+  if (options.json)
+    std::printf("%s\n", json.dump(2, ' ', true, Json::error_handler_t::replace).c_str());
+  else
+    print_facts(json);
+  return kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,218 @@
+#include "app/commands/vectors_of.h"
+
+#include "app/cloud_reader.h"
+#include "app/commands/commands.h"
+#include "app/content_types.h"
+#include "app/surface_triangles.h"
+#include "app/world_loader.h"
+#include "net/file.h"
+#include "net/url.h"
+#include "qnv/decoder.h"
+#include "qnv/encode_volume.h"
+#include "qnv/isosurface.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+using qnv::EncodeError;
+
+bool is_raw(const Options& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+std::optional<Opened> open_volume_input(const Options& options, const std::string& path) {
+  auto opened = open_volume(path, options.raw);
+  if (const auto* problem = std::get_if<std::string>(&opened)) {
+    (void)fail(*problem);
+    return std::nullopt;
+  }
+  return std::move(std::get<qnv::VolumeSource>(opened));
+}
+
+std::optional<Opened> open_cloud_input(const Options& options, const ContentType& type, const CloudFile& file) {
+  vrml::Diagnostics diagnostics;
+  const auto time = std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6));
+  auto cloud = read_cloud(type, file, diagnostics, Clock::now() + std::chrono::duration_cast<Clock::duration>(time));
+  print_diagnostics(diagnostics);
+  if (!cloud) return std::nullopt;
+  return std::move(*cloud);
+}
+
+std::optional<Opened> open_world_input(const Options& options, const std::string& path, std::string& title) {
+  auto surface = std::make_unique<OpenedSurface>();
+  LoadOptions load;
+  load.timeout_seconds = options.timeout_seconds;
+  surface->world = load_world(path, load);
+  print_diagnostics(surface->world.diagnostics);
+  if (!surface->world.scene) return std::nullopt;
+  title = surface->world.title;
+  surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
+                                  surface->world.clouds);
+  return surface;
+}
+
+// What a stream says of where it comes from: before what the source says of itself.
+Metadata metadata_of(const OpenedInput& input, const std::string& path, const Metadata& own) {
+  Metadata all{{"title", input.title}, {"source", file_name(path)}};
+  if (input.type == "VRML97" || input.type == "glTF") all.emplace_back("units", "m");  // VRML97 4.4.5; glTF 2.0, 3.4
+  for (const auto& pair : own)
+    if (pair.first == "title" && !pair.second.empty()) {
+      all.front().second = pair.second;
+    } else if (pair.first != "source") {
+      all.push_back(pair);
+    }
+  return all;
+}
+
+std::size_t part_of(double fraction, std::size_t count) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
+}
+
+// So that a message says which of several it was.
+struct Surface {
+  qnv::TriangleSource source;
+  std::size_t triangles = 0;
+  bool two_sided = false;
+  std::shared_ptr<std::string> problem = std::make_shared<std::string>();
+};
+
+Surface surface_of(const OpenedSurface& opened) {
+  const SurfaceSummary summary = summarize_surface(opened.list);
+  Surface surface;
+  surface.source = [&opened](const qnv::TriangleSink& sink) { return for_each_triangle(opened.list, sink); };
+  surface.triangles = summary.triangles;
+  surface.two_sided = summary.two_sided;
+  return surface;
+}
+
+// An isosurface is open where it meets the border of the volume: one can look inside.
+Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
+  Surface surface;
+  surface.two_sided = true;
+  surface.source = [&volume, isovalue, problem = surface.problem, &progress](const qnv::TriangleSink& sink) {
+    qnv::IsosurfaceOptions options;
+    options.isovalue = isovalue;
+    bool wanted = true;
+    const auto error = qnv::isosurface(
+        volume, options,
+        [&](std::span<const qnv::Triangle> triangles) {
+          wanted = sink(triangles);
+          return wanted;
+        },
+        &progress.part());
+    if (error) *problem = error->message;
+    return wanted && !error;
+  };
+  return surface;
+}
+
+std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const Options& options,
+                                                     qnv::EncodeOptions encode_options, ProgressBar& progress) {
+  encode_options.two_sided = surface.two_sided;
+  encode_options.payload = options.records ? qnv::Payload::records : qnv::Payload::packed;
+  if (options.fraction > 0 && surface.triangles > 0)
+    encode_options.vectors = part_of(options.fraction, surface.triangles);
+  auto encoded = qnv::encode_surface(surface.source, encode_options, &progress.whole());
+  if (std::holds_alternative<EncodeError>(encoded) && !surface.problem->empty() && !progress.cancelled())
+    return EncodeError{*surface.problem};
+  return encoded;
+}
+
+std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const Options& options,
+                                                ProgressBar& progress) {
+  qnv::GradientOptions gradient_options;
+  if (options.vectors > 0) {
+    gradient_options.fraction = 1;
+    gradient_options.vectors = std::min<std::uint64_t>(options.vectors, gradient_options.vectors);
+  }
+  if (options.fraction > 0) gradient_options.fraction = options.fraction;
+  progress.whole().stage = "gradients";
+  auto found = qnv::gradient_vectors(volume, gradient_options, &progress.whole());
+  if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) return EncodeError{problem->message};
+  return std::move(std::get<qnv::Cloud>(found));
+}
+
+}  // namespace
+
+std::optional<OpenedInput> open_input(const Options& options, const std::string& path) {
+  const net::Url url = net::parse_url(path);
+  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  auto mapped = net::map_file(local);
+  if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
+    (void)fail(problem->message);
+    return std::nullopt;
+  }
+  const auto all = std::get<net::MappedFile>(mapped).bytes();
+  const ContentType& type = content_type_of(local, first_bytes(all));
+  std::optional<Opened> opened;
+  OpenedInput input{{}, std::string(type.name), file_name(local), all.size()};
+  if (is_raw(options) || type.content == ContentClass::volume) {
+    opened = open_volume_input(options, local);
+  } else if (type.is_cloud()) {
+    opened = open_cloud_input(options, type, {local, all});
+  } else {
+    opened = open_world_input(options, local, input.title);
+  }
+  if (!opened) return std::nullopt;
+  input.content = std::move(*opened);
+  return input;
+}
+
+std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& options, const OpenedInput& input,
+                                                           ProgressBar& progress) {
+  const std::string& path = options.files.front();
+  qnv::EncodeOptions encode_options;
+  encode_options.seed = options.seed;
+  encode_options.vectors = options.vectors;
+  if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
+  if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
+    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    encode_options.metadata = metadata_of(input, path, {});
+    return encode(surface_of(**opened), options, std::move(encode_options), progress);
+  }
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && options.isovalue) {
+    encode_options.metadata = metadata_of(input, path, volume->layout.metadata);
+    char value[32];
+    std::snprintf(value, sizeof value, "%.9g", *options.isovalue);
+    encode_options.metadata.emplace_back("isovalue", value);
+    if (options.fraction > 0) return EncodeError{"--fraction is of a volume's voxels; with --isovalue use --vectors"};
+    return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
+  }
+  if (options.packed) return EncodeError{"--packed is for surfaces made of triangles; leave it out"};
+  if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
+    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    encode_options.metadata = metadata_of(input, path, cloud->description.metadata);
+    if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
+    return qnv::encode_cloud(*cloud, encode_options, &progress.whole());
+  }
+  const auto& volume = std::get<qnv::VolumeSource>(input.content);
+  auto found = gradients(volume, options, progress);
+  if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
+  encode_options.metadata = metadata_of(input, path, volume.layout.metadata);
+  encode_options.vectors = 0;
+  return qnv::encode_cloud(std::get<qnv::Cloud>(found), encode_options, &progress.whole());
+}
+
+std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, OpenedInput input, ProgressBar& progress) {
+  if (auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
+    if (options.isovalue) return EncodeError{options.files.front() + " is no volume; --isovalue is for volumes"};
+    return std::move(*cloud);
+  }
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue)
+    return gradients(*volume, options, progress);
+  auto encoded = encode_input(options, input, progress);
+  if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
+  qnv::StreamDecoder decoder;
+  (void)decoder.push(std::get<qnv::EncodedStream>(encoded).bytes);
+  return decoder.cloud();
+}
+
+}  // namespace gs::app

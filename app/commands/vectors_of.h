@@ -1,0 +1,47 @@
+#pragma once
+
+#include "app/commands/progress_bar.h"
+#include "app/opened_world.h"
+#include "app/options.h"
+#include "qnv/encode_surface.h"
+#include "qnv/volume.h"
+#include "render/render_list.h"
+
+#include <memory>
+#include <string>
+#include <variant>
+
+namespace gs::app {
+
+/// A world's surfaces, ready to be encoded.
+struct OpenedSurface {
+  OpenedWorld world;
+  render::MeshCache meshes;
+  render::RenderList list;
+};
+
+/// What a file is to `encode`, `export` and `info`.
+using Opened = std::variant<qnv::VolumeSource, qnv::Cloud, std::unique_ptr<OpenedSurface>>;
+
+/// What is in a file, and what it is called.
+struct OpenedInput {
+  Opened content;
+  std::string type;   // the content type's name
+  std::string title;  // of a world, else the file's name
+  std::size_t bytes = 0;
+};
+
+/// Opens a file of any type; as headerless volume where the options have dimensions. Prints what is wrong; nothing
+/// when there is nothing to work with.
+[[nodiscard]] std::optional<OpenedInput> open_input(const Options& options, const std::string& path);
+
+/// Encodes an input as the options say; surfaces packed unless `records`.
+[[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const Options& options,
+                                                                              const OpenedInput& input,
+                                                                              ProgressBar& progress);
+
+/// The vectors of an input: those it has, a volume's gradients, or those that its surface is encoded as.
+[[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const Options& options, OpenedInput input,
+                                                                        ProgressBar& progress);
+
+}  // namespace gs::app

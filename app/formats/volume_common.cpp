@@ -1,0 +1,258 @@
+#include "app/formats/volume_common.h"
+
+#include "app/formats/text_cursor.h"
+#include "app/gunzip.h"
+#include "net/file.h"
+#include "qnv/volume_slices.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
+
+bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+qnv::VoxelType voxel_type_of(StoredType type) {
+  return type < StoredType::u64 ? static_cast<qnv::VoxelType>(type) : qnv::VoxelType::f64;
+}
+
+// One slice of 64-bit integers as doubles, in the byte order of this machine.
+template <class T>
+void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<std::byte> to) {
+  const bool swap = big_endian != (std::endian::native == std::endian::big);
+  for (std::size_t i = 0; i < to.size() / sizeof(double); ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, from + i * step, sizeof(bits));
+    const auto value = static_cast<double>(static_cast<T>(swap ? __builtin_bswap64(bits) : bits));
+    std::memcpy(to.data() + i * sizeof(double), &value, sizeof(value));
+  }
+}
+
+bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z, std::span<std::byte> to) {
+  const std::size_t size = size_of(voxels.type), step = size * voxels.components;
+  const bool wide = voxels.type >= StoredType::u64;
+  if (to.size() != slice_voxels * (wide ? sizeof(double) : size)) return false;
+  const std::byte* from = voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z;
+  if (wide) {
+    if (voxels.type == StoredType::u64)
+      widen<std::uint64_t>(from, step, voxels.big_endian, to);
+    else
+      widen<std::int64_t>(from, step, voxels.big_endian, to);
+  } else if (voxels.components == 1) {
+    std::memcpy(to.data(), from, to.size());
+  } else {
+    for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::size_t size_of(StoredType type) { return type < StoredType::u64 ? qnv::size_of(voxel_type_of(type)) : 8; }
+
+SharedBytes shared_bytes(std::vector<std::byte> bytes) {
+  auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  return {owner, std::span<const std::byte>(*owner)};
+}
+
+std::optional<std::string> unpacking_problem(std::uint64_t from, std::uint64_t to) {
+  if (to > kMostUnpacked) return "unpacks to " + plural(to) + "; expected at most " + std::to_string(kMostUnpacked);
+  if (to / kMostDeflateRatio > from) return plural(from) + " of packed data cannot hold " + plural(to);
+  return std::nullopt;
+}
+
+BytesResult unpacked_gzip(std::span<const std::byte> bytes) {
+  std::vector<std::byte> out;
+  if (bytes.size() >= 4) {  // RFC 1952 2.3.1: the size stands at the end; a hint only
+    std::uint32_t size = 0;
+    std::memcpy(&size, bytes.data() + bytes.size() - sizeof(size), sizeof(size));
+    if (!unpacking_problem(bytes.size(), size)) out.reserve(size);
+  }
+  const auto problem = gunzip(bytes, kMostUnpacked, [&](std::string_view piece) {
+    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
+    out.insert(out.end(), first, first + piece.size());
+    return true;
+  });
+  if (problem) return *problem;
+  return shared_bytes(std::move(out));
+}
+
+std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out) {
+  constexpr int kZlibOrGzip = 15 + 32;
+  z_stream stream{};
+  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib could not be set up";
+  std::size_t given = 0, made = 0;
+  int status = Z_OK;
+  while (made < out.size() && status == Z_OK) {
+    const auto in = static_cast<uInt>(std::min<std::size_t>(bytes.size() - given, std::numeric_limits<uInt>::max()));
+    const auto room = static_cast<uInt>(std::min<std::size_t>(out.size() - made, std::numeric_limits<uInt>::max()));
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data() + given));
+    stream.avail_in = in;
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + made);
+    stream.avail_out = room;
+    status = inflate(&stream, Z_NO_FLUSH);
+    given += in - stream.avail_in;
+    made += room - stream.avail_out;
+  }
+  inflateEnd(&stream);
+  if (made == out.size()) return std::nullopt;
+  return "the packed data " + std::string(status == Z_DATA_ERROR ? "is damaged" : "ends") + " after " + plural(made) +
+         "; expected " + std::to_string(out.size());
+}
+
+BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size) {
+  if (const auto problem = unpacking_problem(bytes.size(), size)) return *problem;
+  std::vector<std::byte> out(size);
+  if (const auto problem = unpack_into(bytes, out)) return *problem;
+  return shared_bytes(std::move(out));
+}
+
+BytesResult load_bytes(const std::string& path) {
+  auto opened = net::map_file(path);
+  if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
+  auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(opened)));
+  if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes()};
+  BytesResult unpacked = unpacked_gzip(file->bytes());
+  if (const auto* problem = std::get_if<std::string>(&unpacked)) return path + ": " + *problem;
+  return unpacked;
+}
+
+BytesResult load_beside(const VolumeFile& file, std::string_view name) {
+  namespace fs = std::filesystem;
+  if (name.empty() || name.size() > 4096 || name.find('\0') != std::string_view::npos)
+    return std::string("the name of the data file is not one; expected the name of a file");
+  std::string text(name);
+  fs::path path = fs::path(file.path).parent_path() / text;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) {  // headers from Windows, and names with the folder of long ago
+    std::replace(text.begin(), text.end(), '\\', '/');
+    path = fs::path(file.path).parent_path() / text;
+    if (!fs::exists(path, ignored)) path = fs::path(file.path).parent_path() / fs::path(text).filename();
+  }
+  BytesResult loaded = load_bytes(path.string());
+  if (const auto* problem = std::get_if<std::string>(&loaded)) return "the data file: " + *problem;
+  return loaded;
+}
+
+std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
+                                                     std::uint64_t components) {
+  qnv::VolumeLayout plain;
+  plain.dimensions = layout.dimensions;
+  if (const auto problem = qnv::check(plain)) return problem->message;
+  constexpr std::uint64_t kMostComponents = 1u << 12;
+  if (components == 0 || components > kMostComponents)
+    return std::to_string(components) + " components a voxel; expected 1 to " + std::to_string(kMostComponents);
+  return qnv::voxel_count(layout) * size_of(type) * components;  // < 2^(48 + 3 + 12)
+}
+
+VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
+  const auto needed = stored_size(layout, voxels.type, voxels.components);
+  if (const auto* problem = std::get_if<std::string>(&needed)) return *problem;
+  const std::uint64_t size = std::get<std::uint64_t>(needed), all = voxels.content.bytes.size();
+  const std::uint64_t there = voxels.offset < all ? all - voxels.offset : 0;
+  if (there < size) {
+    const auto [x, y, z] = layout.dimensions;
+    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels need " + plural(size) +
+           "; there are " + std::to_string(there);
+  }
+  mend(layout);
+  layout.type = voxel_type_of(voxels.type);
+  const bool wide = voxels.type >= StoredType::u64;
+  layout.big_endian = wide ? std::endian::native == std::endian::big : voxels.big_endian;
+  if (const auto problem = qnv::check(layout)) return problem->message;
+  qnv::VolumeSource source;
+  const std::uint64_t slice = qnv::slice_voxels(layout);
+  const std::uint32_t slices = layout.dimensions[2];
+  source.layout = std::move(layout);
+  source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
+    return z < slices && read_stored(voxels, slice, z, to);
+  };
+  return source;
+}
+
+std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count) {
+  if (count > (text.size() + 1) / 2)
+    return "a text of " + plural(text.size()) + " cannot hold " + std::to_string(count) + " numbers";
+  if (count > kMostUnpacked / sizeof(double)) return "more than " + plural(kMostUnpacked) + " of numbers as text";
+  std::vector<std::byte> out(count * sizeof(double));
+  TextCursor cursor(text);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    while (cursor.skip_space() && *cursor.next == ',') ++cursor.next;
+    double value = 0;
+    if (!cursor.number(value))
+      return "the text holds " + std::to_string(i) + " numbers; expected " + std::to_string(count);
+    std::memcpy(out.data() + i * sizeof(double), &value, sizeof(value));
+  }
+  StoredVoxels voxels;
+  voxels.content = shared_bytes(std::move(out));
+  voxels.type = StoredType::f64;
+  voxels.big_endian = std::endian::native == std::endian::big;
+  return voxels;
+}
+
+void mend(qnv::VolumeLayout& layout) {
+  if (!is_finite(layout.origin)) layout.origin = glm::vec3(0);
+  if (!std::isfinite(layout.slope) || layout.slope == 0) layout.slope = 1;
+  if (!std::isfinite(layout.intercept)) layout.intercept = 0;
+  qnv::VolumeLayout space;
+  space.dimensions = {1, 1, 1};
+  space.axes = layout.axes;
+  if (qnv::check(space)) layout.axes = qnv::VolumeLayout{}.axes;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
+  return lower;
+}
+
+std::vector<double> numbers_of(std::string_view text, std::size_t most) {
+  std::vector<double> numbers;
+  TextCursor cursor(text.data(), text.data() + text.size());
+  const auto parts = [](char c) { return TextCursor::is_space(c) || std::string_view(",()[]{}").find(c) < 7; };
+  while (numbers.size() < most) {
+    while (!cursor.at_end() && parts(*cursor.next)) ++cursor.next;
+    double value = 0;
+    if (cursor.at_end() || !cursor.number(value)) break;
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+std::optional<std::array<std::uint32_t, 3>> dimensions_of(std::span<const double> numbers) {
+  if (numbers.empty() || numbers.size() > 3) return std::nullopt;
+  std::array<std::uint32_t, 3> dimensions{1, 1, 1};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!(numbers[i] >= 1 && numbers[i] <= 4294967295.0) || numbers[i] != std::floor(numbers[i])) return std::nullopt;
+    dimensions[i] = static_cast<std::uint32_t>(numbers[i]);
+  }
+  return dimensions;
+}
+
+void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_view value) {
+  constexpr std::size_t kMostBytes = 4096, kMostPairs = 256;
+  key = trimmed(key.substr(0, std::min(key.find('\0'), kMostBytes)));
+  value = trimmed(value.substr(0, std::min(value.find('\0'), kMostBytes)));
+  if (key.empty() || value.empty() || layout.metadata.size() >= kMostPairs) return;
+  // Headers are ASCII by their standards; other bytes may be of any encoding.
+  const auto plain = [](std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+      if ((c & 0x80) != 0 || (c >= 0 && c < 0x20 && c != '\n' && c != '\t')) c = '?';
+    return result;
+  };
+  layout.metadata.emplace_back(plain(key), plain(value));
+}
+
+}  // namespace gs::app

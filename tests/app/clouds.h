@@ -1,0 +1,110 @@
+#pragma once
+
+#include "app/formats/splats.h"
+
+#include "tests/app/formats_helpers.h"
+
+#include <numbers>
+#include <random>
+
+/// What the tests of clouds share.
+namespace gs::test {
+
+using gs::qnv::Cloud;
+using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>);
+
+inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
+
+/// Points spread evenly over a sphere, with outward normals, areas that add up to its area, and colours.
+inline Cloud sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
+  Cloud cloud;
+  const auto all = static_cast<float>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
+    const float turn = static_cast<float>(i) * 2.39996323f;
+    const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
+    cloud.normals.push_back(n / length(n));
+    cloud.positions.push_back(center + n * radius);
+    cloud.weights.push_back(4 * std::numbers::pi_v<float> * radius * radius / all);
+    cloud.colors.push_back({static_cast<std::uint8_t>(i % 256), static_cast<std::uint8_t>(i / 7 % 256), 200});
+    cloud.description.box.add(cloud.positions.back());
+    cloud.description.total += cloud.weights.back();
+  }
+  return cloud;
+}
+
+/// What every imported cloud must keep.
+inline void check_sound(const Cloud& cloud) {
+  REQUIRE(cloud.normals.size() == cloud.size());
+  REQUIRE(cloud.weights.size() == cloud.size());
+  REQUIRE((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
+  double total = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 p = cloud.positions[i], n = cloud.normals[i];
+    REQUIRE((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
+    REQUIRE(std::abs(length(n) - 1) < 1e-3f);
+    REQUIRE((std::isfinite(cloud.weights[i]) && cloud.weights[i] > 0));
+    const auto& box = cloud.description.box;
+    for (int k = 0; k < 3; ++k) REQUIRE((p[k] >= box.lower[k] && p[k] <= box.upper[k]));
+    total += cloud.weights[i];
+  }
+  REQUIRE(cloud.description.total == Approx(total));
+  REQUIRE(cloud.description.kind == gs::qnv::Kind::surface);
+  REQUIRE(cloud.description.two_sided);
+}
+
+/// The cloud, which must be there.
+inline Cloud cloud_of(ImportCloud import, const Bytes& bytes) {
+  auto result = import(bytes);
+  if (const auto* problem = std::get_if<std::string>(&result)) {
+    FAIL("not imported: " << *problem);
+    return {};
+  }
+  check_sound(std::get<Cloud>(result));
+  return std::move(std::get<Cloud>(result));
+}
+inline std::string problem_of(ImportCloud import, const Bytes& bytes) {
+  const auto result = import(bytes);
+  return std::holds_alternative<std::string>(result) ? std::get<std::string>(result) : std::string();
+}
+inline std::string metadata(const Cloud& cloud, std::string_view name) {
+  for (const auto& [key, value] : cloud.description.metadata)
+    if (key == name) return value;
+  return {};
+}
+
+/// An import of anything is a sound cloud or a message.
+inline void check_any(ImportCloud import, const Bytes& bytes) {
+  const auto result = import(bytes);
+  if (const auto* cloud = std::get_if<Cloud>(&result)) {
+    REQUIRE_FALSE(cloud->empty());
+    check_sound(*cloud);
+  } else {
+    REQUIRE_FALSE(std::get<std::string>(result).empty());
+  }
+}
+
+/// Every prefix (in memory of exactly its size), every byte changed, and rubbish behind the first bytes.
+inline void check_hostile(ImportCloud import, const Bytes& bytes, std::size_t step = 1) {
+  for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? 1 : step)
+    check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));
+  for (std::size_t i = 0; i < bytes.size(); i += i < 600 ? 1 : step)
+    for (const int mask : {0x01, 0x80, 0xff}) {
+      Bytes changed = bytes;
+      changed[i] ^= static_cast<std::byte>(mask);
+      check_any(import, changed);
+    }
+  std::mt19937 random(1);
+  for (int round = 0; round < 100; ++round) {
+    Bytes rubbish(random() % 300);
+    for (auto& b : rubbish) b = static_cast<std::byte>(random());
+    check_any(import, rubbish);
+    Bytes mixed(bytes.begin(),
+                bytes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(bytes.size(), random() % 64)));
+    mixed.insert(mixed.end(), rubbish.begin(), rubbish.end());
+    check_any(import, mixed);
+  }
+}
+
+}  // namespace gs::test
