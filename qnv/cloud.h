@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,6 +66,8 @@ struct Cell {
   float offset = 0;  // the centre is the disc's position - offset * normal
 };
 
+class LodStream;
+
 /// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
 ///
 /// Units and space are the source's. `weights` is the area of the disc (units^2) or the magnitude of the
@@ -79,6 +82,9 @@ struct Cloud {
   std::vector<std::uint8_t> classes;
   std::vector<Cell> cells;  // of discs that came from an octree
   Rgb8 color;
+  /// Where the vectors come from when there are too many, or too many too small, to keep all of them: then the
+  /// arrays are empty, and every view takes its own cut (lod.h).
+  std::shared_ptr<LodStream> levels;
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] bool empty() const { return positions.empty(); }

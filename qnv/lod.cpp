@@ -30,7 +30,7 @@ float distance_to(const Box& box, const glm::vec3& p) {
 
 }  // namespace
 
-std::variant<std::unique_ptr<LodStream>, StreamProblem> LodStream::open(std::span<const std::byte> bytes,
+std::variant<std::unique_ptr<LodStream>, StreamProblem> LodStream::open(std::vector<std::byte> bytes,
                                                                         std::size_t cache_discs) {
   std::size_t header_bytes = 0;
   bool need_more = false;
@@ -41,18 +41,20 @@ std::variant<std::unique_ptr<LodStream>, StreamProblem> LodStream::open(std::spa
   stream->cache_discs_ = cache_discs;
   if (stream->header_.payload != Payload::packed)
     return StreamProblem{11, "a stream of records has no levels of detail; expected a packed one"};
-  stream->scan(bytes);
+  stream->bytes_ = std::move(bytes);
+  stream->scan();
   if (stream->nodes_.empty()) return StreamProblem{header_bytes, "holds no cluster that stands at the top"};
   return stream;
 }
 
-void LodStream::scan(std::span<const std::byte> bytes) {
+void LodStream::scan() {
+  const std::span<const std::byte> bytes(bytes_);
   std::map<std::uint32_t, std::uint32_t> index_of;    // by the number of the cluster
   std::map<std::uint64_t, DirectoryEntry> directory;  // by offset
   std::vector<std::pair<std::uint64_t, std::uint32_t>> offsets;
   StreamReader reader;
   // The reader checks every checksum, so that damage is found here and not in the middle of a frame.
-  reader.push(bytes, [&](ChunkType type, std::span<const std::byte>, std::uint64_t offset) {
+  const auto take = [&](ChunkType type, std::span<const std::byte>, std::uint64_t offset) {
     const auto payload = [&](std::size_t length) {
       return bytes.subspan(static_cast<std::size_t>(offset) + kChunkHeaderBytes, length);
     };
@@ -82,7 +84,10 @@ void LodStream::scan(std::span<const std::byte> bytes) {
     offsets.emplace_back(offset, index);
     if (node.parent != kNoParent) nodes_[node.parent].children.push_back(index);
     nodes_.push_back(std::move(node));
-  });
+  };
+  reader.push(bytes, take);
+  reader.finish(take);
+  problems_ = reader.problems();
   for (const auto& [offset, index] : offsets) {
     Node& node = nodes_[index];
     const auto entry = directory.find(offset);
@@ -109,6 +114,7 @@ bool LodStream::decode(std::uint32_t index) {
   auto* cluster = std::get_if<Cluster>(&decoded);
   if (!cluster) {
     node.broken = true;
+    problems_.push_back({0, std::get<PackedError>(decoded).message});
     return false;
   }
   node.decoded = std::make_unique<Cluster>(std::move(*cluster));
@@ -169,6 +175,31 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
     if (!outside(nodes_[index].box, view)) pieces_of(index, chosen, pieces);
   if (cached_discs_ > cache_discs_) forget_unused();
   return pieces;
+}
+
+Cloud LodStream::whole() {
+  Cloud all;
+  all.description = header_.description;
+  all.color = header_.color;
+  LodView view;
+  view.error_pixels = 0;
+  for (const Piece& piece : cut(view)) {
+    const auto append = [&piece](const auto& from, auto& to) {
+      const auto first = from.begin() + static_cast<std::ptrdiff_t>(piece.first);
+      to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(piece.count));
+    };
+    const Cloud& c = *piece.cloud;
+    if (!c.colors.empty()) all.colors.resize(all.size(), all.color);
+    append(c.positions, all.positions);
+    append(c.normals, all.normals);
+    append(c.weights, all.weights);
+    append(c.cells, all.cells);
+    if (!c.colors.empty())
+      append(c.colors, all.colors);
+    else if (!all.colors.empty())
+      all.colors.resize(all.size(), all.color);
+  }
+  return all;
 }
 
 // The voxels of a cluster that no chosen child takes the place of.

@@ -31,20 +31,25 @@ struct LodView {
   float error_pixels = 1;             // voxels need not be smaller than this on the screen
 };
 
-/// A packed stream that lies whole in memory or in a mapped file, of which a view decodes what it needs: the coarse
+/// A packed stream that lies in memory as it came, of which a view decodes what it needs: the coarse
 /// clusters everywhere, finer ones where they are seen, the largest on the screen first. One thread.
 class LodStream {
  public:
-  /// `bytes` must outlive the stream. `cache_discs`: how many decoded discs are kept at most, beside those of the
+  /// `cache_discs`: how many decoded discs are kept at most, beside those of the
   /// last cut. The error says why the stream cannot be read so. Safe for untrusted bytes.
-  static std::variant<std::unique_ptr<LodStream>, StreamProblem> open(std::span<const std::byte> bytes,
+  static std::variant<std::unique_ptr<LodStream>, StreamProblem> open(std::vector<std::byte> bytes,
                                                                       std::size_t cache_discs = std::size_t{1} << 24);
 
   /// What to draw: covers everything in view once, without holes and without overlap. Clusters wholly outside of the
   /// view are left out.
   [[nodiscard]] std::vector<Piece> cut(const LodView& view);
 
+  /// All vectors at full detail, copied together.
+  [[nodiscard]] Cloud whole();
+
   [[nodiscard]] const StreamHeader& header() const { return header_; }
+  /// What was wrong with the bytes; the stream is what is left.
+  [[nodiscard]] const std::vector<StreamProblem>& problems() const { return problems_; }
   [[nodiscard]] std::size_t clusters() const { return nodes_.size(); }
   [[nodiscard]] std::size_t cached_discs() const { return cached_discs_; }
 
@@ -64,11 +69,13 @@ class LodStream {
     bool broken = false;
   };
   LodStream() = default;
-  void scan(std::span<const std::byte> bytes);
+  void scan();
   bool decode(std::uint32_t node);
   void pieces_of(std::uint32_t node, const std::vector<bool>& chosen, std::vector<Piece>& out) const;
   void forget_unused();
 
+  std::vector<std::byte> bytes_;
+  std::vector<StreamProblem> problems_;
   StreamHeader header_;
   std::vector<Node> nodes_;  // parents before children
   std::size_t cache_discs_ = 0, cached_discs_ = 0;
