@@ -4,6 +4,8 @@
 #include "app/gunzip.h"
 #include "qnv/decoder.h"
 #include "qnv/encode_volume.h"
+#include "qnv/lod.h"
+#include "qnv/loss.h"
 #include "qnv/record.h"
 
 #include <algorithm>
@@ -30,6 +32,7 @@ class Reader {
   Reader(const CloudFile& file, vrml::Diagnostics& diagnostics, Clock::time_point deadline)
       : file_(file), diagnostics_(diagnostics), deadline_(deadline) {}
 
+  std::optional<qnv::Cloud> levels(std::vector<std::byte> bytes);
   std::optional<qnv::Cloud> stream();
   std::optional<qnv::Cloud> cloud(const ContentType& type);
   std::optional<qnv::Cloud> volume();
@@ -40,11 +43,34 @@ class Reader {
   }
 
   const CloudFile& file_;
+  std::vector<std::byte> arrived_;  // with losses
   vrml::Diagnostics& diagnostics_;
   Clock::time_point deadline_;
 };
 
+// A packed stream is kept as it came; views decode what they show.
+std::optional<qnv::Cloud> Reader::levels(std::vector<std::byte> bytes) {
+  auto opened = qnv::LodStream::open(std::move(bytes));
+  auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
+  if (!made) return std::nullopt;
+  const std::shared_ptr<qnv::LodStream> stream = std::move(*made);
+  for (const qnv::StreamProblem& problem : stream->problems())
+    if (!(file_.cut && problem.message.starts_with("ends ")))
+      report(Severity::warning, "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  qnv::Cloud cloud;
+  cloud.description = stream->header().description;
+  cloud.color = stream->header().color;
+  cloud.levels = stream;
+  return cloud;
+}
+
 std::optional<qnv::Cloud> Reader::stream() {
+  if (!is_gzip(file_.bytes)) {
+    std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
+                                                  : std::vector<std::byte>(file_.bytes.begin(), file_.bytes.end());
+    if (file_.loss > 0) arrived_ = bytes;
+    if (auto cloud = levels(std::move(bytes))) return cloud;
+  }
   qnv::StreamDecoder decoder;
   bool late = false;
   const auto push = [&](std::span<const std::byte> bytes) {
@@ -61,7 +87,7 @@ std::optional<qnv::Cloud> Reader::stream() {
                                 [&](std::string_view piece) { return push(std::as_bytes(std::span(piece))); });
     if (problem && !file_.cut) report(Severity::warning, *problem);
   } else {
-    (void)push(file_.bytes);
+    (void)push(arrived_.empty() ? file_.bytes : std::span<const std::byte>(arrived_));
   }
   if (!decoder.header() || !(file_.cut || late)) decoder.finish();
   if (late) report(Severity::error, kLate);

@@ -25,6 +25,8 @@ struct CloudFile {
   std::string path;                  // for diagnostics, and where a volume is opened
   std::span<const std::byte> bytes;  // of the file, gzip'd or not
   bool cut = false;                  // more bytes would follow, and nobody misses them (`--max-bytes`)
+  double loss = 0;                   // this share of a stream's packets never comes (`--loss`)
+  std::uint64_t loss_seed = 1;
 };
 
 /// The vectors of a file of a type that `is_cloud`: a stream's, an importer's, or the strongest 9 % of a

@@ -85,6 +85,24 @@ Problem set_background(Options& options, const std::string& value) {
   return {};
 }
 
+Problem set_splats(Options& options, const std::string& value) {
+  if (value != "auto" && value != "gl" && value != "cpu") return "expected auto, gl or cpu";
+  options.splats = value;
+  return {};
+}
+
+Problem set_budget(Options& options, const std::string& value) {
+  return read(value, options.budget) && options.budget > 0 ? Problem{} : "expected a number of vectors, more than 0";
+}
+
+Problem set_loss(Options& options, const std::string& value) {
+  const std::size_t colon = value.find(':');
+  const bool good = read(std::string_view(value).substr(0, colon), options.loss) && options.loss >= 0 &&
+                    options.loss <= 1 &&
+                    (colon == std::string::npos || read(std::string_view(value).substr(colon + 1), options.loss_seed));
+  return good ? Problem{} : "expected a share from 0 to 1, with :SEED behind it where it matters which";
+}
+
 Problem set_timeout(Options& options, const std::string& value) {
   return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{}
                                                                              : "expected seconds, more than 0";
@@ -151,6 +169,9 @@ constexpr OptionRow kOptions[] = {
     {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
      set_background},
     {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
+    {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open ", set_splats},
+    {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open ", set_budget},
+    {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open ", set_loss},
     {"--max-bytes", "N", "",
      "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
      "open check info encode ", set_max_bytes},

@@ -24,6 +24,10 @@ struct Options {
   std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   std::string backend = "auto";
+  std::string splats = "auto";
+  std::size_t budget = 0;  // vectors; 0: no limit
+  double loss = 0;
+  std::uint64_t loss_seed = 1;
   std::string stats;
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;

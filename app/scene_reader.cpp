@@ -110,7 +110,7 @@ bool read_mesh(const ContentType& type, const std::string& path, std::span<const
 }  // namespace
 
 SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
-                     Clock::time_point deadline, bool cut) {
+                     Clock::time_point deadline, const Arrival& arrival) {
   SceneRead read;
   auto scene = std::make_unique<vrml::SceneGraph>(path);
   const ContentType& type = content_type_of(path, first_bytes(bytes));
@@ -120,7 +120,7 @@ SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, 
   } else if (type.content == ContentClass::mesh) {
     refused = read_mesh(type, path, bytes, *scene, diagnostics);
   } else {
-    auto cloud = read_cloud(type, {path, bytes, cut}, diagnostics, deadline);
+    auto cloud = read_cloud(type, {path, bytes, arrival.cut, arrival.loss, arrival.loss_seed}, diagnostics, deadline);
     refused = !cloud;
     if (cloud) {
       const std::string url = net::url_of_path(std::filesystem::path(path).filename().string()).path;

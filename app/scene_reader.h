@@ -6,11 +6,19 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 
 namespace gs::app {
+
+/// What of a file comes.
+struct Arrival {
+  bool cut = false;  // it has more bytes than are given, and nobody misses them (`--max-bytes`)
+  double loss = 0;   // of a stream, this share of its packets never comes (`--loss`)
+  std::uint64_t loss_seed = 1;
+};
 
 /// What the bytes of one file became.
 struct SceneRead {
@@ -21,9 +29,9 @@ struct SceneRead {
 
 /// Makes a scene of the bytes of a file of any type of the table of content types, gzip'd or not; nothing
 /// that it refers to is read but the materials and buffers that belong to the format. Stops at `deadline`.
-/// `cut`: the file has more bytes, which are not to be missed. Safe for untrusted bytes.
+/// `arrival`: what of the bytes comes. Safe for untrusted bytes.
 [[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes,
                                    vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline,
-                                   bool cut = false);
+                                   const Arrival& arrival = {});
 
 }  // namespace gs::app

@@ -57,7 +57,7 @@ OpenedWorld load_world(const std::string& asked, const LoadOptions& options) {
   const std::span<const std::byte> bytes = file.bytes().subspan(0, std::min(file.bytes().size(), options.max_bytes));
   world.bytes = bytes.size();
 
-  SceneRead read = read_scene(path, bytes, world.diagnostics, deadline, cut);
+  SceneRead read = read_scene(path, bytes, world.diagnostics, deadline, {cut, options.loss, options.loss_seed});
   world.parse_seconds = seconds_since(start);
   world.truncated = !read.whole && !cut;
   if (!read.scene) return world;

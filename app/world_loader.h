@@ -10,6 +10,8 @@ namespace gs::app {
 
 struct LoadOptions {
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();  // of the file: the rest never arrives
+  double loss = 0;  // of a stream: this share of its packets never comes
+  std::uint64_t loss_seed = 1;
   double timeout_seconds = 30;  // for everything together; what is missing then is left out
   bool references = true;       // also Inlines, EXTERNPROTOs and textures
 };

@@ -245,7 +245,7 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
 }
 
 void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud) {
-  if (cloud->empty() || !finite(parent.world_from_local)) return;
+  if ((cloud->empty() && !cloud->levels) || !finite(parent.world_from_local)) return;
   SplatItem item;
   item.cloud = cloud;
   item.world_from_node = glm::mat4(parent.world_from_local);

@@ -4,6 +4,7 @@
 #include "render/gpu.h"
 #include "render/mesh_pass.h"
 #include "render/splat_pass.h"
+#include "render/volume_pass.h"
 
 #include <algorithm>
 #include <cstring>
@@ -78,6 +79,7 @@ struct Renderer::State {
   std::optional<BackgroundPass> background;
   std::unique_ptr<MeshPass> meshes;
   std::unique_ptr<SplatPass> splats;
+  std::unique_ptr<VolumePass> volumes;
   OffscreenTarget target;
 };
 
@@ -97,6 +99,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   if (auto* error = std::get_if<ContextError>(&meshes)) return std::move(*error);
   state->meshes = std::move(std::get<std::unique_ptr<MeshPass>>(meshes));
   state->splats = std::make_unique<SplatPass>(state->gl);
+  state->volumes = std::make_unique<VolumePass>(state->gl);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
@@ -122,8 +125,10 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
   state_->background->draw(list.background, glm::mat3(camera.world_from_camera),
                            {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}, options.background);
   gl.DepthMask(GL_TRUE);
-  state_->meshes->draw(list, camera, clip_from_camera, options.headlight, statistics,
-                       [&] { state_->splats->draw(list, camera, clip_from_camera, options, statistics); });
+  state_->meshes->draw(list, camera, clip_from_camera, options.headlight, statistics, [&] {
+    state_->splats->draw(list, camera, clip_from_camera, options, statistics);
+    state_->volumes->draw(list, camera, clip_from_camera, options, statistics);
+  });
   // Whoever draws next (the user interface) finds the defaults.
   gl.BindVertexArray(0);
   gl.UseProgram(0);

@@ -1,5 +1,6 @@
 #include "render/splat_pass.h"
 
+#include "qnv/lod.h"
 #include "render/shaders.h"
 
 #include <glm/glm.hpp>
@@ -56,6 +57,32 @@ class SavedTarget {
   const Gl& gl_;
   GLint draw_ = 0, read_ = 0;
 };
+
+// What of a cloud is drawn in a view: its cut, or the part of its progressive order that the budget allows.
+std::vector<SharedSplatPiece> pieces_of(const qnv::Cloud& cloud, const std::shared_ptr<const qnv::Cloud>& shared,
+                                        const SplatView& view, std::size_t budget) {
+  if (!cloud.levels) {
+    if (budget == 0 || cloud.size() <= budget) return {{shared, 0, cloud.size()}};
+    return {{shared, 0, budget, static_cast<float>(cloud.size()) / static_cast<float>(budget)}};
+  }
+  qnv::LodView lod;
+  const glm::mat4 node_from_camera = glm::inverse(view.camera_from_node);
+  const glm::mat4 transposed = glm::transpose(view.camera_from_node);
+  lod.eye = glm::vec3(node_from_camera[3]);
+  if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return {};
+  // Distances are measured in the node's units, like the voxels' edges, so that the scale falls out.
+  lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
+  const std::array<glm::vec4, 5> planes{{{1, 0, -view.tangents.x, 0},
+                                         {-1, 0, -view.tangents.x, 0},
+                                         {0, 1, -view.tangents.y, 0},
+                                         {0, -1, -view.tangents.y, 0},
+                                         {0, 0, -1, -view.near_plane}}};
+  for (std::size_t i = 0; i < planes.size(); ++i) lod.planes[i] = transposed * planes[i];
+  lod.budget = budget;
+  std::vector<SharedSplatPiece> out;
+  for (const qnv::Piece& piece : cloud.levels->cut(lod)) out.push_back({piece.cloud, piece.first, piece.count, 1});
+  return out;
+}
 
 }  // namespace
 
@@ -115,15 +142,16 @@ void SplatPass::upload(const Texture& texture, int unit, GLenum internal, GLenum
   gl_.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), layer.width, layer.height, 0, format, type, pixels);
 }
 
-std::optional<SplatTextures> SplatPass::with_gl(const SplatItem& item, const SplatView& view,
+std::optional<SplatTextures> SplatPass::with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                                 const DrawOptions& options) {
   if (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && software_)) return std::nullopt;
-  const SharedSplatPiece whole{item.cloud, 0, item.cloud->size()};
-  return splat_gl_.draw(std::span(&whole, 1), view);
+  return splat_gl_.draw(pieces, view);
 }
 
-SplatTextures SplatPass::on_processor(const SplatItem& item, const SplatView& view) {
-  const SplatLayer layer = rasterize_surface(*item.cloud, view);
+SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, const SplatView& view) {
+  std::vector<SplatPiece> pieces;
+  for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth});
+  const SplatLayer layer = rasterize_surface(pieces, view);
   SplatTextures result;
   result.discs = layer.discs;
   if (layer.empty()) return result;
@@ -199,14 +227,19 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   view.height = options.height;
   view.near_plane = camera.near_plane;
   view.supersample = options.samples > 1 ? 2 : 1;
+  // Shared out evenly: the budget of one viewport.
+  const std::size_t budget =
+      options.budget == 0 ? 0 : std::max<std::size_t>(1, options.budget / std::max<std::size_t>(1, list.splats.size()));
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
-    if (!consistent(*item.cloud)) continue;
+    if (item.cloud->description.kind == qnv::Kind::volume || !consistent(*item.cloud)) continue;
     view.camera_from_node = glm::mat4(camera_from_world * glm::dmat4(item.world_from_node));
-    std::optional<SplatTextures> textures = with_gl(item, view, options);
+    const std::vector<SharedSplatPiece> pieces = pieces_of(*item.cloud, item.cloud, view, budget);
+    if (pieces.empty()) continue;
+    std::optional<SplatTextures> textures = with_gl(pieces, view, options);
     const bool by_gl = textures.has_value();
     target.bind();
-    if (!textures) textures = on_processor(item, view);
+    if (!textures) textures = on_processor(pieces, view);
     statistics.vectors += textures->discs;
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";

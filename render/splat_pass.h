@@ -11,6 +11,7 @@
 #include <glm/mat4x4.hpp>
 
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 namespace gs::render {
@@ -36,8 +37,9 @@ class SplatPass {
   void shade(const SplatItem& item, const SplatTextures& textures, std::uint32_t light_set,
              const glm::mat4& clip_from_camera, const DrawOptions& options);
   /// Empty where OpenGL is not wanted or cannot.
-  std::optional<SplatTextures> with_gl(const SplatItem& item, const SplatView& view, const DrawOptions& options);
-  SplatTextures on_processor(const SplatItem& item, const SplatView& view);
+  std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
+                                       const DrawOptions& options);
+  SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view);
   void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
               const void* pixels);
 

@@ -10,9 +10,10 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kLookEvery = 32;  // splats between two looks whether the tile is full
-constexpr float kOpaque = 1 / 512.0f;   // less shows through: half a step of eight bits at most
-constexpr float kSolid = 0.5f;          // depth is taken where less shows through
+constexpr std::size_t kLookEvery = 64;    // splats between two looks where the tile is full
+constexpr int kBlocks = kVolumeTile / 8;  // along an edge of a tile
+constexpr float kOpaque = 1 / 512.0f;     // less shows through: half a step of eight bits at most
+constexpr float kSolid = 0.5f;            // depth is taken where less shows through
 
 namespace baseline {
 #define VOLUME_TARGET

@@ -6,6 +6,7 @@
 #include "net/file.h"
 #include "net/url.h"
 #include "qnv/decoder.h"
+#include "qnv/lod.h"
 #include "qnv/volume_slices.h"
 
 #include <nlohmann/json.hpp>
@@ -159,7 +160,8 @@ void describe_world(Json& json, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const OpenedWorld& world = opened.world;
   std::size_t vectors = 0;
-  for (const auto& [node, cloud] : world.clouds) vectors += cloud->size();
+  for (const auto& [node, cloud] : world.clouds)
+    vectors += cloud->levels ? static_cast<std::size_t>(cloud->levels->header().vectors) : cloud->size();
   json["title"] = world.title;
   json["nodes"] = world.scene->node_count();
   json["shapes"] = opened.list.items.size() + opened.list.splats.size();

@@ -79,6 +79,10 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
+render::SplatPath splat_path(const std::string& name) {
+  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
+}
+
 struct View {
   render::Camera camera;
   bool headlight = true;
@@ -121,6 +125,8 @@ int run_snapshot(const Options& options, const std::string& file) {
   const Clock::time_point start = Clock::now();
   LoadOptions load;
   load.max_bytes = options.max_bytes;
+  load.loss = options.loss;
+  load.loss_seed = options.loss_seed;
   load.timeout_seconds = options.timeout_seconds;
   const OpenedWorld world = load_world(file, load);
   const double load_seconds = seconds_since(start);
@@ -158,6 +164,8 @@ int run_snapshot(const Options& options, const std::string& file) {
   draw.samples = options.samples;
   draw.headlight = view->headlight;
   draw.background = options.background;
+  draw.budget = options.budget;
+  draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
   auto picture = renderer.draw_to_image(list, view->camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);

@@ -10,6 +10,7 @@
 #include "qnv/decoder.h"
 #include "qnv/encode_volume.h"
 #include "qnv/isosurface.h"
+#include "qnv/lod.h"
 
 #include <algorithm>
 #include <chrono>
@@ -41,6 +42,7 @@ std::optional<Opened> open_cloud_input(const Options& options, const ContentType
   vrml::Diagnostics diagnostics;
   const auto time = std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6));
   auto cloud = read_cloud(type, file, diagnostics, Clock::now() + std::chrono::duration_cast<Clock::duration>(time));
+  if (cloud && cloud->levels) cloud = cloud->levels->whole();
   print_diagnostics(diagnostics);
   if (!cloud) return std::nullopt;
   return std::move(*cloud);

@@ -1,0 +1,155 @@
+// splat_bench [--discs N] [--runs R] [--backend NAME]: surface splatting on the processor and with OpenGL.
+//
+// N small discs that make up a bumpy sphere, 1024x768, one and four samples a pixel; no shading. In each of R rounds,
+// one after the other: the processor with one thread and with two, OpenGL with the discs in its memory, and OpenGL with
+// 8-byte records that the vertex shader unpacks; each until the picture is done (glFinish). Medians, as a Markdown
+// table. One round before is not counted: it uploads, and compiles the programs.
+
+#include "qnv/record.h"
+#include "render/context.h"
+#include "render/gl.h"
+#include "render/splat_gl.h"
+#include "render/splat_raster.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::bench {
+namespace {
+
+std::shared_ptr<const qnv::Cloud> bumpy_sphere(std::size_t count) {
+  constexpr float kPi = 3.14159265f;
+  auto cloud = std::make_shared<qnv::Cloud>();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+    const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
+    const float across = std::sqrt(1 - z * z), x = across * std::cos(angle), y = across * std::sin(angle);
+    const glm::vec3 n(x, y, z), bump(std::cos(20 * x), std::cos(20 * y), std::cos(20 * z));
+    cloud->positions.push_back(n * (1 + 0.02f * (std::sin(20 * x) + std::sin(20 * y) + std::sin(20 * z))));
+    const glm::vec3 tilted = n - (bump - n * glm::dot(bump, n)) * 0.4f;
+    cloud->normals.push_back(tilted / glm::length(tilted));
+    cloud->weights.push_back(4 * kPi / static_cast<float>(count));
+    cloud->description.box.add(cloud->positions.back());
+  }
+  return cloud;
+}
+
+struct Row {
+  std::string name;
+  std::function<void()> work;
+  std::vector<double> seconds = {};
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& cloud, int runs, int supersample) {
+  render::SplatView view;
+  view.camera_from_node[3] = glm::vec4(0, 0, -3, 1);
+  view.tangents = {0.4f * 1024 / 768, 0.4f};
+  view.width = 1024;
+  view.height = 768;
+  view.near_plane = 0.1f;
+  view.supersample = supersample;
+  render::SplatGl splats(gl);
+  std::vector<std::byte> bytes(cloud->size() * qnv::kRecordBytes);
+  const qnv::RecordFrame frame = qnv::frame_for(cloud->description.box, cloud->weights[0]);
+  qnv::pack_records(cloud->positions, cloud->normals, cloud->weights, {}, frame, bytes.data());
+  render::SplatRecords records(gl, {}, false);
+  const render::SharedSplatPiece whole{cloud, 0, cloud->size()};
+  bool good = records.add(bytes, frame);
+  const auto on_processor = [&](unsigned threads) {
+    render::SplatView own = view;
+    own.threads = threads;
+    (void)render::rasterize_surface(*cloud, own);
+  };
+  const auto finished = [&](const std::optional<render::SplatTextures>& drawn) {
+    good = good && drawn && drawn->normals != 0;
+    gl.Finish();
+  };
+  const std::string with = "OpenGL (" + gl.renderer + ")";
+  std::vector<Row> rows{{"processor, 1 thread", [&] { on_processor(1); }},
+                        {"processor, 2 threads", [&] { on_processor(2); }},
+                        {with, [&] { finished(splats.draw(std::span(&whole, 1), view)); }},
+                        {with + ", records", [&] { finished(splats.draw(records, view)); }}};
+  for (int run = -1; run < runs; ++run) {
+    for (Row& row : rows) {
+      const auto start = std::chrono::steady_clock::now();
+      row.work();
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      if (run >= 0) row.seconds.push_back(seconds);
+    }
+  }
+  std::printf("\n%zu discs, 1024x768, %d sample%s a pixel, medians of %d\n\n", cloud->size(), supersample * supersample,
+              supersample > 1 ? "s" : "", runs);
+  std::printf("| %s | ms | M discs/s | of 1 thread |\n| --- | --- | --- | --- |\n",
+              std::string(render::splat_instructions()).c_str());
+  const double one = median(rows.front().seconds);
+  for (const Row& row : rows) {
+    const double seconds = median(row.seconds);
+    std::printf("| %s | %.1f | %.2f | %.2f |\n", row.name.c_str(), seconds * 1e3,
+                static_cast<double>(cloud->size()) / seconds / 1e6, one / seconds);
+  }
+  return good;
+}
+
+int run(std::size_t discs, int runs, const std::string& backend) {
+  auto opened = render::open_headless_context(backend);
+  if (auto* error = std::get_if<render::ContextError>(&opened)) {
+    std::fprintf(stderr, "%s\n", error->message.c_str());
+    return 1;
+  }
+  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
+  auto loaded = render::Gl::load(*context);
+  if (auto* error = std::get_if<render::ContextError>(&loaded)) {
+    std::fprintf(stderr, "%s\n", error->message.c_str());
+    return 1;
+  }
+  const auto cloud = bumpy_sphere(discs);
+  for (const int supersample : {1, 2}) {
+    if (measure(std::get<render::Gl>(loaded), cloud, runs, supersample)) continue;
+    std::fprintf(stderr, "OpenGL could not draw the discs\n");
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace gs::bench
+
+int main(int argc, char** argv) {
+  std::size_t discs = 1'000'000;
+  int runs = 5;
+  std::string backend = "auto";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == "--discs" && i + 1 < argc) {
+      discs = static_cast<std::size_t>(std::max(1ll, std::atoll(argv[++i])));
+    } else if (argument == "--runs" && i + 1 < argc) {
+      runs = std::max(1, std::atoi(argv[++i]));
+    } else if (argument == "--backend" && i + 1 < argc) {
+      backend = argv[++i];
+    } else {
+      std::fprintf(stderr, "usage: splat_bench [--discs N] [--runs R] [--backend auto|egl|osmesa]\n");
+      return 2;
+    }
+  }
+  return gs::bench::run(discs, runs, backend);
+}

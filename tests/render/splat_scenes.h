@@ -1,0 +1,98 @@
+#pragma once
+
+// Clouds that the tests of the splatters share, and a bare context.
+
+#include "qnv/cloud.h"
+#include "qnv/decoder.h"
+#include "qnv/encode_surface.h"
+#include "render/gl.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <span>
+#include <variant>
+#include <vector>
+
+namespace gs::render::testing {
+
+inline constexpr float kPi = 3.14159265f;
+
+/// Discs of equal area on a sphere of radius 1, along a spiral.
+inline std::shared_ptr<qnv::Cloud> sphere(std::size_t count, bool colored = false) {
+  auto cloud = std::make_shared<qnv::Cloud>();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+    const float angle = 2.3999632f * static_cast<float>(i), across = std::sqrt(1 - z * z);
+    const glm::vec3 n(across * std::cos(angle), across * std::sin(angle), z);
+    cloud->positions.push_back(n);
+    cloud->normals.push_back(n);
+    cloud->weights.push_back(4 * kPi / static_cast<float>(count));
+    const auto level = [](float c) { return static_cast<std::uint8_t>(std::lround((c * 0.5f + 0.5f) * 255)); };
+    if (colored) cloud->colors.push_back({level(n.x), level(n.y), level(-n.z)});
+  }
+  cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
+  return cloud;
+}
+
+/// The sphere as a packed stream has it: discs cut from the cubes of an octree.
+inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
+  const auto on_sphere = [](int row, int column) {
+    const float theta = kPi * static_cast<float>(row) / 24, phi = kPi * static_cast<float>(column) / 24;
+    return glm::vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+  };
+  std::vector<qnv::Triangle> triangles;
+  const auto add = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    qnv::Triangle triangle;
+    triangle.positions = {a, b, c};
+    triangle.normals = {glm::normalize(a), glm::normalize(b), glm::normalize(c)};
+    triangle.colors.fill({200, 120, 60});
+    triangles.push_back(triangle);
+  };
+  for (int row = 0; row < 24; ++row)
+    for (int column = 0; column < 48; ++column) {
+      const glm::vec3 a = on_sphere(row, column), b = on_sphere(row + 1, column), c = on_sphere(row + 1, column + 1),
+                      d = on_sphere(row, column + 1);
+      if (row < 23) add(a, b, c);
+      if (row > 0) add(a, c, d);
+    }
+  qnv::EncodeOptions options;
+  options.vectors = vectors;
+  auto encoded =
+      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
+  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
+  qnv::StreamDecoder decoder;
+  REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
+  decoder.finish();
+  return std::make_shared<const qnv::Cloud>(decoder.cloud());
+}
+
+/// On OSMesa.
+struct OpenContext {
+  OpenContext() {
+    auto opened = open_headless_context("osmesa");
+    if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
+    context = std::move(std::get<std::unique_ptr<GlContext>>(opened));
+    auto loaded = Gl::load(*context);
+    if (auto* error = std::get_if<ContextError>(&loaded)) FAIL(error->message);
+    gl = std::move(std::get<Gl>(loaded));
+  }
+  std::unique_ptr<GlContext> context;
+  Gl gl;
+};
+
+inline std::vector<std::byte> random_records(std::size_t count) {
+  std::mt19937_64 random(5);
+  std::vector<std::byte> bytes(count * qnv::kRecordBytes);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t bits = random();
+    std::memcpy(&bytes[i * qnv::kRecordBytes], &bits, sizeof bits);
+  }
+  return bytes;
+}
+
+}  // namespace gs::render::testing
