@@ -35,11 +35,11 @@ class Preparer {
   Preparer(const SplatPiece& piece, const Camera& camera)
       : cloud_(*piece.cloud), growth_(std::max(piece.growth, 1.0f)), camera_(camera) {}
 
-  void run(std::size_t first, std::size_t last, std::vector<SplatDisc>& out, std::size_t step = 1) const {
-    for (std::size_t i = first; i < last; i += step) {
-      SplatDisc disc;
-      if (prepare(i, disc)) out.push_back(disc);
-    }
+  /// Writes the discs in view, which are at most as many as are looked at, and returns how many they are.
+  std::size_t run(std::size_t first, std::size_t last, SplatDisc* out, std::size_t step = 1) const {
+    SplatDisc* next = out;
+    for (std::size_t i = first; i < last; i += step) next += prepare(i, *next) ? 1 : 0;
+    return static_cast<std::size_t>(next - out);
   }
 
  private:
@@ -58,22 +58,24 @@ class Preparer {
     const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / kPi));
     const float sample = depth / (camera_.pixels * camera_.scale);  // one sample there, node units
     const bool cube = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
-    float bell = radius * kCubeBell, extent;
+    float bell = radius * kCubeBell, cover;
     if (cube) {
       const qnv::Cell& cell = cloud_.cells[i];
       disc.clip = disc.place - disc.normal * cell.offset;
       disc.reach = std::max(cell.edge * (0.5f + (disc.plane > 0 ? kBackMargin : kCubeMargin)), sample * kLeastReach);
       bell = std::max({bell, 0.5f * cell.edge, sample * kLeastReach});
+      cover = disc.reach * 1.7321f;  // no point of a cube is further from the foot of its centre on a plane
     } else {
       disc.clip = disc.place;
-      const float cover = std::max(radius * kDiscCover, sample * kLeastReach);
+      cover = std::max(radius * kDiscCover, sample * kLeastReach);
       // Among cubes it is one as well: the inner loop knows only one kind.
       disc.reach = cloud_.cells.empty() ? cover * cover : cover;
+      if (!cloud_.cells.empty()) cover *= 1.7321f;
       bell = std::max(radius * kDiscBell, sample * kLeastReach);
     }
-    extent = 2 * bell * camera_.scale;
     disc.inverse_radius2 = 1 / (bell * bell);
-    if (!bound(seen, depth, extent, disc)) return false;
+    if (!bound(seen, depth, 2 * bell * camera_.scale, disc.bell)) return false;
+    if (!bound(seen, depth, cover * camera_.scale, disc.cover)) disc.cover = {0, 0, -1, -1};
     disc.facing = glm::dot(disc.normal, camera_.rays.origin);
     disc.facing_x = glm::dot(disc.normal, camera_.rays.right);
     disc.facing_y = glm::dot(disc.normal, camera_.rays.up);
@@ -81,27 +83,28 @@ class Preparer {
     return true;
   }
 
-  // The samples that a ball around the disc's centre covers.
-  bool bound(const glm::vec3& seen, float depth, float extent, SplatDisc& disc) const {
+  // The samples in a ball around the disc's centre.
+  bool bound(const glm::vec3& seen, float depth, float extent, SplatBounds& out) const {
     if (!(depth + extent > camera_.rays.near_plane) || !std::isfinite(depth) || !std::isfinite(extent)) return false;
     float x0 = 0, y0 = 0, x1 = static_cast<float>(camera_.width - 1), y1 = static_cast<float>(camera_.height - 1);
     if (depth > 2 * extent) {
       const float width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
-      const float x = (seen.x / (depth * camera_.tangents.x) + 1) * 0.5f * width;
-      const float y = (seen.y / (depth * camera_.tangents.y) + 1) * 0.5f * height;
+      // In samples, whose centres lie at whole numbers.
+      const float x = (seen.x / (depth * camera_.tangents.x) + 1) * 0.5f * width - 0.5f;
+      const float y = (seen.y / (depth * camera_.tangents.y) + 1) * 0.5f * height - 0.5f;
       // Towards the edges of the view a ball is drawn out.
       const float slant = std::sqrt(1 + (seen.x * seen.x + seen.y * seen.y) / (depth * depth));
-      const float around = extent * camera_.pixels / (depth - extent) * slant + 1;
-      x0 = std::max(x0, x - around);
-      y0 = std::max(y0, y - around);
+      const float around = extent * camera_.pixels / (depth - extent) * slant + 0.01f;
+      // The next whole number, of one that is not negative.
+      const auto up = [](float v) { return static_cast<float>(static_cast<int>(v + 0.999999f)); };
+      x0 = up(std::max(x0, x - around));
+      y0 = up(std::max(y0, y - around));
       x1 = std::min(x1, x + around);
       y1 = std::min(y1, y + around);
       if (!(x0 <= x1 && y0 <= y1)) return false;
     }
-    disc.x0 = static_cast<std::int16_t>(x0);
-    disc.y0 = static_cast<std::int16_t>(y0);
-    disc.x1 = static_cast<std::int16_t>(x1);
-    disc.y1 = static_cast<std::int16_t>(y1);
+    out = {static_cast<std::int16_t>(x0), static_cast<std::int16_t>(y0), static_cast<std::int16_t>(x1),
+           static_cast<std::int16_t>(y1)};
     return true;
   }
 
@@ -116,43 +119,64 @@ struct Bins {
   std::vector<std::uint32_t> begin, discs;
 };
 
-Bins bin(const std::vector<SplatDisc>& discs, const Camera& camera, unsigned threads) {
+/// The discs that one task prepared: where they begin, and how many there are.
+struct Segment {
+  std::size_t first = 0, count = 0;
+};
+
+Bins bin(const SplatDisc* discs, std::span<const Segment> segments, const Camera& camera, unsigned threads) {
   Bins bins;
   bins.columns = (camera.width + kTile - 1) / kTile;
   bins.rows = (camera.height + kTile - 1) / kTile;
   const auto tiles = static_cast<std::size_t>(bins.columns) * static_cast<std::size_t>(bins.rows);
-  const std::size_t ranges = (discs.size() + kRange - 1) / kRange;
-  const auto for_tiles = [&](const SplatDisc& d, auto body) {
-    for (int y = d.y0 / kTile; y <= d.y1 / kTile; ++y)
-      for (int x = d.x0 / kTile; x <= d.x1 / kTile; ++x) body(static_cast<std::size_t>(y * bins.columns + x));
+  const auto for_tiles = [&](const Segment& segment, auto body) {
+    for (std::size_t i = segment.first; i < segment.first + segment.count; ++i) {
+      const SplatBounds& b = discs[i].bell;
+      for (int y = b.y0 / kTile; y <= b.y1 / kTile; ++y)
+        for (int x = b.x0 / kTile; x <= b.x1 / kTile; ++x) body(static_cast<std::size_t>(y * bins.columns + x), i);
+    }
   };
-  // Counts by range first, so that every range knows its places.
-  std::vector<std::vector<std::uint32_t>> places(ranges);
+  // Counts by segment first, so that every one knows its places.
+  std::vector<std::vector<std::uint32_t>> places(segments.size());
   qnv::parallel_for(
-      ranges,
+      segments.size(),
       [&](std::size_t r) {
         places[r].assign(tiles, 0);
-        for (std::size_t i = r * kRange; i < std::min(discs.size(), (r + 1) * kRange); ++i)
-          for_tiles(discs[i], [&](std::size_t tile) { ++places[r][tile]; });
+        for_tiles(segments[r], [&](std::size_t tile, std::size_t) { ++places[r][tile]; });
       },
       threads);
   bins.begin.assign(tiles + 1, 0);
   std::uint32_t next = 0;
   for (std::size_t tile = 0; tile < tiles; ++tile) {
     bins.begin[tile] = next;
-    for (auto& range : places) next += std::exchange(range[tile], next);
+    for (auto& segment : places) next += std::exchange(segment[tile], next);
   }
   bins.begin[tiles] = next;
   bins.discs.resize(next);
   qnv::parallel_for(
-      ranges,
+      segments.size(),
       [&](std::size_t r) {
-        for (std::size_t i = r * kRange; i < std::min(discs.size(), (r + 1) * kRange); ++i)
-          for_tiles(discs[i], [&](std::size_t tile) { bins.discs[places[r][tile]++] = static_cast<std::uint32_t>(i); });
+        for_tiles(segments[r], [&](std::size_t tile, std::size_t i) {
+          bins.discs[places[r][tile]++] = static_cast<std::uint32_t>(i);
+        });
       },
       threads);
   return bins;
 }
+
+/// Memory for the discs of a picture, kept from one to the next: fresh memory would cost as much as the discs do.
+SplatDisc* disc_memory(std::size_t count) {
+  thread_local std::unique_ptr<SplatDisc[]> memory;
+  thread_local std::size_t size = 0;
+  if (count > size) {
+    memory.reset();  // before there is more
+    memory.reset(new SplatDisc[count]);
+    size = count;
+  }
+  return memory.get();
+}
+
+double width_of(const SplatBounds& bounds) { return 1 + bounds.x1 - bounds.x0; }
 
 /// The normal of one sample, node space, of any length: that of the surface where the mean of the heights over the
 /// discs' planes, weighted by their bells, is zero.
@@ -216,38 +240,55 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
   const auto camera = splat_camera(view);
   if (!camera || pieces.empty() || view.width < 1 || view.height < 1) return layer;
   std::vector<SplatPiece> ranges;
+  std::vector<std::size_t> tasks{0};  // the first range of each, and the end
+  std::size_t all = 0, in_task = 0;
   bool colored = false;
   for (const SplatPiece& piece : pieces) {
     colored = colored || !piece.cloud->colors.empty();
-    for (std::size_t i = 0; i < piece.count; i += kRange)
-      ranges.push_back({piece.cloud, piece.first + i, std::min(kRange, piece.count - i), piece.growth});
+    for (std::size_t i = 0; i < piece.count; i += kRange) {
+      const std::size_t count = std::min(kRange, piece.count - i);
+      if (in_task + count > kRange && in_task > 0) {
+        tasks.push_back(ranges.size());
+        in_task = 0;
+      }
+      ranges.push_back({piece.cloud, piece.first + i, count, piece.growth});
+      in_task += count;
+      all += count;
+    }
   }
-  std::vector<std::vector<SplatDisc>> parts(ranges.size());
+  tasks.push_back(ranges.size());
+  SplatDisc* const discs = disc_memory(all);
+  std::vector<Segment> segments(tasks.size() - 1);
+  std::vector<double> widths(segments.size());
+  for (std::size_t t = 0, first = 0; t < segments.size(); ++t) {
+    segments[t].first = first;
+    for (std::size_t r = tasks[t]; r < tasks[t + 1]; ++r) first += ranges[r].count;
+  }
   qnv::parallel_for(
-      ranges.size(),
-      [&](std::size_t r) {
-        Preparer(ranges[r], *camera).run(ranges[r].first, ranges[r].first + ranges[r].count, parts[r]);
+      segments.size(),
+      [&](std::size_t t) {
+        Segment& segment = segments[t];
+        for (std::size_t r = tasks[t]; r < tasks[t + 1]; ++r)
+          segment.count +=
+              Preparer(ranges[r], *camera)
+                  .run(ranges[r].first, ranges[r].first + ranges[r].count, discs + segment.first + segment.count);
+        for (std::size_t i = segment.first; i < segment.first + segment.count; ++i)
+          widths[t] += width_of(discs[i].bell);
       },
       view.threads);
-  std::vector<SplatDisc> discs;
-  std::size_t count = 0;
-  for (const auto& part : parts) count += part.size();
-  discs.reserve(count);
-  for (auto& part : parts) {
-    discs.insert(discs.end(), part.begin(), part.end());
-    part = {};
-  }
-  layer.discs = discs.size();
-  if (discs.empty()) return layer;
-  const Bins bins = bin(discs, *camera, view.threads);
   double width = 0;
-  for (const SplatDisc& disc : discs) width += 1 + disc.x1 - disc.x0;
+  for (std::size_t t = 0; t < segments.size(); ++t) {
+    layer.discs += segments[t].count;
+    width += widths[t];
+  }
+  if (layer.discs == 0) return layer;
+  const Bins bins = bin(discs, segments, *camera, view.threads);
   SplatKind kind;
   kind.cubes = !pieces.front().cloud->cells.empty();
   kind.colored = colored;
   kind.sides = pieces.front().cloud->description.two_sided;
   // The bounds of a disc are four bells wide.
-  kind.smooth = width > 4.0 * kSmoothFrom * static_cast<double>(discs.size());
+  kind.smooth = width > 4.0 * kSmoothFrom * static_cast<double>(layer.discs);
   layer.width = view.width;
   layer.height = view.height;
   const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
@@ -261,8 +302,7 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
         const int left = static_cast<int>(t) % bins.columns * kTile,
                   bottom = static_cast<int>(t) / bins.columns * kTile;
         thread_local const auto tile = std::make_unique<SplatTile>();
-        splat_kernel().tile(discs.data(),
-                            std::span(bins.discs).subspan(bins.begin[t], bins.begin[t + 1] - bins.begin[t]),
+        splat_kernel().tile(discs, std::span(bins.discs).subspan(bins.begin[t], bins.begin[t + 1] - bins.begin[t]),
                             camera->rays, left, bottom, kind, *tile);
         resolve(*tile, left, bottom, view, *camera, kind, layer);
       },
@@ -280,13 +320,13 @@ SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& 
   double width = 0, in_view = 0;
   std::vector<SplatDisc> discs;
   for (const SplatPiece& piece : pieces) {
-    discs.clear();
-    Preparer(piece, *camera).run(piece.first, piece.first + piece.count, discs, step);
     const std::size_t looked_at = (piece.count + step - 1) / step;
+    discs.resize(looked_at);
+    discs.resize(Preparer(piece, *camera).run(piece.first, piece.first + piece.count, discs.data(), step));
     const double share = static_cast<double>(piece.count) / static_cast<double>(std::max<std::size_t>(looked_at, 1));
     for (const SplatDisc& disc : discs) {
-      width += share * (1 + disc.x1 - disc.x0);
-      survey.samples += share * (1 + disc.x1 - disc.x0) * (1 + disc.y1 - disc.y0);
+      width += share * width_of(disc.bell);
+      survey.samples += share * width_of(disc.bell) * (1 + disc.bell.y1 - disc.bell.y0);
     }
     in_view += share * static_cast<double>(discs.size());
   }

@@ -11,6 +11,11 @@ namespace gs::render {
 
 constexpr int kTile = 32;  // samples along an edge: what is written of a tile stays in the first cache
 
+/// Samples, inclusive; none where x1 < x0.
+struct SplatBounds {
+  std::int16_t x0, y0, x1, y1;
+};
+
 /// A disc in view, ready to be rasterised. Node space, from the camera's place.
 struct SplatDisc {
   glm::vec3 place;  // the disc's centre
@@ -21,7 +26,7 @@ struct SplatDisc {
   float reach;                       // half the edge of the cube, or the square of the covering radius
   float inverse_radius2;             // of the bell
   std::uint32_t color;
-  std::int16_t x0, y0, x1, y1;  // samples that may be covered, inclusive
+  SplatBounds bell, cover;  // the samples that it may count in, and those that it may cover
 };
 
 /// What all discs of a cloud share.

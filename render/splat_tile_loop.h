@@ -11,20 +11,24 @@ SPLAT_INLINE void get8(const float* from, Float8& v) { std::memcpy(&v, from, siz
 
 /// Calls body(row of the tile, x of the tile, rays) for the groups of eight samples that a disc may cover.
 template <class Body>
-SPLAT_INLINE void for_samples(const SplatDisc& disc, const SplatRays& rays, int left, int bottom, Body body) {
-  const int x0 = std::max(disc.x0 - left, 0) & ~7, x1 = std::min(disc.x1 - left, kTile - 1);
-  const int y0 = std::max(disc.y0 - bottom, 0), y1 = std::min(disc.y1 - bottom, kTile - 1);
+SPLAT_INLINE void for_samples(const SplatDisc& disc, const SplatBounds& bounds, const SplatRays& rays, int left,
+                              int bottom, Body body) {
+  const int x1 = std::min(bounds.x1 - left, kTile - 1), y1 = std::min(bounds.y1 - bottom, kTile - 1);
+  // Begins where the disc does, so that most discs are one group wide.
+  const int x0 = std::min(std::max(bounds.x0 - left, 0), kTile - 8), y0 = std::max(bounds.y0 - bottom, 0);
   const Float8 step = {0, 1, 2, 3, 4, 5, 6, 7};
   for (int y = y0; y <= y1; ++y) {
     const auto sample_y = static_cast<float>(bottom + y);
     const glm::vec3 row = rays.origin + rays.up * sample_y;
     const float facing_row = disc.facing + disc.facing_y * sample_y;
-    for (int x = x0; x <= x1; x += 8) {
+    for (int first = x0; first <= x1; first += 8) {
+      // The last group of a wide disc ends with the tile; samples that it has again are left as they are.
+      const int x = std::min(first, kTile - 8);
       const Float8 sample_x = step + static_cast<float>(left + x);
       const Float8 facing = facing_row + disc.facing_x * sample_x;
       const Float8 rx = row.x + rays.right.x * sample_x, ry = row.y + rays.right.y * sample_x,
                    rz = row.z + rays.right.z * sample_x;
-      body(static_cast<std::size_t>(y * kTile + x), facing, rx, ry, rz);
+      body(static_cast<std::size_t>(y * kTile + x), first - x, facing, rx, ry, rz);
     }
   }
 }
@@ -34,8 +38,8 @@ SPLAT_INLINE Float8 absolute(const Float8& v) { return v < 0.0f ? -v : v; }
 template <bool cubes, bool sides>
 SPLAT_INLINE void depth_pass(const SplatDisc& disc, const SplatRays& rays, int left, int bottom, SplatTile& tile) {
   for_samples(
-      disc, rays, left, bottom,
-      [&](std::size_t at, const Float8& facing, const Float8& rx, const Float8& ry, const Float8& rz)
+      disc, disc.cover, rays, left, bottom,
+      [&](std::size_t at, int, const Float8& facing, const Float8& rx, const Float8& ry, const Float8& rz)
           __attribute__((always_inline)) {
             const Float8 depth = disc.plane / facing;
             const Float8 dx = rx * depth - disc.clip.x, dy = ry * depth - disc.clip.y, dz = rz * depth - disc.clip.z;
@@ -70,8 +74,8 @@ SPLAT_INLINE void blend_pass(const SplatDisc& disc, const SplatRays& rays, int l
     put8(to.data() + at, old + v);
   };
   for_samples(
-      disc, rays, left, bottom,
-      [&](std::size_t at, const Float8&, const Float8& rx, const Float8& ry, const Float8& rz)
+      disc, disc.bell, rays, left, bottom,
+      [&](std::size_t at, int again, const Float8&, const Float8& rx, const Float8& ry, const Float8& rz)
           __attribute__((always_inline)) {
             Float8 nearest;
             get8(tile.depth.data() + at, nearest);
@@ -79,7 +83,9 @@ SPLAT_INLINE void blend_pass(const SplatDisc& disc, const SplatRays& rays, int l
                          dz = rz * nearest - disc.place.z;
             // (1 - rho^2 / 4)^4: nearly exp(-1.2 rho^2), and nothing beyond two radii.
             Float8 bell = 1.0f - (dx * dx + dy * dy + dz * dz) * quarter;
-            Int8 counts = bell > 0.0f;
+            // `again` of the first samples were counted in the group before.
+            const Int8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
+            Int8 counts = (bell > 0.0f) & (lane >= again);
             if constexpr (sides) {
               Float8 side;
               get8(tile.side.data() + at, side);

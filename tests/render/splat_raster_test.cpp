@@ -160,7 +160,9 @@ TEST_CASE("Both kernels of the surface splatter give the same bits") {
       d.reach = kind.cubes ? radius : radius * radius;
       d.inverse_radius2 = 1 / (radius * radius);
       d.color = static_cast<std::uint32_t>(random() & 0xFFFFFFu);
-      d.x1 = d.y1 = 63;
+      // Narrow ones, wide ones, and ones that begin anywhere in a group of eight.
+      const auto edge = [&](int most) { return static_cast<std::int16_t>(random() % static_cast<unsigned>(most)); };
+      d.bell = d.cover = {edge(60), edge(20), 63, 63};
     }
     std::vector<std::uint32_t> order(discs.size());
     std::iota(order.begin(), order.end(), 0u);
