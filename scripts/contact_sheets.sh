@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Draws the pictures of docs/images that show how streams refine. Usage: scripts/contact_sheets.sh DATA [OUT]
+# DATA holds meshes/scans, meshes/odedstein and volumes/cthead as docs/benchmarks.md names them.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+data=${1:?the folder with the test data}
+out=${2:-docs/images}
+ghostspace=build/release/ghostspace
+sheet=build/release/bench/contact_sheet
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+pictures=()
+for model in scans/bun_zipper.ply odedstein/koala.obj scans/armadillo.obj; do
+  "$ghostspace" encode "$data/meshes/$model" "$work/model.qnv" --vectors 400000 >/dev/null
+  bytes=$(stat -c %s "$work/model.qnv")
+  for thousandth in 1 10 100 1000; do
+    picture=$work/$(basename "$model").$thousandth.png
+    part=$((bytes * thousandth / 1000))
+    [ $part -ge 1000 ] || part=1000
+    "$ghostspace" --snapshot "$picture" --size 320x240 --orbit 35,10 --background 0.1,0.1,0.12 --max-bytes $part "$work/model.qnv"
+    pictures+=("$picture")
+  done
+done
+"$sheet" 4 "$out/prefixes.png" "${pictures[@]}"
+
+# The scan lies on its back, the face towards -y, the crown towards -z.
+cat > "$work/head.wrl" <<'WORLD'
+#VRML V2.0 utf8
+Transform {
+  rotation 0 0.70711 -0.70711 3.14159
+  children Shape { appearance Appearance { material Material { } } geometry QNV { url "head.qnv" profile "VOLUME" } }
+}
+WORLD
+pictures=()
+for fraction in 0.012 0.035 0.091; do
+  "$ghostspace" encode "$data/volumes/cthead/CThead.nhdr" "$work/head.qnv" --fraction $fraction >/dev/null
+  "$ghostspace" --snapshot "$work/head.$fraction.png" --size 400x400 --orbit 40,10 --background 0,0,0 "$work/head.wrl"
+  pictures+=("$work/head.$fraction.png")
+done
+"$sheet" 3 "$out/cthead.png" "${pictures[@]}"
