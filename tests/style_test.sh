@@ -20,4 +20,5 @@ report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xarg
 # render/splat_tile_loop.h is included once for each instruction set.
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render | grep '\.h$' | grep -v '^render/splat_tile_loop.h$' | xargs -r grep -L '#pragma once')"
+report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
 exit $failed

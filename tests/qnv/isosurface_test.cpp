@@ -226,7 +226,7 @@ TEST_CASE("Missing voxels have no surface") {
   CHECK(surface(volume_of(layout, [](auto...) { return kNaN; }), 0).empty());
 }
 
-TEST_CASE("Volumes without cells have no surface; what is wrong is told") {
+TEST_CASE("Volumes without cells have no surface, what is wrong is told") {
   VolumeLayout layout;
   layout.dimensions = {4, 4, 1};
   CHECK(surface(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(16, 3)), 2).empty());

@@ -237,7 +237,7 @@ TEST_CASE("chunks are of a useful size and resolve more than the whole box does"
   CHECK(small < chunks.size() / 6);
 }
 
-TEST_CASE("chunks do not depend on threads; seeds and limits are obeyed") {
+TEST_CASE("chunks do not depend on threads, seeds and limits are obeyed") {
   const Cloud cloud = ball(40'000);
   const auto bytes = [&](const RecordsOptions& options) {
     std::vector<std::byte> all;

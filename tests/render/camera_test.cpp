@@ -72,7 +72,7 @@ TEST_CASE("An orbit camera has all corners in view from every direction") {
         }
 }
 
-TEST_CASE("Azimuth 0, elevation 0 looks from +Z; azimuth turns towards +X; elevation up") {
+TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, elevation up") {
   const vrml::Bounds bounds = box({-1, -1, -1}, {1, 1, 1});
   const glm::vec3 front(orbit_camera(bounds, 0, 0, 0.8f, 1, 1).world_from_camera[3]);
   CHECK(front.x == Approx(0).margin(1e-5));

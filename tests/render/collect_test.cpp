@@ -152,7 +152,7 @@ TEST_CASE("Billboard turns its Z axis to the viewer about its axis (VRML97 6.6)"
   check_vector(z_axis("axisOfRotation 1 0 0", {7, 2, -5}), {0, 1, 0});
 }
 
-TEST_CASE("USE shares meshes; Anchor, Collision and Group show their children; proxies are not drawn") {
+TEST_CASE("USE shares meshes, Anchor, Collision and Group show their children, proxies are not drawn") {
   World world("Group { children [ Anchor { children DEF B " + kBox +
               "} Collision { children USE B proxy Shape { geometry Sphere { } } } USE B ] }");
   const RenderList list = world.collect();

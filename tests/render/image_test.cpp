@@ -354,7 +354,7 @@ TEST_CASE("GIF palettes and transparency become components") {
   CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 0, 0, 255, 0, 255, 0, 0, 255, 255});
 }
 
-TEST_CASE("a GIF picture stands in its canvas; interlaced rows are put in order") {
+TEST_CASE("a GIF picture stands in its canvas, interlaced rows are put in order") {
   GifOptions options;
   options.canvas_width = 6;
   options.left = 1;
