@@ -262,3 +262,34 @@ TEST_CASE("encode: an interrupt cancels every kind of work") {
     options.isovalue.reset();
   }
 }
+
+TEST_CASE("snapshot: budgets, losses and prefixes of a stream, drawn either way") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 20000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  const auto snapshot = [&](const std::string& options) {
+    const std::string stats = folder.path("stats.json");
+    const Run result =
+        run("--snapshot " + quoted(folder.path("ball.png")) + " --size 200x150 --backend osmesa --stats " +
+            quoted(stats) + " " + options + " " + quoted(stream));
+    INFO(options << "\n" << result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.empty());
+    return nlohmann::json::parse(folder.read("stats.json"));
+  };
+  const nlohmann::json whole = snapshot("");
+  CHECK(whole["vectors"] > 500);
+  CHECK(whole["splats"] == "cpu");
+  CHECK(whole["colors"] > 10);
+  CHECK(snapshot("--splats gl")["splats"] == "gl");
+  // Of a ball about half of the discs face the viewer.
+  const nlohmann::json few = snapshot("--budget 800");
+  CHECK(few["vectors"] > 100);
+  CHECK(few["vectors"] <= 800);
+  CHECK(snapshot("--max-bytes 1000")["vectors"] > 20);
+  const nlohmann::json lossy = snapshot("--loss 1");
+  CHECK(lossy["vectors"] > 100);
+  CHECK(run("--snapshot x.png --loss 1.5 " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --splats fast " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --budget 0 " + quoted(stream)).status == kUsage);
+}
