@@ -13,7 +13,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 4'000'000;
+constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'000;
 // A plane of any direction meets about this many voxels per face area, on average over directions.
 constexpr double kVoxelsPerArea = 1.5;
 // What a disc costs about, for --max-bytes: few enough bits that the budget is filled to its end.
@@ -137,7 +137,9 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   header.description.box = s.box;
   header.description.total = s.area;
   header.description.metadata = options.metadata;
-  const int level = level_for(static_cast<double>(vectors), s, header.cube);
+  // Nobody asked for a number: then a level that is nearly as fine will do, and is taken whole.
+  const bool asked = options.vectors != 0 || options.max_bytes != 0;
+  const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
   if (progress) {
     progress->stage = "cutting";
     progress->done = 0;

@@ -20,10 +20,11 @@ using glm::dvec3;
 
 constexpr double kPi = 3.14159265358979323846;
 // What the splatters share, in double precision.
-constexpr double kCubeMargin = double{splat::kCubeMargin}, kBackMargin = double{splat::kBackMargin},
-                 kCubeBell = double{splat::kCubeBell}, kDiscCover = double{splat::kDiscCover},
-                 kDiscBell = double{splat::kDiscBell}, kLeastReach = double{splat::kLeastReach},
-                 kGrazing = double{splat::kGrazing}, kSmoothing = double{splat::kSmoothing};
+constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
+                 kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
+                 kDiscCover = double{splat::kDiscCover}, kDiscBell = double{splat::kDiscBell},
+                 kLeastReach = double{splat::kLeastReach}, kGrazing = double{splat::kGrazing},
+                 kSmoothing = double{splat::kSmoothing};
 
 struct Lens {
   glm::dmat4 camera_from_node;
@@ -126,7 +127,8 @@ std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec
     if (d.cube) {
       const auto edge = static_cast<double>(cloud.cells[k].edge);
       d.clip = d.place - d.normal * static_cast<double>(cloud.cells[k].offset);
-      d.reach = std::max(edge * (0.5 + (d.plane > 0 ? kBackMargin : kCubeMargin)), sample * kLeastReach);
+      const double margin = d.plane > 0 ? edge * kBackMargin : std::max(edge * kCubeMargin, sample * kSampleMargin);
+      d.reach = std::max(edge * 0.5 + margin, sample * kLeastReach);
       d.bell = std::max({radius * kCubeBell, 0.5 * edge, sample * kLeastReach});
     } else {
       d.clip = d.place;

@@ -41,10 +41,10 @@ struct RaySurface {
 /// The definition that rasterize_surface implements, exactly and slowly, in double precision.
 ///
 /// For the ray of every sample: the nearest of all discs that cover the place where the ray meets their plane. A disc
-/// from an octree covers its cube and kCubeMargin of its edge more on each side (kBackMargin where it shows its
-/// back), any other kDiscCover times its radius (in a cloud that has cubes: a cube of that half edge), and all at least
-/// kLeastReach samples. Discs that turn their back count only when the cloud is two-sided, and those that are seen
-/// edge on, up to a cosine of kGrazing, never. The constants are those of splat_constants.h.
+/// from an octree covers its cube and kCubeMargin of its edge, or kSampleMargin samples, more on each side (kBackMargin
+/// where it shows its back), any other kDiscCover times its radius (in a cloud that has cubes: a cube of that half
+/// edge), and all at least kLeastReach samples. Discs that turn their back count only when the cloud is two-sided, and
+/// those that are seen edge on, up to a cosine of kGrazing, never. The constants are those of splat_constants.h.
 ///
 /// At that place p, normals and colours are the means of those of all discs that turn the same side to the viewer,
 /// weighted by bells (1 - |p - x_k|^2 / (4 R_k^2))^4: nearly the paper's exp(-|p - x_k|^2 / A_k) with A_k =

@@ -31,6 +31,7 @@ std::string constants() {
   std::string text;
   for (const auto& [name, value] : {std::pair{"BACK_MARGIN", splat::kBackMargin},
                                     {"CUBE_MARGIN", splat::kCubeMargin},
+                                    {"SAMPLE_MARGIN", splat::kSampleMargin},
                                     {"CUBE_BELL", splat::kCubeBell},
                                     {"DISC_COVER", splat::kDiscCover},
                                     {"DISC_BELL", splat::kDiscBell},

@@ -62,7 +62,9 @@ class Preparer {
     if (cube) {
       const qnv::Cell& cell = cloud_.cells[i];
       disc.clip = disc.place - disc.normal * cell.offset;
-      disc.reach = std::max(cell.edge * (0.5f + (disc.plane > 0 ? kBackMargin : kCubeMargin)), sample * kLeastReach);
+      const float margin =
+          disc.plane > 0 ? cell.edge * kBackMargin : std::max(cell.edge * kCubeMargin, sample * kSampleMargin);
+      disc.reach = std::max(cell.edge * 0.5f + margin, sample * kLeastReach);
       bell = std::max({bell, 0.5f * cell.edge, sample * kLeastReach});
       cover = disc.reach * 1.7321f;  // no point of a cube is further from the foot of its centre on a plane
     } else {

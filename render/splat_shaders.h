@@ -114,7 +114,9 @@ void main() {
   vec3 clip = place;
   if (v.edge > 0.0) {
     clip -= v.normal * v.offset;
-    reach = max(v.edge * (0.5 + (plane > 0.0 ? BACK_MARGIN : CUBE_MARGIN)), least);
+    float margin = plane > 0.0 ? v.edge * BACK_MARGIN
+                               : max(v.edge * CUBE_MARGIN, least * (SAMPLE_MARGIN / LEAST_REACH));
+    reach = max(v.edge * 0.5 + margin, least);
     bell = max(v.radius * CUBE_BELL, max(0.5 * v.edge, least));
   }
   normal_plane = vec4(v.normal, plane);
