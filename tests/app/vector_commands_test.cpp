@@ -2,6 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/vectors_of.h"
 #include "app/formats/export.h"
+#include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -19,25 +20,6 @@
 using namespace gs::app;
 
 namespace {
-
-struct Run {
-  int status;
-  std::string output;  // stdout and stderr
-};
-
-Run run(const std::string& arguments) {
-  FILE* pipe = popen(("LSAN_OPTIONS=print_suppressions=0 " GHOSTSPACE_BINARY " " + arguments + " 2>&1").c_str(), "r");
-  REQUIRE(pipe);
-  Run result{0, {}};
-  std::array<char, 4096> buffer;
-  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
-    result.output.append(buffer.data(), count);
-  const int status = pclose(pipe);
-  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return result;
-}
-
-std::string quoted(const std::string& path) { return "'" + path + "'"; }
 
 nlohmann::json info(const std::string& file) {
   const Run result = run("info --json " + quoted(file));

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+namespace gs::app {
+
+/// How a run of the program ended, and all that it printed.
+struct Run {
+  int status;
+  std::string output;  // stdout and stderr
+};
+
+/// Runs the program as a user does, through the shell.
+inline Run run(const std::string& arguments) {
+  // Under AddressSanitizer the program would tell at its end which known leaks it passed over.
+  FILE* pipe = popen(("LSAN_OPTIONS=print_suppressions=0 " GHOSTSPACE_BINARY " " + arguments + " 2>&1").c_str(), "r");
+  REQUIRE(pipe);
+  Run result{0, {}};
+  std::array<char, 4096> buffer;
+  while (const std::size_t count = fread(buffer.data(), 1, buffer.size(), pipe))
+    result.output.append(buffer.data(), count);
+  const int status = pclose(pipe);
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return result;
+}
+
+inline std::string quoted(const std::string& path) { return "'" + path + "'"; }
+
+}  // namespace gs::app
