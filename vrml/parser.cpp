@@ -290,6 +290,13 @@ void Parser::push(std::string_view piece) {
   }
 }
 
+std::vector<NodeId> Parser::open_nodes() const {
+  std::vector<NodeId> nodes;
+  for (const Frame& frame : state_->frames)
+    if (frame.kind == Frame::Kind::node_body && frame.node) nodes.push_back(frame.node);
+  return nodes;
+}
+
 ParseOutcome Parser::finish() {
   State& s = *state_;
   const std::string window = std::exchange(s.carry, {});

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string_view>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -33,6 +34,8 @@ class Parser {
 
   /// The next bytes of the text. Copies only what it cannot use yet.
   void push(std::string_view piece);
+  /// The nodes whose bodies have begun and not ended, the outermost first: what will come changes them.
+  [[nodiscard]] std::vector<NodeId> open_nodes() const;
   /// The text is over. Call once.
   ParseOutcome finish();
   /// A whole text in place of `push` and `finish`; copies nothing.

@@ -276,3 +276,25 @@ TEST_CASE("diagnostics are counted past the number that is kept") {
   CHECK(diagnostics.entries().size() == 10);
   CHECK(diagnostics.dropped() == 40);
 }
+
+TEST_CASE("the nodes that are still open are known") {
+  SceneGraph scene("open.wrl");
+  Diagnostics diagnostics;
+  Parser parser(scene, diagnostics);
+  const auto open_types = [&] {
+    std::string types;
+    for (const NodeId id : parser.open_nodes()) types += scene.node(id).type->name + " ";
+    return types;
+  };
+  CHECK(open_types().empty());
+  // Longer than the part of a text that must be there before anything is read.
+  parser.push("#VRML V2.0 utf8\n" + std::string(2000, ' '));
+  parser.push("Transform { children Shape { geometry IndexedFaceSet { coord Coordinate { point [ 1 2 3, ");
+  CHECK(open_types() == "Transform Shape IndexedFaceSet Coordinate ");
+  parser.push("4 5 6 ] } coordIndex [ 0 1");
+  CHECK(open_types() == "Transform Shape IndexedFaceSet ");
+  parser.push(" 2 ] } } } Group { } ");
+  CHECK(open_types().empty());
+  parser.finish();
+  CHECK(diagnostics.errors() == 0);
+}
