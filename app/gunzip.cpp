@@ -18,49 +18,96 @@ bool is_gzip(std::span<const std::byte> bytes) {
   return bytes.size() >= 2 && bytes[0] == std::byte{0x1f} && bytes[1] == std::byte{0x8b};
 }
 
-std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit,
-                                  const std::function<bool(std::string_view)>& sink) {
+struct Gunzip::State {
   z_stream stream{};
-  if (inflateInit2(&stream, kGzipWindow) != Z_OK) return "zlib could not be set up";
-  std::vector<char> piece(kPiece);
-  std::size_t total = 0, next = 0;
+  std::vector<char> piece = std::vector<char>(kPiece);
+  std::size_t limit = 0, total = 0;
+  std::size_t mark = 0;  // of the two bytes that another member would begin with, how many have come
+  bool between = false;  // a member has ended, and no other has begun
+  bool over = false;     // nothing more is taken
+  bool stopped = false;  // by the sink
   std::optional<std::string> problem;
-  for (bool running = true; running;) {
-    const std::size_t given = std::min<std::size_t>(bytes.size() - next, std::numeric_limits<uInt>::max());
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data() + next));
+
+  void fail(std::string message) {
+    problem = std::move(message);
+    over = true;
+  }
+
+  // Another member may follow (RFC 1952 2.2); anything else behind the last one is ignored.
+  void look_for_member(std::span<const std::byte>& bytes) {
+    static constexpr Bytef kMark[] = {0x1f, 0x8b};
+    while (mark < 2 && !bytes.empty()) {
+      if (bytes.front() != static_cast<std::byte>(kMark[mark])) {
+        over = true;
+        return;
+      }
+      bytes = bytes.subspan(1);
+      ++mark;
+    }
+    if (mark < 2) return;
+    between = false;
+    mark = 0;
+    if (inflateReset(&stream) != Z_OK) return fail("zlib could not be set up");
+    stream.next_in = const_cast<Bytef*>(kMark);
+    stream.avail_in = 2;
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = static_cast<uInt>(piece.size());
+    if (inflate(&stream, Z_NO_FLUSH) != Z_OK) fail("the gzip data is damaged");
+  }
+
+  void inflate_some(std::span<const std::byte>& bytes, const Sink& sink) {
+    const std::size_t given = std::min<std::size_t>(bytes.size(), std::numeric_limits<uInt>::max());
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
     stream.avail_in = static_cast<uInt>(given);
     stream.next_out = reinterpret_cast<Bytef*>(piece.data());
     stream.avail_out = static_cast<uInt>(piece.size());
     const int status = inflate(&stream, Z_NO_FLUSH);
-    next += given - stream.avail_in;
+    bytes = bytes.subspan(given - stream.avail_in);
     const std::size_t made = piece.size() - stream.avail_out;
     total += made;
-    if (total > limit) {
-      problem = "unpacks to more than " + std::to_string(limit) + " bytes";
-      break;
+    if (total > limit) return fail("unpacks to more than " + std::to_string(limit) + " bytes");
+    if (made > 0 && !sink(std::string_view(piece.data(), made))) {
+      over = stopped = true;
+      return;
     }
-    if (made > 0 && !sink(std::string_view(piece.data(), made))) break;
-    switch (status) {
-      case Z_STREAM_END:
-        // Another member may follow (RFC 1952 2.2); anything else behind the last one is ignored.
-        running = is_gzip(bytes.subspan(next)) && inflateReset(&stream) == Z_OK;
-        break;
-      case Z_OK:
-        break;
-      case Z_BUF_ERROR:
-        if (next == bytes.size()) {
-          problem = "the gzip data ends too early";
-          running = false;
-        }
-        break;
-      default:
-        problem = std::string("the gzip data is damaged") + (stream.msg ? std::string(" (") + stream.msg + ")" : "");
-        running = false;
-        break;
-    }
+    if (status == Z_STREAM_END)
+      between = true;
+    else if (status != Z_OK && status != Z_BUF_ERROR)
+      fail(std::string("the gzip data is damaged") + (stream.msg ? std::string(" (") + stream.msg + ")" : ""));
+    else if (status == Z_BUF_ERROR && !bytes.empty())
+      fail("the gzip data is damaged");  // cannot be: there was room, and there were bytes
   }
-  inflateEnd(&stream);
-  return problem;
+};
+
+Gunzip::Gunzip(std::size_t limit) : state_(std::make_unique<State>()) {
+  state_->limit = limit;
+  if (inflateInit2(&state_->stream, kGzipWindow) != Z_OK) state_->fail("zlib could not be set up");
+}
+
+Gunzip::~Gunzip() { inflateEnd(&state_->stream); }
+
+bool Gunzip::push(std::span<const std::byte> bytes, const Sink& sink) {
+  State& s = *state_;
+  while (!s.over && !bytes.empty()) {
+    if (s.between)
+      s.look_for_member(bytes);
+    else
+      s.inflate_some(bytes, sink);
+  }
+  // What fills the last piece exactly is still inside zlib.
+  while (!s.over && !s.between && s.stream.avail_out == 0) s.inflate_some(bytes, sink);
+  return !s.over;
+}
+
+std::optional<std::string> Gunzip::finish() {
+  if (!state_->problem && !state_->between && !state_->over) state_->problem = "the gzip data ends too early";
+  return state_->stopped ? std::nullopt : state_->problem;
+}
+
+std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit, const Gunzip::Sink& sink) {
+  Gunzip unpacking(limit);
+  unpacking.push(bytes, sink);
+  return unpacking.finish();
 }
 
 }  // namespace gs::app

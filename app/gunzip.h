@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,10 +13,30 @@ namespace gs::app {
 /// True for the first bytes of a gzip member (RFC 1952).
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
 
-/// Unpacks gzip members, piece by piece, into `sink`, which may stop it by returning false. All that could
-/// be unpacked has been delivered when an error comes back: what is wrong with the data (truncated, bad
-/// checksum, more than `limit` bytes). Safe for untrusted input; memory is constant.
+/// Unpacks gzip members as they come, in pieces of any size. Safe for untrusted input; memory is constant. One thread.
+class Gunzip {
+ public:
+  /// Takes what has been unpacked; false ends it all.
+  using Sink = std::function<bool(std::string_view)>;
+
+  /// `limit`: no more bytes than this are unpacked.
+  explicit Gunzip(std::size_t limit);
+  ~Gunzip();
+  Gunzip(const Gunzip&) = delete;
+  Gunzip& operator=(const Gunzip&) = delete;
+
+  /// The next packed bytes. False when no more are of use: damage (see `finish`), the end, or the sink's wish.
+  bool push(std::span<const std::byte> bytes, const Sink& sink);
+  /// There are no more: what is wrong with the data (truncated, bad checksum, larger than the limit), if anything.
+  [[nodiscard]] std::optional<std::string> finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Likewise, with all packed bytes at hand. All that could be unpacked has been delivered when an error comes back.
 [[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit,
-                                                const std::function<bool(std::string_view)>& sink);
+                                                const Gunzip::Sink& sink);
 
 }  // namespace gs::app

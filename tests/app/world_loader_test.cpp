@@ -85,6 +85,30 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
   }
 }
 
+TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at the end") {
+  const std::string text = "one, " + std::string(300000, 'x'), packed = gzipped(text) + gzipped("two") + "rest";
+  for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
+    Gunzip unpacking(1 << 20);
+    std::string out;
+    const auto sink = [&](std::string_view piece) {
+      out += piece;
+      return true;
+    };
+    bool more = true;
+    for (std::size_t at = 0; at < packed.size() && more; at += size)
+      more = unpacking.push(bytes_of(packed.substr(at, size)), sink);
+    CHECK_FALSE(more);  // what follows the last member is of no use
+    CHECK_FALSE(unpacking.finish());
+    CHECK(out == text + "two");
+  }
+  Gunzip early(1 << 20);
+  CHECK(early.push(bytes_of(packed.substr(0, 40)), [](std::string_view) { return true; }));
+  CHECK(early.finish()->find("too early") != std::string::npos);
+  Gunzip stopped(1 << 20);
+  CHECK_FALSE(stopped.push(bytes_of(packed), [](std::string_view) { return false; }));
+  CHECK_FALSE(stopped.finish());
+}
+
 TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there is") {
   const ScratchFolder folder;
   const std::string packed = gzipped(kBox);
