@@ -20,12 +20,13 @@ namespace {
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
+  Descriptor& operator=(Descriptor&&) = delete;
   ~Descriptor() { close(); }
 
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
+  [[nodiscard]] int release() { return std::exchange(number_, -1); }
   /// False when the system could not keep what was written.
   bool close() {
     const int number = std::exchange(number_, -1);
@@ -50,6 +51,30 @@ std::optional<std::string> not_a_regular_file(const struct stat& status) {
   if (S_ISFIFO(status.st_mode)) return "it is a pipe; expected a regular file";
   if (S_ISSOCK(status.st_mode)) return "it is a socket; expected a regular file";
   return "it is a device; expected a regular file";
+}
+
+/// A regular file that was opened for reading.
+struct Regular {
+  Descriptor file;
+  std::uint64_t size = 0;
+};
+
+std::variant<Regular, FileError> open_regular(const std::string& path) {
+  if (path.empty()) return FileError{"cannot open a file without a name"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file whose name has a zero byte"};
+  // Not waiting for the other end of a pipe, nor taking a terminal over.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  struct stat status {};
+  if (!file) {
+    const int code = errno;
+    // A socket cannot be opened at all, and the system's word for that says little.
+    if (::stat(path.c_str(), &status) == 0)
+      if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+    return cannot_open(path, reason(code));
+  }
+  if (::fstat(file.get(), &status) != 0) return cannot_open(path, reason(errno));
+  if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+  return Regular{std::move(file), static_cast<std::uint64_t>(status.st_size)};
 }
 
 /// Reads up to `size` bytes; fewer when the file became shorter. -1 with errno when the disk fails.
@@ -127,24 +152,45 @@ void MappedFile::release() noexcept {
     std::free(data_);
 }
 
-std::variant<MappedFile, FileError> map_file(const std::string& path) {
-  if (path.empty()) return FileError{"cannot open a file without a name"};
-  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file whose name has a zero byte"};
-  // Not waiting for the other end of a pipe, nor taking a terminal over.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-  struct stat status {};
-  if (!file) {
-    const int code = errno;
-    // A socket cannot be opened at all, and the system's word for that says little.
-    if (::stat(path.c_str(), &status) == 0)
-      if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
-    return cannot_open(path, reason(code));
-  }
-  if (::fstat(file.get(), &status) != 0) return cannot_open(path, reason(errno));
-  if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+RandomAccessFile::RandomAccessFile(RandomAccessFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), size_(std::exchange(other.size_, 0)) {}
 
+RandomAccessFile& RandomAccessFile::operator=(RandomAccessFile&& other) noexcept {
+  if (this == &other) return *this;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = std::exchange(other.descriptor_, -1);
+  size_ = std::exchange(other.size_, 0);
+  return *this;
+}
+
+RandomAccessFile::~RandomAccessFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+std::size_t RandomAccessFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+  std::size_t done = 0;
+  while (done < to.size() && offset + done < size_) {
+    const ssize_t got = ::pread(descriptor_, to.data() + done, to.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+std::variant<RandomAccessFile, FileError> open_file(const std::string& path) {
+  auto opened = open_regular(path);
+  if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
+  auto& [file, size] = std::get<Regular>(opened);
+  return RandomAccessFile(file.release(), size);
+}
+
+std::variant<MappedFile, FileError> map_file(const std::string& path) {
+  auto opened = open_regular(path);
+  if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
+  const Descriptor& file = std::get<Regular>(opened).file;
+  const auto size = static_cast<std::size_t>(std::get<Regular>(opened).size);
   MappedFile result;
-  const auto size = static_cast<std::size_t>(status.st_size);
   if (size == 0) return result;
   if (size >= MappedFile::kMappedSize) {
     void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,6 +46,33 @@ class MappedFile {
 /// Opens a regular file (or a link to one) for reading. Folders, pipes, sockets and devices are refused
 /// without waiting for them. Blocks as long as the disk does; any thread.
 [[nodiscard]] std::variant<MappedFile, FileError> map_file(const std::string& path);
+
+/// A regular file that is open for reading here and there. Movable; one owner; any number of threads may read at once.
+/// Someone who truncates it meanwhile makes a reader get less, and nothing worse.
+class RandomAccessFile {
+ public:
+  RandomAccessFile(RandomAccessFile&& other) noexcept;
+  RandomAccessFile& operator=(RandomAccessFile&& other) noexcept;
+  RandomAccessFile(const RandomAccessFile&) = delete;
+  RandomAccessFile& operator=(const RandomAccessFile&) = delete;
+  ~RandomAccessFile();
+
+  /// How long it was when it was opened.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Copies what stands from `offset` on; how many bytes came: fewer than `to` has at the end of the file, and where
+  /// the disk fails. Blocks as long as the disk does.
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const;
+
+ private:
+  friend std::variant<RandomAccessFile, FileError> open_file(const std::string& path);
+  RandomAccessFile(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+/// Opens a regular file (or a link to one); refuses what map_file refuses.
+[[nodiscard]] std::variant<RandomAccessFile, FileError> open_file(const std::string& path);
 
 /// Writes a file as a whole or not at all: into a new file of the same folder, which then takes the
 /// place (and, where it can, the access rights) of the old one. Refuses to replace what is not a regular

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using gs::net::FileError;
 using gs::net::map_file;
 using gs::net::MappedFile;
+using gs::net::RandomAccessFile;
 using gs::net::write_file_atomically;
 
 /// A folder of its own for each test, gone at its end.
@@ -107,6 +108,50 @@ TEST_CASE("a link to a file is read as the file") {
   put(folder / "f", "abc");
   fs::create_symlink(folder / "f", folder / "link");
   CHECK(text_of(std::get<MappedFile>(map_file(folder / "link"))) == "abc");
+}
+
+TEST_CASE("an open file is read here and there, and gives less where there is less") {
+  const Folder folder;
+  put(folder / "f", "0123456789");
+  auto opened = gs::net::open_file(folder / "f");
+  REQUIRE(std::holds_alternative<RandomAccessFile>(opened));
+  RandomAccessFile first = std::get<RandomAccessFile>(std::move(opened));
+  RandomAccessFile file = std::move(first);
+  const auto at = [&](std::uint64_t offset, std::size_t size) {
+    std::vector<std::byte> to(size, std::byte{'?'});
+    const std::size_t count = file.read(offset, to);
+    REQUIRE(count <= size);
+    return std::string(reinterpret_cast<const char*>(to.data()), count);
+  };
+  CHECK(file.size() == 10);
+  CHECK(at(0, 10) == "0123456789");
+  CHECK(at(3, 4) == "3456");
+  CHECK(at(8, 100) == "89");
+  CHECK(at(10, 1).empty());
+  CHECK(at(~std::uint64_t{0}, 5).empty());
+  CHECK(at(std::uint64_t{1} << 63, 5).empty());
+  CHECK(at(2, 0).empty());
+  // What was moved from has nothing.
+  std::vector<std::byte> to(4);
+  CHECK(first.read(0, to) == 0);
+  fs::resize_file(folder / "f", 5);
+  CHECK(at(3, 4) == "34");
+  CHECK(at(7, 2).empty());
+  CHECK(file.size() == 10);
+  fs::remove(folder / "f");
+  CHECK(at(0, 5) == "01234");
+  put(folder / "g", "other");
+  auto other = gs::net::open_file(folder / "g");
+  file = std::get<RandomAccessFile>(std::move(other));
+  CHECK(at(0, 9) == "other");
+  put(folder / "empty", "");
+  file = std::get<RandomAccessFile>(gs::net::open_file(folder / "empty"));
+  CHECK(file.size() == 0);
+  CHECK(at(0, 3).empty());
+  const auto refused = gs::net::open_file(folder.path().string());
+  REQUIRE(std::holds_alternative<FileError>(refused));
+  CHECK(std::get<FileError>(refused).message ==
+        "cannot open " + folder.path().string() + ": it is a folder; expected a file");
 }
 
 TEST_CASE("a file is written as a whole") {
