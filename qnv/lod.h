@@ -1,6 +1,9 @@
 #pragma once
 
 #include "qnv/container.h"
+#include "qnv/lod_cache.h"
+#include "qnv/lod_source.h"
+#include "qnv/lod_tree.h"
 #include "qnv/packed.h"
 
 #include <glm/vec3.hpp>
@@ -11,6 +14,8 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -20,6 +25,9 @@ namespace gs::qnv {
 struct Piece {
   std::shared_ptr<const Cloud> cloud;
   std::size_t first = 0, count = 0;
+  std::uint8_t level = 0;   // of the octree
+  std::uint32_t chunk = 0;  // a number of its own
+  float age = 0;            // 0: came first, 1: last
 };
 
 /// From where, and how closely, a stream is looked at. Node space: the units of the stream.
@@ -29,57 +37,125 @@ struct LodView {
   std::array<glm::vec4, 5> planes{};  // inside of the view: dot(plane, (p, 1)) >= 0; all zero: everything is
   std::size_t budget = 0;             // discs at most; 0: no limit
   float error_pixels = 1;             // voxels need not be smaller than this on the screen
+  std::uint32_t viewport = 0;         // which of those that look by turns; each keeps the detail that it had
+  std::size_t most_decoded = 0;       // discs that may be decoded now; 0: as many as are needed
+  bool leave_backs = false;           // of a stream that is not two-sided, leave out what faces away from the eye
+  bool each_chunk = false;            // no piece holds discs of two chunks
+  friend bool operator==(const LodView&, const LodView&) = default;
 };
 
-/// A packed stream that lies in memory as it came, of which a view decodes what it needs: the coarse
-/// clusters everywhere, finer ones where they are seen, the largest on the screen first. One thread.
+/// Where a chunk stands in its stream.
+struct ChunkRange {
+  std::uint64_t offset = 0, bytes = 0;
+  friend bool operator==(const ChunkRange&, const ChunkRange&) = default;
+};
+
+/// A packed stream of which a view decodes what it needs: the coarse clusters everywhere, finer ones where they are
+/// seen, the largest on the screen first. The stream lies in memory or in a file, or it grows. One thread; safe for
+/// untrusted bytes: what is wrong is left out, with all that is below it, and the coarser picture stays in its place.
 class LodStream {
  public:
-  /// `cache_discs`: how many decoded discs are kept at most, beside those of the
-  /// last cut. The error says why the stream cannot be read so. Safe for untrusted bytes.
-  static std::variant<std::unique_ptr<LodStream>, StreamProblem> open(std::vector<std::byte> bytes,
-                                                                      std::size_t cache_discs = std::size_t{1} << 24);
+  /// How much of what is decoded is kept beside the last cuts.
+  static constexpr std::size_t kCacheBytes = std::size_t{1} << 29;
+  /// Of one cut, whatever its budget.
+  static constexpr std::size_t kMostDiscs = std::size_t{1} << 26;
+  using Opened = std::variant<std::unique_ptr<LodStream>, StreamProblem>;
+
+  /// A stream that lies in memory as it came: all of it is read and checked now. The error says why it cannot be
+  /// read so.
+  [[nodiscard]] static Opened open(std::vector<std::byte> bytes, std::size_t cache_bytes = kCacheBytes);
+  /// A stream that lies elsewhere: its header and its directory are read now, its chunks when a view needs them. Where
+  /// the directory is not whole, or does not fit the chunks, all of the stream is read once.
+  [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, std::size_t cache_bytes = kCacheBytes);
+  /// A stream of which the first bytes have come, its header at least.
+  [[nodiscard]] static Opened begin(std::span<const std::byte> front, std::size_t cache_bytes = kCacheBytes);
+
+  /// For one that grows. The bytes behind those that `begin` and the last `push` got. False once there is no sense
+  /// in more.
+  bool push(std::span<const std::byte> bytes);
+  /// There is nothing more to `push`.
+  void finish();
+  /// All of its directory chunks, one after the other: what `wanted` needs to know. False when they are not whole.
+  bool set_directory(std::span<const std::byte> chunks);
+  /// A whole chunk that stands at an offset of the stream, in any order. False when it is left out; a problem says why.
+  bool add(std::uint64_t offset, std::span<const std::byte> chunk);
 
   /// What to draw: covers everything in view once, without holes and without overlap. Clusters wholly outside of the
-  /// view are left out.
+  /// view are left out. For the same view of the same bytes no place has less detail than the last time.
   [[nodiscard]] std::vector<Piece> cut(const LodView& view);
+  /// Of the last cut: something that belongs to it is here, but was not decoded yet. The next one is better.
+  [[nodiscard]] bool pending() const { return pending_; }
+  /// Of the last cut: chunks that belong to it and have not come, most wanted first.
+  [[nodiscard]] const std::vector<ChunkRange>& wanted() const { return wanted_; }
+  /// The last cut was all that the view asked for.
+  [[nodiscard]] bool complete() const { return !pending_ && wanted_.empty(); }
+  /// A viewport that will not look again.
+  void forget(std::uint32_t viewport);
 
-  /// All vectors at full detail, copied together.
+  /// All vectors at full detail, copied together; no more than a cut may have.
   [[nodiscard]] Cloud whole();
 
   [[nodiscard]] const StreamHeader& header() const { return header_; }
-  /// What was wrong with the bytes; the stream is what is left.
+  /// What was wrong with the bytes that were read so far; the stream is what is left.
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return problems_; }
-  [[nodiscard]] std::size_t clusters() const { return nodes_.size(); }
-  [[nodiscard]] std::size_t cached_discs() const { return cached_discs_; }
+  /// That have come.
+  [[nodiscard]] std::size_t clusters() const { return tree_.present(); }
+  /// Changes with every chunk that comes.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] std::size_t cached_discs() const { return cache_.disc_count(); }
+  [[nodiscard]] std::size_t cached_bytes() const { return cache_.bytes(); }
+  /// Discs that were decoded for the last cut, about.
+  [[nodiscard]] std::size_t decoded() const { return decoded_; }
 
  private:
-  struct Node {
-    std::span<const std::byte> payload;
-    ClusterHeader cluster;
-    std::uint32_t parent = kNoParent;  // index in nodes_
-    std::vector<std::uint32_t> children;
-    Box box;
-    std::uint32_t voxels = 0;
-    // Filled while it is cached.
-    std::unique_ptr<Cluster> decoded;
-    std::shared_ptr<const Cloud> cloud;
-    std::vector<std::uint32_t> first_disc;  // of every voxel, and one more
-    std::uint64_t used = 0;                 // the cut that needed it last
-    bool broken = false;
+  /// The last cut of one of those that look by turns.
+  struct Viewport {
+    LodView view;
+    std::uint64_t last_cut = 0;  // 0: none yet
+    std::uint64_t revision = 0;
+    std::vector<std::uint32_t> chosen, shown;
   };
-  LodStream() = default;
-  void scan();
-  bool decode(std::uint32_t node);
-  void pieces_of(std::uint32_t node, const std::vector<bool>& chosen, std::vector<Piece>& out) const;
-  void forget_unused();
+  static constexpr std::size_t kViewports = 16;
+  /// Discs of a node that are drawn: voxels `first` to `last`.
+  struct Run {
+    std::uint32_t node = 0, first = 0, last = 0;
+  };
 
-  std::vector<std::byte> bytes_;
-  std::vector<StreamProblem> problems_;
+  LodStream(StreamHeader header, std::size_t cache_bytes, bool grows)
+      : header_(std::move(header)), cache_(tree_, header_, cache_bytes, grows) {}
+  static Opened make(StreamHeader header, std::size_t cache_bytes, bool grows);
+  void scan();
+  bool directory_fits() const;
+  bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
+  void problem(std::uint64_t offset, std::string message);
+  void keep_few_problems();
+  void append_whole(std::uint32_t node, const Cluster& cluster, Cloud& all);
+
+  std::size_t viewport_of(std::uint32_t id);
+  void forget_slot(std::size_t slot);
+  void select(const LodView& view, const Viewport& last, std::uint16_t bit);
+  [[nodiscard]] std::vector<std::uint32_t> to_decode(const LodView& view);
+  [[nodiscard]] std::int64_t discs_gained(std::uint32_t node) const;
+  void choose(const LodView& view, Viewport& viewport, std::uint16_t bit);
+  [[nodiscard]] std::vector<Run> runs(Viewport& viewport, std::uint16_t bit) const;
+  [[nodiscard]] std::vector<Piece> pieces(const LodView& view, std::span<const Run> runs) const;
+
   StreamHeader header_;
-  std::vector<Node> nodes_;  // parents before children
-  std::size_t cache_discs_ = 0, cached_discs_ = 0;
-  std::uint64_t cuts_ = 0;
+  std::shared_ptr<const ChunkSource> source_;
+  std::shared_ptr<ArrivedChunks> arrived_;  // the same, of a stream that grows
+  StreamReader reader_;                     // of what is pushed
+  std::size_t reader_problems_ = 0;         // of those that were taken over
+  LodTree tree_;
+  LodCache cache_;
+  std::vector<StreamProblem> problems_;
+  std::uint64_t revision_ = 1, cuts_ = 0;
+  std::array<Viewport, kViewports> viewports_;
+
+  // Of the cut in work, and then of the last one.
+  std::vector<std::uint32_t> order_;  // what the view asks for, most important first
+  std::vector<ChunkRange> wanted_;
+  std::size_t decoded_ = 0;
+  bool pending_ = false;
 };
 
 }  // namespace gs::qnv

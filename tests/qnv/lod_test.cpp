@@ -2,7 +2,7 @@
 
 #include "qnv/decoder.h"
 #include "qnv/loss.h"
-#include "tests/qnv/surface_shapes.h"
+#include "tests/qnv/lod_streams.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,50 +13,6 @@
 #include <vector>
 
 namespace gs::qnv {
-namespace {
-
-EncodedStream sphere_stream(std::size_t vectors) {
-  const Triangles triangles = sphere(200);
-  EncodeOptions options;
-  options.vectors = vectors;
-  auto encoded = encode_surface([&](const TriangleSink& sink) { return sink(triangles); }, options);
-  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
-  return std::move(std::get<EncodedStream>(encoded));
-}
-
-std::unique_ptr<LodStream> opened(std::vector<std::byte> bytes, std::size_t cache = std::size_t{1} << 24) {
-  auto made = LodStream::open(std::move(bytes), cache);
-  REQUIRE(std::holds_alternative<std::unique_ptr<LodStream>>(made));
-  return std::move(std::get<std::unique_ptr<LodStream>>(made));
-}
-
-std::vector<std::array<float, 3>> places(const std::vector<Piece>& pieces) {
-  std::vector<std::array<float, 3>> out;
-  for (const Piece& piece : pieces)
-    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) {
-      const glm::vec3& p = piece.cloud->positions[i];
-      out.push_back({p.x, p.y, p.z});
-    }
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-double area(const std::vector<Piece>& pieces) {
-  double sum = 0;
-  for (const Piece& piece : pieces)
-    for (std::size_t i = piece.first; i < piece.first + piece.count; ++i) sum += piece.cloud->weights[i];
-  return sum;
-}
-
-std::size_t count(const std::vector<Piece>& pieces) {
-  std::size_t n = 0;
-  for (const Piece& piece : pieces) n += piece.count;
-  return n;
-}
-
-const double kSphereArea = 4 * 3.14159265358979;
-
-}  // namespace
 
 TEST_CASE("A cut without limits is everything the decoder gives") {
   const EncodedStream stream = sphere_stream(60'000);
@@ -115,16 +71,31 @@ TEST_CASE("What lies outside of the view is neither refined nor drawn") {
 }
 
 TEST_CASE("A small cache gives the same cuts and stays small") {
-  const EncodedStream stream = sphere_stream(60'000);
-  const auto large = opened(stream.bytes), small = opened(stream.bytes, 5000);
-  for (int i = 0; i < 12; ++i) {
-    LodView view;
-    view.eye = glm::vec3(std::sin(0.5f * static_cast<float>(i)), 0, std::cos(0.5f * static_cast<float>(i))) * 1.2f;
-    view.pixels = 400;
-    view.budget = 4000;
+  const EncodedStream stream = sphere_stream(200'000);
+  constexpr std::size_t kSmall = 100'000;
+  const auto large = opened_there(stream.bytes), small = opened_there(stream.bytes, kSmall);
+  std::size_t most_bytes = 0;
+  for (int i = 0; i < 24; ++i) {
+    // Two that look by turns.
+    const float angle = 0.5f * static_cast<float>(i / 2) + 3.0f * static_cast<float>(i % 2);
+    LodView view = from(glm::vec3(std::sin(angle), 0, std::cos(angle)) * 1.05f, 2000);
+    view.budget = 20'000;
+    view.viewport = static_cast<std::uint32_t>(i % 2);
     CHECK(places(small->cut(view)) == places(large->cut(view)));
-    CHECK(small->cached_discs() < 5000 + 3 * 4000);
+    CHECK(small->complete());
+    most_bytes = std::max(most_bytes, small->cached_bytes());
+    // Beside the discs of both cuts, of 36 bytes, and those of their neighbours in the same clouds; and the voxels that
+    // they were made of, of 12 bytes and a third more.
+    CHECK(small->cached_bytes() < kSmall + 2 * 20'000 * (2 * 36 + 16));
   }
+  CHECK(large->cached_bytes() > 1.5 * most_bytes);
+  // What one viewport does not need any more goes.
+  small->forget(0);
+  small->forget(1);
+  LodView far = from({0, 0, 1000});
+  far.viewport = 2;
+  (void)small->cut(far);
+  CHECK(small->cached_bytes() <= kSmall);
 }
 
 TEST_CASE("Every prefix and every damaged byte of a stream with levels is a smaller one or refused") {

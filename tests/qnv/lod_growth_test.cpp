@@ -1,0 +1,188 @@
+#include "tests/qnv/lod_streams.h"
+
+#include <random>
+
+// Streams of which chunks are still to come.
+namespace gs::qnv {
+namespace {
+
+struct Parts {
+  EncodedStream stream;
+  std::size_t header_bytes = 0;
+  std::vector<DirectoryEntry> entries;
+
+  [[nodiscard]] std::span<const std::byte> front(std::size_t bytes) const {
+    return std::span(stream.bytes).first(bytes);
+  }
+  [[nodiscard]] std::span<const std::byte> directory() const {
+    return std::span(stream.bytes).subspan(static_cast<std::size_t>(stream.header.directory));
+  }
+  [[nodiscard]] std::span<const std::byte> at(const ChunkRange& range) const {
+    return std::span(stream.bytes)
+        .subspan(static_cast<std::size_t>(range.offset), static_cast<std::size_t>(range.bytes));
+  }
+  [[nodiscard]] std::span<const std::byte> chunk(std::size_t i) const {
+    return at({entries[i].offset, entries[i].bytes});
+  }
+};
+
+Parts parts_of(EncodedStream stream) {
+  Parts parts{std::move(stream), 0, {}};
+  bool need_more = false;
+  (void)decode_header(parts.stream.bytes, parts.header_bytes, need_more);
+  parts.entries = read_directory(*memory_source(parts.stream.bytes), parts.stream.header);
+  return parts;
+}
+
+}  // namespace
+
+TEST_CASE("Every prefix of a stream that is pushed is a whole picture") {
+  const Parts parts = parts_of(sphere_stream(20'000));
+  const auto& bytes = parts.stream.bytes;
+  for (std::size_t size = 0; size < parts.header_bytes; size += 7)
+    CHECK_FALSE(std::holds_alternative<std::unique_ptr<LodStream>>(LodStream::begin(parts.front(size))));
+  const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
+  CHECK(lod->header() == parts.stream.header);
+  CHECK(lod->cut(everything()).empty());
+  CHECK(lod->complete());
+  std::size_t most = 0;
+  for (std::size_t at = parts.header_bytes; at < bytes.size();) {
+    const std::size_t size = std::min<std::size_t>(1 + at % 97, bytes.size() - at);
+    CHECK(lod->push(std::span(bytes).subspan(at, size)));
+    at += size;
+    const auto pieces = lod->cut(everything());
+    REQUIRE(count(pieces) >= most);
+    most = count(pieces);
+    REQUIRE((most == 0 || area(pieces) == Approx(kSphereArea).epsilon(0.07)));
+    REQUIRE(lod->complete());
+    // Nothing else remembers how it came to be.
+    if (at % 50 == 0) {
+      const auto fresh = taken(LodStream::begin(parts.front(at)));
+      CHECK(places(fresh->cut(everything())) == places(pieces));
+    }
+  }
+  lod->finish();
+  CHECK(lod->problems().empty());
+  CHECK(places(lod->cut(everything())) == places(opened(bytes)->cut(everything())));
+  CHECK(lod->clusters() == parts.stream.header.chunks);
+}
+
+TEST_CASE("Chunks that are added in any order never leave a hole") {
+  const Parts parts = parts_of(sphere_stream(60'000));
+  const auto whole = places(opened(parts.stream.bytes)->cut(everything()));
+  std::mt19937 random(3);
+  for (int round = 0; round < 6; ++round) {
+    const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
+    if (round % 2 == 0) REQUIRE(lod->set_directory(parts.directory()));
+    std::vector<std::size_t> order(parts.entries.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::shuffle(order.begin(), order.end(), random);
+    std::size_t most = 0, came = 0;
+    for (const std::size_t i : order) {
+      const std::uint64_t before = lod->revision();
+      REQUIRE(lod->add(parts.entries[i].offset, parts.chunk(i)));
+      CHECK(lod->revision() != before);
+      CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));  // again
+      CHECK(lod->clusters() == ++came);
+      const auto pieces = lod->cut(everything());
+      REQUIRE(count(pieces) >= most);
+      most = count(pieces);
+      REQUIRE((most == 0 || area(pieces) == Approx(kSphereArea).epsilon(0.07)));
+      REQUIRE_FALSE(lod->pending());
+      for (const Piece& piece : pieces) REQUIRE((piece.age >= 0 && piece.age <= 1));
+      if (round % 2 == 0) REQUIRE(lod->wanted().size() == parts.entries.size() - came);
+    }
+    CHECK(lod->problems().empty());
+    CHECK(places(lod->cut(everything())) == whole);
+    CHECK(places(lod->whole().positions) == whole);
+  }
+}
+
+TEST_CASE("What a view wants and has not is listed, most wanted first") {
+  const Parts parts = parts_of(sphere_stream(400'000));
+  LodView view = from({0, 0, 1.6f}, 400);
+  view.planes[0] = {1, 0, 0, 0};  // the half with x > 0
+  view.budget = 30'000;
+  const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
+  CHECK(lod->cut(view).empty());
+  CHECK(lod->wanted().empty());  // nobody knows what there is
+  REQUIRE(lod->set_directory(parts.directory()));
+  CHECK(lod->cut(view).empty());
+  CHECK_FALSE(lod->complete());
+  REQUIRE(lod->wanted().size() > 10);
+  CHECK(lod->wanted()[0] == ChunkRange{parts.entries[0].offset, parts.entries[0].bytes});
+  std::size_t bytes = 0, rounds = 0, most = 0;
+  for (; rounds < 20 && !lod->complete(); ++rounds) {
+    const std::vector<ChunkRange> wanted = lod->wanted();
+    // Nearer and coarser chunks come first.
+    for (std::size_t i = 0; i < std::min<std::size_t>(wanted.size(), 12); ++i) {
+      bytes += wanted[i].bytes;
+      REQUIRE(lod->add(wanted[i].offset, parts.at(wanted[i])));
+    }
+    const auto pieces = lod->cut(view);
+    CHECK(count(pieces) >= most);
+    CHECK(count(pieces) <= view.budget);
+    most = count(pieces);
+  }
+  CHECK(lod->complete());
+  CHECK(rounds > 1);
+  CHECK(bytes < parts.stream.bytes.size() / 2);
+  const std::size_t there = count(opened_there(parts.stream.bytes)->cut(view));
+  CHECK(static_cast<double>(most) == Approx(static_cast<double>(there)).epsilon(0.1));
+}
+
+TEST_CASE("Chunks that are pushed and chunks that are added make one stream") {
+  const Parts parts = parts_of(sphere_stream(60'000));
+  const auto lod = taken(LodStream::begin(parts.front(3000)));
+  REQUIRE(lod->set_directory(parts.directory()));
+  const std::size_t last = parts.entries.size() - 1;
+  for (std::size_t i = last; i > last / 2; --i) REQUIRE(lod->add(parts.entries[i].offset, parts.chunk(i)));
+  CHECK(area(lod->cut(everything())) == Approx(kSphereArea).epsilon(0.07));
+  CHECK(lod->push(std::span(parts.stream.bytes).subspan(3000)));
+  lod->finish();
+  CHECK(lod->problems().empty());
+  CHECK(places(lod->cut(everything())) == places(opened(parts.stream.bytes)->cut(everything())));
+  CHECK(lod->complete());
+}
+
+TEST_CASE("What arrives and makes no sense is left out and told of") {
+  const Parts parts = parts_of(sphere_stream(20'000));
+  const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
+  std::vector<std::byte> damaged(parts.chunk(1).begin(), parts.chunk(1).end());
+  damaged[40] ^= std::byte{1};
+  CHECK_FALSE(lod->add(parts.entries[1].offset, damaged));
+  CHECK_FALSE(lod->add(parts.entries[1].offset, parts.chunk(1).first(30)));
+  CHECK_FALSE(lod->add(0, {}));
+  CHECK_FALSE(lod->add(7, encode_chunk(ChunkType::packed, std::vector<std::byte>(50))));
+  CHECK_FALSE(lod->set_directory(parts.directory().first(parts.directory().size() - 1)));
+  CHECK_FALSE(lod->set_directory({}));
+  CHECK(lod->problems().size() == 4);
+  REQUIRE(lod->set_directory(parts.directory()));
+  // A sound chunk at the place of another.
+  CHECK_FALSE(lod->add(parts.entries[2].offset, parts.chunk(1)));
+  for (std::size_t i = 0; i < parts.entries.size(); ++i)
+    if (i != 2) CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));
+  CHECK(area(lod->cut(everything())) == Approx(kSphereArea).epsilon(0.07));
+  // Of a stream that lies still nothing is taken.
+  const auto still = opened(parts.stream.bytes);
+  CHECK_FALSE(still->add(parts.entries[1].offset, parts.chunk(1)));
+  CHECK_FALSE(still->push(parts.chunk(1)));
+  CHECK_FALSE(still->set_directory(parts.directory()));
+}
+
+TEST_CASE("A stream that is damaged on its way goes on behind the damage") {
+  const Parts parts = parts_of(sphere_stream(20'000));
+  for (std::size_t at = parts.header_bytes; at < parts.stream.bytes.size(); at += 331) {
+    auto bytes = parts.stream.bytes;
+    bytes[at] ^= std::byte{0x55};
+    auto made = LodStream::begin(std::span(bytes).first(parts.header_bytes + 100));
+    REQUIRE(std::holds_alternative<std::unique_ptr<LodStream>>(made));
+    auto& lod = *std::get<std::unique_ptr<LodStream>>(made);
+    CHECK(lod.push(std::span(bytes).subspan(parts.header_bytes + 100)));
+    lod.finish();
+    const auto pieces = lod.cut(everything());
+    CHECK((pieces.empty() || area(pieces) == Approx(kSphereArea).epsilon(0.07)));
+  }
+}
+
+}  // namespace gs::qnv
