@@ -1,19 +1,24 @@
 // splat_bench [--discs N] [--runs R] [--backend NAME]: surface splatting on the processor and with OpenGL.
 //
 // N small discs that make up a bumpy sphere, 1024x768, one and four samples a pixel; no shading. In each of R rounds,
-// one after the other: the processor with one thread and with two, OpenGL with the discs in its memory, and OpenGL with
-// 8-byte records that the vertex shader unpacks; each until the picture is done (glFinish). Medians, as a Markdown
-// table. One round before is not counted: it uploads, and compiles the programs.
+// one after the other: the processor with one thread and with two, with each of its sets of vector instructions; a
+// plain sum over the arrays of the same discs, which no splatter can do without; OpenGL with the discs in its memory,
+// and OpenGL with 8-byte records that the vertex shader unpacks, each until the picture is done (glFinish). Medians and
+// minima, as a Markdown table: discs a second of all discs, and of those that lie in view. One round before is not
+// counted: it uploads, and compiles the programs.
 
+#include "qnv/parallel.h"
 #include "qnv/record.h"
 #include "render/context.h"
 #include "render/gl.h"
 #include "render/splat_gl.h"
+#include "render/splat_kernel.h"
 #include "render/splat_raster.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -60,6 +65,31 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Reads what a splatter must read of every disc: positions, normals and weights.
+float sum_of(const qnv::Cloud& cloud, unsigned threads) {
+  constexpr std::size_t kPart = 16384, kLanes = 16;
+  std::vector<float> sums((cloud.size() + kPart - 1) / kPart);
+  const auto sum = [](const float* values, std::size_t count) {
+    std::array<float, kLanes> lanes{};
+    std::size_t i = 0;
+    for (; i + kLanes <= count; i += kLanes)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += values[i + lane];
+    float all = 0;
+    for (; i < count; ++i) all += values[i];
+    for (const float lane : lanes) all += lane;
+    return all;
+  };
+  qnv::parallel_for(
+      sums.size(),
+      [&](std::size_t part) {
+        const std::size_t first = part * kPart, count = std::min(kPart, cloud.size() - first);
+        sums[part] = sum(&cloud.positions[first].x, 3 * count) + sum(&cloud.normals[first].x, 3 * count) +
+                     sum(&cloud.weights[first], count);
+      },
+      threads);
+  return sum(sums.data(), sums.size());
+}
+
 bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& cloud, int runs, int supersample) {
   render::SplatView view;
   view.camera_from_node[3] = glm::vec4(0, 0, -3, 1);
@@ -75,20 +105,27 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
   render::SplatRecords records(gl, {}, false);
   const render::SharedSplatPiece whole{cloud, 0, cloud->size()};
   bool good = records.add(bytes, frame);
-  const auto on_processor = [&](unsigned threads) {
-    render::SplatView own = view;
-    own.threads = threads;
-    (void)render::rasterize_surface(*cloud, own);
-  };
+  const render::SplatPiece all{cloud.get(), 0, cloud->size()};
+  const std::size_t in_view = render::rasterize_surface(std::span(&all, 1), view).discs;
   const auto finished = [&](const std::optional<render::SplatTextures>& drawn) {
     good = good && drawn && drawn->normals != 0;
     gl.Finish();
   };
   const std::string with = "OpenGL (" + gl.renderer + ")";
-  std::vector<Row> rows{{"processor, 1 thread", [&] { on_processor(1); }},
-                        {"processor, 2 threads", [&] { on_processor(2); }},
-                        {with, [&] { finished(splats.draw(std::span(&whole, 1), view)); }},
-                        {with + ", records", [&] { finished(splats.draw(records, view)); }}};
+  std::vector<Row> rows;
+  volatile float kept = 0;  // so that nothing is left out
+  for (const unsigned threads : {1u, 2u}) {
+    const std::string on = threads == 1 ? ", 1 thread" : ", 2 threads";
+    for (const render::SplatKernel& kernel : render::splat_kernels())
+      rows.push_back({std::string(kernel.name) + on, [&, threads] {
+                        render::SplatView own = view;
+                        own.threads = threads;
+                        good = good && !render::rasterize_surface(std::span(&all, 1), own, kernel).empty();
+                      }});
+    rows.push_back({"sum over the arrays, 28 bytes a disc" + on, [&, threads] { kept = sum_of(*cloud, threads); }});
+  }
+  rows.push_back({with, [&] { finished(splats.draw(std::span(&whole, 1), view)); }});
+  rows.push_back({with + ", records", [&] { finished(splats.draw(records, view)); }});
   for (int run = -1; run < runs; ++run) {
     for (Row& row : rows) {
       const auto start = std::chrono::steady_clock::now();
@@ -97,15 +134,17 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Cloud>& clou
       if (run >= 0) row.seconds.push_back(seconds);
     }
   }
-  std::printf("\n%zu discs, 1024x768, %d sample%s a pixel, medians of %d\n\n", cloud->size(), supersample * supersample,
-              supersample > 1 ? "s" : "", runs);
-  std::printf("| %s | ms | M discs/s | of 1 thread |\n| --- | --- | --- | --- |\n",
-              std::string(render::splat_instructions()).c_str());
-  const double one = median(rows.front().seconds);
+  std::printf("\n%zu discs, %zu of them in view, 1024x768, %d sample%s a pixel, %d runs\n\n", cloud->size(), in_view,
+              supersample * supersample, supersample > 1 ? "s" : "", runs);
+  std::printf(
+      "| | ms | least ms | M discs/s | M discs/s in view | of OpenGL |\n| --- | --- | --- | --- | --- | --- |\n");
+  const double gl_seconds = median(rows[rows.size() - 2].seconds);
   for (const Row& row : rows) {
     const double seconds = median(row.seconds);
-    std::printf("| %s | %.1f | %.2f | %.2f |\n", row.name.c_str(), seconds * 1e3,
-                static_cast<double>(cloud->size()) / seconds / 1e6, one / seconds);
+    std::printf("| %s | %.1f | %.1f | %.2f | %.2f | %.2f |\n", row.name.c_str(), seconds * 1e3,
+                *std::min_element(row.seconds.begin(), row.seconds.end()) * 1e3,
+                static_cast<double>(cloud->size()) / seconds / 1e6, static_cast<double>(in_view) / seconds / 1e6,
+                gl_seconds / seconds);
   }
   return good;
 }

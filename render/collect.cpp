@@ -71,7 +71,8 @@ class Collector {
   void add_light(const NodeView& light, const dmat4& world_from_local, bool directional);
   void add_bindable(const NodeView& view, const Frame& parent);
   void add_shape(const Frame& parent, const NodeView& shape);
-  void add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud);
+  void add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
+                  float detail);
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
   std::shared_ptr<const Image> image_of_texture(const NodeView& texture);
   std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
@@ -231,7 +232,7 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
     item.texture = texture_use(*parent.scene, appearance);
   }
   if (const auto cloud = clouds_.find(&parent.scene->node(geometry)); cloud != clouds_.end() && cloud->second) {
-    add_splats(parent, item, cloud->second);
+    add_splats(parent, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)));
     return;
   }
   item.mesh = mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
@@ -244,7 +245,8 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
   list_.items.push_back(std::move(item));
 }
 
-void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud) {
+void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
+                           float detail) {
   if ((cloud->empty() && !cloud->levels) || !finite(parent.world_from_local)) return;
   SplatItem item;
   item.cloud = cloud;
@@ -252,6 +254,7 @@ void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std
   // Discs have normals, so they are lit even where no Material asks for it.
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
+  item.detail = detail;
   const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
   const qnv::Box& box = cloud->description.box;

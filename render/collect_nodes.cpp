@@ -232,6 +232,10 @@ Material material_of(const NodeView& view) {
   return material;
 }
 
+float detail_of(const NodeView& view) {
+  return view.kind() == NodeKind::qnv ? number(view, QnvFields::detail, 0.01f, 100, 1) : 1.0f;
+}
+
 glm::mat3 texture_matrix(const NodeView& view) {
   using F = TextureTransformFields;
   const auto pair = [&](int field, const glm::vec2& otherwise) {

@@ -31,6 +31,8 @@ namespace gs::render {
 
 /// Lit, clamped to the ranges of 6.27.
 [[nodiscard]] Material material_of(const NodeView& material);
+/// The `detail` of a QNV node, 1/100 to 100; 1 of any other node.
+[[nodiscard]] float detail_of(const NodeView& qnv);
 /// Texture space from mesh coordinates: -C * S * R * C * T, as 6.49 prints it.
 [[nodiscard]] glm::mat3 texture_matrix(const NodeView& texture_transform);
 /// The picture of an SFImage; empty where its size, components and words do not fit together.

@@ -38,6 +38,7 @@ constexpr SchemaRow kRows[] = {
     {"MovieTexture", NodeKind::image_texture, {"repeatS", "repeatT"}},
     {"PixelTexture", NodeKind::pixel_texture, {"repeatS", "repeatT", "image"}},
     {"TextureTransform", NodeKind::texture_transform, {"center", "rotation", "scale", "translation"}},
+    {"QNV", NodeKind::qnv, {"detail"}},
 };
 
 Schema make_schema(const vrml::NodeType& type) {

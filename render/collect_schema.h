@@ -30,6 +30,7 @@ enum class NodeKind : std::uint8_t {
   image_texture,
   pixel_texture,
   texture_transform,
+  qnv,
 };
 
 // Places of the fields in their row of the schema table (collect_schema.cpp).
@@ -85,6 +86,10 @@ struct TextureFields {
 };
 struct TextureTransformFields {
   enum : int { center, rotation, scale, translation };
+};
+
+struct QnvFields {
+  enum : int { detail };
 };
 
 /// What a node type is to collect, and the slots of the fields it reads: -1 where the type has none.

@@ -19,6 +19,14 @@ bool has_extension(const Gl& gl, const char* name) {
   return false;
 }
 
+/// Whether GL_RENDERER names one of the rasterisers that run on the processor.
+bool runs_on_processor(std::string renderer) {
+  for (char& c : renderer) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
+    if (renderer.find(name) != std::string::npos) return true;
+  return false;
+}
+
 }  // namespace
 
 std::variant<Gl, ContextError> Gl::load(GlContext& context) {
@@ -39,11 +47,18 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     return ContextError{"OpenGL 3.3 is needed; this context has " + std::to_string(major) + "." +
                         std::to_string(minor)};
   if (const GLubyte* name = gl.GetString(GL_RENDERER)) gl.renderer = reinterpret_cast<const char*>(name);
+  gl.software = runs_on_processor(gl.renderer);
 
   if (version >= 42 || has_extension(gl, "GL_ARB_base_instance"))
     gl.DrawElementsInstancedBaseVertexBaseInstance =
         reinterpret_cast<PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC>(
             context.proc_address("glDrawElementsInstancedBaseVertexBaseInstance"));
+  if (version >= 43) {
+    gl.DispatchCompute = reinterpret_cast<PFNGLDISPATCHCOMPUTEPROC>(context.proc_address("glDispatchCompute"));
+    gl.MemoryBarrier = reinterpret_cast<PFNGLMEMORYBARRIERPROC>(context.proc_address("glMemoryBarrier"));
+    if (!gl.MemoryBarrier) gl.DispatchCompute = nullptr;
+    if (!gl.DispatchCompute) gl.MemoryBarrier = nullptr;
+  }
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl.max_texture_size);
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &gl.max_renderbuffer_size);
   gl.GetIntegerv(GL_MAX_SAMPLES, &gl.max_samples);

@@ -57,6 +57,7 @@ struct SplatItem {
   glm::mat4 world_from_node{1.0f};
   Material material;
   bool own_color = false;  // the cloud's colour, not the material's
+  float detail = 1;        // > 0: of the QNV node; multiplies its part of the budget and how finely it is shown
   std::vector<std::uint16_t> directional_lights;
 };
 

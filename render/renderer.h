@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/camera.h"
+#include "render/cloud_look.h"
 #include "render/context.h"
 #include "render/image.h"
 #include "render/render_list.h"
@@ -24,12 +25,17 @@ struct DrawOptions {
   std::size_t budget = 0;               // discs of all clouds together; 0: no limit
   std::optional<glm::vec3> background;  // one colour in place of the world's Background
   SplatPath splats = SplatPath::automatic;
+  CloudLook clouds;
+  std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
+  std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs
 };
 
 struct FrameStatistics {
   std::size_t triangles = 0, items = 0, draw_calls = 0;
-  std::size_t vectors = 0;      // of clouds, in view
-  const char* splats = "none";  // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
+  std::size_t vectors = 0;  // of clouds, in view
+  const char* splats =
+      "none";            // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
+  bool pending = false;  // detail that belongs to this view is not there yet: drawn again, it is better
 };
 
 /// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody

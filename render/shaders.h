@@ -236,33 +236,6 @@ void main() {
 }
 )glsl";
 
-/// Shades what the surface splatter left in the pixels of the viewport. Defines: COLORS, and those of the lights.
-inline constexpr char kSplatFragmentShader[] = R"glsl(
-uniform sampler2D normals, depths;
-#ifdef COLORS
-uniform sampler2D colors;
-#endif
-uniform ivec2 origin;          // of the viewport
-uniform vec2 pixel, tangents;  // 2 / size of the viewport; of half the angles of view
-uniform vec2 depth_row;        // clip_from_camera[2][2] and [3][2]
-uniform vec4 base, emissive_ambient, specular_exponent;
-out vec4 result;
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
-  vec4 normal_coverage = texelFetch(normals, at, 0);
-  if (normal_coverage.a == 0.0) discard;
-  float depth = texelFetch(depths, at, 0).r;
-  vec3 place = vec3(((vec2(at) + 0.5) * pixel - 1.0) * tangents, -1.0) * depth;
-  vec3 color = base.rgb;
-#ifdef COLORS
-  color = texelFetch(colors, at, 0).rgb;
-#endif
-  vec3 n = normalize(normal_coverage.xyz * 2.0 - 1.0);
-  result = vec4(lit(n, place, color, emissive_ambient, specular_exponent), normal_coverage.a * base.a);
-  gl_FragDepth = clamp(0.5 - 0.5 * depth_row.x + 0.5 * depth_row.y / depth, 0.0, 1.0);
-}
-)glsl";
-
 /// One triangle that covers the viewport, from gl_VertexID alone.
 inline constexpr char kBackgroundVertexShader[] = R"glsl(
 uniform mat3 background_from_camera;

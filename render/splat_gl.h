@@ -20,7 +20,8 @@ namespace gs::render {
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::size_t first = 0, count = 0;
-  float growth = 1;  // by which their areas are multiplied
+  float growth = 1;                              // by which their areas are multiplied
+  std::optional<qnv::Rgb8> tint = std::nullopt;  // in place of all colours of the piece
 };
 
 /// What SplatGl leaves: the arrays of a SplatLayer as textures, valid until it draws again. Only the pixels of the
@@ -28,7 +29,9 @@ struct SharedSplatPiece {
 struct SplatTextures {
   GLuint normals = 0, depths = 0, colors = 0;  // colors 0: one colour
   int x = 0, y = 0, width = 0, height = 0;     // pixels of the viewport
+  int left = 0, bottom = 0;                    // the pixel of the viewport that the first texel is
   std::size_t discs = 0;                       // in view, told from some of them when there are many
+  std::size_t draw_calls = 0;
 };
 
 /// Surface splatting with OpenGL: the picture of rasterize_surface, up to rounding. Instanced rectangles leave the
@@ -62,14 +65,13 @@ class SplatGl {
   };
   enum class Stage : std::uint8_t { depth, blend, resolve };
   enum Uniform : std::size_t {
-    frame_lower,
-    frame_step,
-    weight_step,
+    vector_buffer,
+    cell_buffer,
+    piece_table,
+    stride,
+    by_normal,
     normal_table,
     palette,
-    radius_code,
-    radius_scale,
-    edge_code,
     eye,
     row_x,
     row_y,
@@ -94,23 +96,33 @@ class SplatGl {
     Program program;
     std::array<GLint, uniform_count> at{};
   };
-  /// The discs of one draw call.
+  /// As the vertex shader reads it (splat_shaders.h).
+  struct Instance {
+    std::uint32_t first = 0, piece_count = 0;
+  };
+  using PieceTexels = std::array<glm::vec4, 3>;
+  // Vectors an instance: many, because a driver begins anew with each, and few, because those that a piece does not
+  // fill are drawn for nothing.
+  static constexpr std::size_t kAnInstance = 64;
+  static_assert(kAnInstance <= 255);
+  static constexpr std::size_t kPiecesARow = 256;  // of the table
+  /// The instances of one draw call.
   struct Batch {
-    GLuint buffer = 0;
-    std::size_t offset = 0, cells_offset = 0, count = 0;  // offsets in bytes
-    const SplatCoding* coding = nullptr;                  // null: records
-    const qnv::RecordFrame* frame = nullptr;
-    float growth = 1;
+    GLuint vectors = 0, cells = 0;     // textures
+    std::size_t first = 0, count = 0;  // of Surface::instances
   };
   struct Rectangle {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels, x1 and y1 exclusive
   };
   struct Surface {
     Kind kind;
+    std::vector<PieceTexels> pieces;
+    std::vector<Instance> instances;
     std::vector<Batch> batches;
     std::size_t step = 1;  // every so many discs are drawn
     GLuint palette = 0;
     Rectangle rectangle;
+    bool color_by_normal = false;
   };
   struct Targets {
     int width = 0, height = 0, samples = 0;  // pixels; samples along the edge of one
@@ -124,19 +136,22 @@ class SplatGl {
   const Shader* shader(Stage stage, const Kind& kind);
   bool make_targets(const SplatView& view, const Kind& kind);
   bool fits(const SplatView& view, const Kind& kind) const;
+  static void add_instances(std::vector<Instance>& to, std::size_t piece, std::size_t first, std::size_t count,
+                            std::size_t step);
   std::optional<SplatTextures> draw(Surface& surface, const SplatSurvey& survey, SplatView view);
+  bool upload(const Surface& surface);
   void depth_pass(const Shader& shader, const Surface& surface, const SplatCamera& camera);
   void blend_pass(const Shader& shader, const Surface& surface, const SplatCamera& camera);
   void resolve_pass(const Shader& shader, const Surface& surface, const SplatCamera& camera);
   void draw_batches(const Shader& shader, const Surface& surface, const SplatCamera& camera);
-  void point_at(const Batch& batch, const Kind& kind, std::size_t step);
-  void texture(const Shader& shader, Uniform uniform, int unit, GLuint name);
+  void texture(const Shader& shader, Uniform uniform, int unit, GLuint name, GLenum target = GL_TEXTURE_2D);
 
   const Gl& gl_;
   SplatStore store_;
   Targets targets_;
-  VertexArray no_attributes_, record_attributes_, disc_attributes_, cell_attributes_;
-  Texture normal_table_;
+  VertexArray no_attributes_, attributes_;
+  Buffer corners_, instances_;
+  Texture pieces_, normal_table_;
   std::unordered_map<unsigned, Shader> shaders_;
 };
 

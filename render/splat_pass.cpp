@@ -1,7 +1,10 @@
 #include "render/splat_pass.h"
 
-#include "qnv/lod.h"
 #include "render/shaders.h"
+#include "render/splat_budget.h"
+#include "render/splat_closing.h"
+#include "render/splat_pieces.h"
+#include "render/splat_shaders.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -24,14 +27,6 @@ glm::dmat4 camera_from_world_of(const Camera& camera) {
   glm::dmat4 matrix(rotation);
   matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
   return matrix;
-}
-
-/// Whether GL_RENDERER names one of the rasterisers that run on the processor.
-bool software(std::string renderer) {
-  for (char& c : renderer) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
-    if (renderer.find(name) != std::string::npos) return true;
-  return false;
 }
 
 /// Whether all arrays that a cloud has belong to the same vectors.
@@ -58,30 +53,12 @@ class SavedTarget {
   GLint draw_ = 0, read_ = 0;
 };
 
-// What of a cloud is drawn in a view: its cut, or the part of its progressive order that the budget allows.
-std::vector<SharedSplatPiece> pieces_of(const qnv::Cloud& cloud, const std::shared_ptr<const qnv::Cloud>& shared,
-                                        const SplatView& view, std::size_t budget) {
-  if (!cloud.levels) {
-    if (budget == 0 || cloud.size() <= budget) return {{shared, 0, cloud.size()}};
-    return {{shared, 0, budget, static_cast<float>(cloud.size()) / static_cast<float>(budget)}};
-  }
-  qnv::LodView lod;
-  const glm::mat4 node_from_camera = glm::inverse(view.camera_from_node);
-  const glm::mat4 transposed = glm::transpose(view.camera_from_node);
-  lod.eye = glm::vec3(node_from_camera[3]);
-  if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return {};
-  // Distances are measured in the node's units, like the voxels' edges, so that the scale falls out.
-  lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
-  const std::array<glm::vec4, 5> planes{{{1, 0, -view.tangents.x, 0},
-                                         {-1, 0, -view.tangents.x, 0},
-                                         {0, 1, -view.tangents.y, 0},
-                                         {0, -1, -view.tangents.y, 0},
-                                         {0, 0, -1, -view.near_plane}}};
-  for (std::size_t i = 0; i < planes.size(); ++i) lod.planes[i] = transposed * planes[i];
-  lod.budget = budget;
-  std::vector<SharedSplatPiece> out;
-  for (const qnv::Piece& piece : cloud.levels->cut(lod)) out.push_back({piece.cloud, piece.first, piece.count, 1});
-  return out;
+/// What a cloud is shaded as: with the colours of its vectors where they tell something, whatever its material.
+Material shown_material(const SplatItem& item, ColorBy color_by) {
+  if (color_by == ColorBy::own) return item.material;
+  Material plain;
+  plain.transparency = item.material.transparency;
+  return plain;
 }
 
 }  // namespace
@@ -90,7 +67,6 @@ SplatPass::SplatPass(const Gl& gl)
     : gl_(gl),
       lights_(gl),
       splat_gl_(gl),
-      software_(software(gl.renderer)),
       no_attributes_(make_vertex_array(gl)),
       normals_(make_texture(gl)),
       depths_(make_texture(gl)),
@@ -103,12 +79,13 @@ SplatPass::SplatPass(const Gl& gl)
   }
 }
 
-const SplatPass::Shader* SplatPass::shader(bool colored, std::size_t lights) {
-  const auto [found, fresh] = shaders_.try_emplace(lights * 2 + (colored ? 1 : 0));
+const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, std::size_t lights) {
+  const auto [found, fresh] = shaders_.try_emplace(lights * 4 + (closing ? 2 : 0) + (colored ? 1 : 0));
   Shader& entry = found->second;
   if (fresh) {
     std::string text = "#define LOCAL_LIGHTS\n#define SPECULAR\n";
     if (colored) text += "#define COLORS\n";
+    if (closing) text += "#define CLOSING\n";
     text += "#define ALL_LIGHTS";
     for (std::size_t i = 0; i < lights; ++i) text += " ADD(" + std::to_string(i) + ")";
     text += "\n";
@@ -121,6 +98,10 @@ const SplatPass::Shader* SplatPass::shader(bool colored, std::size_t lights) {
       entry.depths = at("depths");
       entry.colors = at("colors");
       entry.origin = at("origin");
+      entry.size = at("size");
+      entry.rectangle = at("rectangle");
+      entry.corner = at("corner");
+      entry.closing = at("closing");
       entry.pixel = at("pixel");
       entry.tangents = at("tangents");
       entry.depth_row = at("depth_row");
@@ -144,29 +125,35 @@ void SplatPass::upload(const Texture& texture, int unit, GLenum internal, GLenum
 
 std::optional<SplatTextures> SplatPass::with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                                 const DrawOptions& options) {
-  if (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && software_)) return std::nullopt;
+  if (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software)) return std::nullopt;
   return splat_gl_.draw(pieces, view);
 }
 
 SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, const SplatView& view) {
   std::vector<SplatPiece> pieces;
-  for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth});
-  const SplatLayer layer = rasterize_surface(pieces, view);
+  for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
+  SplatLayer layer = rasterize_surface(pieces, view);
+  close_pinholes(layer, view, closing_for(shared, view));
   SplatTextures result;
   result.discs = layer.discs;
   if (layer.empty()) return result;
   upload(normals_, 0, GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT, layer, layer.normals.data());
   upload(depths_, 1, GL_R32F, GL_RED, GL_FLOAT, layer, layer.depth.data());
   if (!layer.colors.empty()) upload(colors_, 2, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, layer, layer.colors.data());
-  result = {normals_.name(), depths_.name(), layer.colors.empty() ? 0 : colors_.name(), 0, 0, layer.width,
-            layer.height,    layer.discs};
+  result.normals = normals_.name();
+  result.depths = depths_.name();
+  result.colors = layer.colors.empty() ? 0 : colors_.name();
+  result.x = result.left = layer.x;
+  result.y = result.bottom = layer.y;
+  result.width = layer.width;
+  result.height = layer.height;
   return result;
 }
 
-void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, std::uint32_t light_set,
+void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
                       const glm::mat4& clip_from_camera, const DrawOptions& options) {
   const bool colored = textures.colors != 0;
-  const Shader* s = shader(colored, lights_.count(light_set));
+  const Shader* s = shader(colored, closing > 0, lights_.count(light_set));
   if (!s) return;
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x + textures.x, options.y + textures.y, textures.width, textures.height);
@@ -188,10 +175,15 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, std:
   gl_.Uniform1i(s->depths, 1);
   if (colored) gl_.Uniform1i(s->colors, 2);
   gl_.Uniform2i(s->origin, options.x, options.y);
+  gl_.Uniform2i(s->size, options.width, options.height);
+  const glm::vec4 rectangle(textures.x, textures.y, textures.x + textures.width, textures.y + textures.height);
+  gl_.Uniform4fv(s->rectangle, 1, glm::value_ptr(rectangle));
+  gl_.Uniform2i(s->corner, textures.left, textures.bottom);
+  gl_.Uniform1i(s->closing, closing);
   gl_.Uniform2f(s->pixel, 2 / static_cast<float>(options.width), 2 / static_cast<float>(options.height));
   gl_.Uniform2f(s->tangents, 1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]);
   gl_.Uniform2f(s->depth_row, clip_from_camera[2][2], clip_from_camera[3][2]);
-  const Material& m = item.material;
+  const Material m = shown_material(item, options.clouds.color_by);
   const qnv::Rgb8& own = item.cloud->color;
   const glm::vec3 diffuse = item.own_color ? glm::vec3(own.r, own.g, own.b) / 255.0f : m.diffuse;
   const glm::vec4 base(diffuse, 1 - m.transparency), emissive(m.emissive, m.ambient_intensity),
@@ -227,24 +219,37 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   view.height = options.height;
   view.near_plane = camera.near_plane;
   view.supersample = options.samples > 1 ? 2 : 1;
-  // Shared out evenly: the budget of one viewport.
-  const std::size_t budget =
-      options.budget == 0 ? 0 : std::max<std::size_t>(1, options.budget / std::max<std::size_t>(1, list.splats.size()));
+  view.color_by_normal = options.clouds.color_by == ColorBy::normal;
+  const std::vector<std::size_t> shares =
+      share_budget(list.splats, {camera_from_world, view.tangents, view.width, view.height}, options.budget);
+  std::size_t streams = 0, decodable = options.most_decoded;
+  for (const SplatItem& item : list.splats) streams += item.cloud->levels ? 1 : 0;
+  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // how often, so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (item.cloud->description.kind == qnv::Kind::volume || !consistent(*item.cloud)) continue;
     view.camera_from_node = glm::mat4(camera_from_world * glm::dmat4(item.world_from_node));
-    const std::vector<SharedSplatPiece> pieces = pieces_of(*item.cloud, item.cloud, view, budget);
+    CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
+    if (item.cloud->levels) {
+      // A stream that is seen in several places keeps the detail of each.
+      wanted.viewport += shown[item.cloud->levels.get()]++ << 16;
+      if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
+    }
+    const SplatCut cut = cut_cloud(item.cloud, view, wanted);
+    const std::vector<SharedSplatPiece>& pieces = cut.pieces;
+    statistics.pending = statistics.pending || cut.pending;
+    decodable -= std::min(decodable, cut.decoded);
     if (pieces.empty()) continue;
     std::optional<SplatTextures> textures = with_gl(pieces, view, options);
     const bool by_gl = textures.has_value();
     target.bind();
     if (!textures) textures = on_processor(pieces, view);
     statistics.vectors += textures->discs;
+    statistics.draw_calls += textures->draw_calls;
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(item, *textures, sets[i], clip_from_camera, options);
+    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], clip_from_camera, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);

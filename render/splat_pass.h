@@ -29,12 +29,13 @@ class SplatPass {
  private:
   struct Shader {
     Program program;
-    GLint normals = -1, depths = -1, colors = -1, origin = -1, pixel = -1, tangents = -1, depth_row = -1, base = -1,
-          emissive_ambient = -1, specular_exponent = -1;
+    GLint normals = -1, depths = -1, colors = -1, origin = -1, size = -1, rectangle = -1, corner = -1, closing = -1,
+          pixel = -1, tangents = -1, depth_row = -1, base = -1, emissive_ambient = -1, specular_exponent = -1;
   };
   /// Null when the driver refused it.
-  const Shader* shader(bool colored, std::size_t lights);
-  void shade(const SplatItem& item, const SplatTextures& textures, std::uint32_t light_set,
+  const Shader* shader(bool colored, bool closing, std::size_t lights);
+  /// `closing`: how wide the holes are that are still to be closed, in pixels.
+  void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
              const glm::mat4& clip_from_camera, const DrawOptions& options);
   /// Empty where OpenGL is not wanted or cannot.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
@@ -46,7 +47,6 @@ class SplatPass {
   const Gl& gl_;
   LightSets lights_;
   SplatGl splat_gl_;
-  bool software_;  // OpenGL itself runs on the processor
   VertexArray no_attributes_;
   Texture normals_, depths_, colors_;
   std::unordered_map<std::size_t, Shader> shaders_;

@@ -3,15 +3,12 @@
 #include "qnv/parallel.h"
 #include "render/splat_camera.h"
 #include "render/splat_constants.h"
-#include "render/splat_tile.h"
-
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
+#include "render/splat_kernel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -21,149 +18,75 @@ namespace {
 
 using namespace splat;
 
-constexpr std::size_t kRange = 16384;  // discs that one task prepares
+// Discs that one task prepares: few enough to stay in the second cache until they are sorted. More, where there would
+// be more tasks than this.
+constexpr std::size_t kRange = 16384, kMostTasks = 256;
+constexpr int kMostSamples = 65535;  // along an edge of the viewport
 
-using Camera = SplatCamera;
-
-std::uint32_t packed(const qnv::Rgb8& c) {
-  return static_cast<std::uint32_t>(c.r) | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16;
+SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
+  const qnv::Cloud& cloud = *piece.cloud;
+  SplatSource source;
+  source.positions = cloud.positions.data() + piece.first;
+  source.normals = cloud.normals.data() + piece.first;
+  source.weights = cloud.weights.data() + piece.first;
+  if (!cloud.colors.empty() && !piece.tint) source.colors = cloud.colors.data() + piece.first;
+  if (!cloud.cells.empty()) source.cells = cloud.cells.data() + piece.first;
+  source.count = piece.count;
+  source.growth = std::max(piece.growth, 1.0f);
+  source.color = splat_color(piece.tint.value_or(cloud.color));
+  source.two_sided = cloud.description.two_sided;
+  source.color_by_normal = view.color_by_normal;
+  return source;
 }
 
-/// One range of a cloud: the discs of it that are in view.
-class Preparer {
- public:
-  Preparer(const SplatPiece& piece, const Camera& camera)
-      : cloud_(*piece.cloud), growth_(std::max(piece.growth, 1.0f)), camera_(camera) {}
-
-  /// Writes the discs in view, which are at most as many as are looked at, and returns how many they are.
-  std::size_t run(std::size_t first, std::size_t last, SplatDisc* out, std::size_t step = 1) const {
-    SplatDisc* next = out;
-    for (std::size_t i = first; i < last; i += step) next += prepare(i, *next) ? 1 : 0;
-    return static_cast<std::size_t>(next - out);
+/// The samples that a disc may count in, inclusive.
+struct Extent {
+  explicit Extent(const SplatDisc& disc)
+      : x0(static_cast<int>(disc.low & 0xffff)),
+        y0(static_cast<int>(disc.low >> 16)),
+        x1(static_cast<int>(disc.high & 0xffff)),
+        y1(static_cast<int>(disc.high >> 16)) {}
+  [[nodiscard]] int width() const { return 1 + x1 - x0; }
+  [[nodiscard]] std::uint64_t samples() const {
+    return static_cast<std::uint64_t>(width()) * static_cast<std::uint64_t>(1 + y1 - y0);
   }
-
- private:
-  bool prepare(std::size_t i, SplatDisc& disc) const {
-    const glm::vec3& position = cloud_.positions[i];
-    const glm::vec3 seen(camera_.camera_from_node * glm::vec4(position, 1.0f));
-    const float depth = -seen.z;
-    disc.place = position - camera_.eye;
-    disc.normal = cloud_.normals[i];
-    disc.plane = glm::dot(disc.normal, disc.place);
-    // Towards the viewer; what shows its back is hidden by what lies before it, or was meant to be seen from both
-    // sides.
-    if (disc.plane > 0 && !cloud_.description.two_sided) return false;
-    const float distance2 = glm::dot(disc.place, disc.place);
-    if (!(disc.plane * disc.plane > kGrazing * kGrazing * distance2)) return false;
-    const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / kPi));
-    const float sample = depth / (camera_.pixels * camera_.scale);  // one sample there, node units
-    const bool cube = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
-    float bell = radius * kCubeBell, cover;
-    if (cube) {
-      const qnv::Cell& cell = cloud_.cells[i];
-      disc.clip = disc.place - disc.normal * cell.offset;
-      const float margin =
-          disc.plane > 0 ? cell.edge * kBackMargin : std::max(cell.edge * kCubeMargin, sample * kSampleMargin);
-      disc.reach = std::max(cell.edge * 0.5f + margin, sample * kLeastReach);
-      bell = std::max({bell, 0.5f * cell.edge, sample * kLeastReach});
-      cover = disc.reach * 1.7321f;  // no point of a cube is further from the foot of its centre on a plane
-    } else {
-      disc.clip = disc.place;
-      cover = std::max(radius * kDiscCover, sample * kLeastReach);
-      // Among cubes it is one as well: the inner loop knows only one kind.
-      disc.reach = cloud_.cells.empty() ? cover * cover : cover;
-      if (!cloud_.cells.empty()) cover *= 1.7321f;
-      bell = std::max(radius * kDiscBell, sample * kLeastReach);
-    }
-    disc.inverse_radius2 = 1 / (bell * bell);
-    if (!bound(seen, depth, 2 * bell * camera_.scale, disc.bell)) return false;
-    if (!bound(seen, depth, cover * camera_.scale, disc.cover)) disc.cover = {0, 0, -1, -1};
-    disc.facing = glm::dot(disc.normal, camera_.rays.origin);
-    disc.facing_x = glm::dot(disc.normal, camera_.rays.right);
-    disc.facing_y = glm::dot(disc.normal, camera_.rays.up);
-    disc.color = cloud_.colors.empty() ? packed(cloud_.color) : packed(cloud_.colors[i]);
-    return true;
-  }
-
-  // The samples in a ball around the disc's centre.
-  bool bound(const glm::vec3& seen, float depth, float extent, SplatBounds& out) const {
-    if (!(depth + extent > camera_.rays.near_plane) || !std::isfinite(depth) || !std::isfinite(extent)) return false;
-    float x0 = 0, y0 = 0, x1 = static_cast<float>(camera_.width - 1), y1 = static_cast<float>(camera_.height - 1);
-    if (depth > 2 * extent) {
-      const float width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
-      // In samples, whose centres lie at whole numbers.
-      const float x = (seen.x / (depth * camera_.tangents.x) + 1) * 0.5f * width - 0.5f;
-      const float y = (seen.y / (depth * camera_.tangents.y) + 1) * 0.5f * height - 0.5f;
-      // Towards the edges of the view a ball is drawn out.
-      const float slant = std::sqrt(1 + (seen.x * seen.x + seen.y * seen.y) / (depth * depth));
-      const float around = extent * camera_.pixels / (depth - extent) * slant + 0.01f;
-      // The next whole number, of one that is not negative.
-      const auto up = [](float v) { return static_cast<float>(static_cast<int>(v + 0.999999f)); };
-      x0 = up(std::max(x0, x - around));
-      y0 = up(std::max(y0, y - around));
-      x1 = std::min(x1, x + around);
-      y1 = std::min(y1, y + around);
-      if (!(x0 <= x1 && y0 <= y1)) return false;
-    }
-    out = {static_cast<std::int16_t>(x0), static_cast<std::int16_t>(y0), static_cast<std::int16_t>(x1),
-           static_cast<std::int16_t>(y1)};
-    return true;
-  }
-
-  const qnv::Cloud& cloud_;
-  float growth_;
-  const Camera& camera_;
+  int x0, y0, x1, y1;
 };
 
-/// Which discs meet which tile, in their order.
-struct Bins {
-  int columns = 0, rows = 0;
-  std::vector<std::uint32_t> begin, discs;
-};
-
-/// The discs that one task prepared: where they begin, and how many there are.
+/// What one task prepares: parts of pieces, one after the other, and the discs of them that are in view.
 struct Segment {
-  std::size_t first = 0, count = 0;
+  std::vector<SplatPiece> parts;
+  std::size_t first = 0, count = 0;         // among all discs
+  std::uint64_t samples = 0, width = 0;     // of all its discs together
+  std::vector<std::uint32_t> begin, discs;  // which of them meet each tile, tile by tile, in their order
 };
 
-Bins bin(const SplatDisc* discs, std::span<const Segment> segments, const Camera& camera, unsigned threads) {
-  Bins bins;
-  bins.columns = (camera.width + kTile - 1) / kTile;
-  bins.rows = (camera.height + kTile - 1) / kTile;
-  const auto tiles = static_cast<std::size_t>(bins.columns) * static_cast<std::size_t>(bins.rows);
-  const auto for_tiles = [&](const Segment& segment, auto body) {
-    for (std::size_t i = segment.first; i < segment.first + segment.count; ++i) {
-      const SplatBounds& b = discs[i].bell;
-      for (int y = b.y0 / kTile; y <= b.y1 / kTile; ++y)
-        for (int x = b.x0 / kTile; x <= b.x1 / kTile; ++x) body(static_cast<std::size_t>(y * bins.columns + x), i);
+std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
+  std::size_t all = 0;
+  for (const SplatPiece& piece : pieces) all += piece.count;
+  const std::size_t range = std::max(kRange, all / kMostTasks);
+  std::vector<Segment> segments(1);
+  std::size_t in_task = 0, first = 0;
+  for (const SplatPiece& piece : pieces)
+    for (std::size_t i = 0; i < piece.count; i += range) {
+      SplatPiece part = piece;
+      part.first = piece.first + i;
+      part.count = std::min(range, piece.count - i);
+      if (in_task + part.count > range && in_task > 0) {
+        first += in_task + 1;  // room for one more
+        segments.emplace_back().first = first;
+        in_task = 0;
+      }
+      in_task += part.count;
+      segments.back().parts.push_back(part);
     }
-  };
-  // Counts by segment first, so that every one knows its places.
-  std::vector<std::vector<std::uint32_t>> places(segments.size());
-  qnv::parallel_for(
-      segments.size(),
-      [&](std::size_t r) {
-        places[r].assign(tiles, 0);
-        for_tiles(segments[r], [&](std::size_t tile, std::size_t) { ++places[r][tile]; });
-      },
-      threads);
-  bins.begin.assign(tiles + 1, 0);
-  std::uint32_t next = 0;
-  for (std::size_t tile = 0; tile < tiles; ++tile) {
-    bins.begin[tile] = next;
-    for (auto& segment : places) next += std::exchange(segment[tile], next);
-  }
-  bins.begin[tiles] = next;
-  bins.discs.resize(next);
-  qnv::parallel_for(
-      segments.size(),
-      [&](std::size_t r) {
-        for_tiles(segments[r], [&](std::size_t tile, std::size_t i) {
-          bins.discs[places[r][tile]++] = static_cast<std::uint32_t>(i);
-        });
-      },
-      threads);
-  return bins;
+  return segments;
+}
+
+std::size_t room_for(const std::vector<Segment>& segments) {
+  std::size_t room = segments.back().first + 1;
+  for (const SplatPiece& part : segments.back().parts) room += part.count;
+  return room;
 }
 
 /// Memory for the discs of a picture, kept from one to the next: fresh memory would cost as much as the discs do.
@@ -178,56 +101,103 @@ SplatDisc* disc_memory(std::size_t count) {
   return memory.get();
 }
 
-double width_of(const SplatBounds& bounds) { return 1 + bounds.x1 - bounds.x0; }
+/// The tiles of a picture.
+struct Grid {
+  explicit Grid(const SplatCamera& camera)
+      : columns((camera.width + kTile - 1) / kTile), rows((camera.height + kTile - 1) / kTile) {}
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+  int columns, rows;
+};
 
-/// The normal of one sample, node space, of any length: that of the surface where the mean of the heights over the
-/// discs' planes, weighted by their bells, is zero.
-glm::vec3 sample_normal(const SplatTile& tile, std::size_t at, bool smooth) {
-  const glm::vec3 n(tile.normal_x[at], tile.normal_y[at], tile.normal_z[at]);
-  if (!smooth) return n;
-  const float height = tile.height[at] / tile.weight[at];
-  const glm::vec3 slope(tile.slope_x[at], tile.slope_y[at], tile.slope_z[at]);
-  const glm::vec3 tilt(tile.tilt_x[at], tile.tilt_y[at], tile.tilt_z[at]);
-  return n + kSmoothing * (tilt - slope * height);
+/// The tiles that a disc meets.
+struct Tiles {
+  Tiles(const Extent& e, const Grid& grid)
+      : first(tile(e.y0) * static_cast<std::size_t>(grid.columns) + tile(e.x0)),
+        right(tile(e.x1) - tile(e.x0)),
+        up(tile(e.y1) - tile(e.y0)),
+        row(static_cast<std::size_t>(grid.columns)) {}
+  static std::size_t tile(int sample) { return static_cast<unsigned>(sample) / kTile; }
+  template <class Body>
+  void for_each(Body body) const {
+    if ((right | up) == 0) return body(first);  // nearly always
+    for (std::size_t y = 0; y <= up; ++y)
+      for (std::size_t x = 0; x <= right; ++x) body(first + y * row + x);
+  }
+  std::size_t first, right, up, row;
+};
+
+/// Counts every `step`th disc of a segment in all tiles that it meets. Where they cover more than `most` samples, there
+/// is nothing in `begin` afterwards.
+void count_in_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step, std::uint64_t most) {
+  segment.begin.assign(grid.size() + 2, 0);
+  // Two places on, so that each tile's place can move on while it is filled, and is then where the next one begins.
+  std::uint32_t* const counts = segment.begin.data() + 2;
+  std::uint64_t samples = 0, width = 0;
+  for (std::size_t i = 0; i < segment.count; i += step) {
+    const Extent extent(discs[segment.first + i]);
+    samples += extent.samples();
+    width += static_cast<std::uint64_t>(extent.width());
+    if (samples <= most) Tiles(extent, grid).for_each([&](std::size_t tile) { ++counts[tile]; });
+  }
+  if (samples > most) segment.begin.clear();
+  if (step > 1) return;
+  segment.samples = samples;
+  segment.width = width;
 }
 
-/// Averages the samples of each pixel of a tile.
-void resolve(const SplatTile& tile, int left, int bottom, const SplatView& view, const Camera& camera,
-             const SplatKind& kind, SplatLayer& layer) {
-  const int s = view.supersample, pixels = kTile / s;
-  for (int ty = 0; ty < pixels; ++ty)
-    for (int tx = 0; tx < pixels; ++tx) {
-      const int x = left / s + tx, y = bottom / s + ty;
-      if (x >= view.width || y >= view.height) continue;
-      glm::vec3 normal(0), color(0);
-      float depth = 1e30f;
-      int covered = 0;
-      for (int sy = 0; sy < s; ++sy)
-        for (int sx = 0; sx < s; ++sx) {
-          const auto at = static_cast<std::size_t>((ty * s + sy) * kTile + tx * s + sx);
-          const float weight = tile.weight[at];
-          if (!(weight > 0)) continue;
-          ++covered;
-          depth = std::min(depth, tile.depth[at]);
-          const glm::vec3 n = camera.normal_matrix * sample_normal(tile, at, kind.smooth);
-          const float length = std::sqrt(glm::dot(n, n));
-          if (length > 0) normal += n * ((tile.side[at] > 0 ? -1.0f : 1.0f) / length);
-          if (kind.colored) color += glm::vec3(tile.red[at], tile.green[at], tile.blue[at]) / weight;
-        }
-      if (covered == 0) continue;
-      const auto at = static_cast<std::size_t>(y * view.width + x);
-      layer.depth[at] = depth;
-      const float length = std::sqrt(glm::dot(normal, normal));
-      normal = length > 0 ? normal / length : glm::vec3(0, 0, 1);
-      for (int i = 0; i < 3; ++i)
-        layer.normals[4 * at + static_cast<std::size_t>(i)] =
-            static_cast<std::uint16_t>(std::lround((normal[i] * 0.5f + 0.5f) * 65535));
-      layer.normals[4 * at + 3] = static_cast<std::uint16_t>(covered * 65535 / (s * s));
-      if (!kind.colored) continue;
-      for (int i = 0; i < 3; ++i)
-        layer.colors[4 * at + static_cast<std::size_t>(i)] =
-            static_cast<std::uint8_t>(std::lround(color[i] / static_cast<float>(covered)));
-    }
+/// Sorts every `step`th disc of a segment by tiles, after they have been counted.
+void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step) {
+  std::vector<std::uint32_t>& begin = segment.begin;
+  for (std::size_t tile = 2; tile < begin.size(); ++tile) begin[tile] += begin[tile - 1];
+  segment.discs.resize(begin.back());
+  std::uint32_t* const next = begin.data() + 1;
+  for (std::size_t i = 0; i < segment.count; i += step) {
+    const auto disc = static_cast<std::uint32_t>(segment.first + i);
+    Tiles(Extent(discs[disc]), grid).for_each([&](std::size_t tile) { segment.discs[next[tile]++] = disc; });
+  }
+}
+
+/// The bounds of a disc are four bells wide.
+bool is_smooth(double width, double discs) { return width > 4.0 * kSmoothFrom * discs; }
+
+/// A power of two that leaves the samples of an edge countable.
+int supersample_of(const SplatView& view) {
+  int s = static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(view.supersample, 1, 8))));
+  while (s > 1 && std::max(view.width, view.height) > kMostSamples / s) s /= 2;
+  return s;
+}
+
+/// Prepares all discs and sorts them by tiles. Of so many as it returns one is drawn.
+std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, const SplatCamera& camera,
+                        const Grid& grid, const SplatKernel& kernel, std::uint64_t most, SplatDisc* discs) {
+  qnv::parallel_for(
+      segments.size(),
+      [&](std::size_t i) {
+        Segment& segment = segments[i];
+        for (const SplatPiece& part : segment.parts)
+          segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
+        // Sorted while they are at hand, unless they are so many that some may have to be left out.
+        count_in_tiles(segment, discs, grid, 1, most / segments.size());
+        if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);
+      },
+      view.threads);
+  std::uint64_t samples = 0;
+  bool sorted = true;
+  for (const Segment& segment : segments) {
+    samples += segment.samples;
+    sorted = sorted && !segment.begin.empty();
+  }
+  const std::size_t step = samples / std::max<std::uint64_t>(most, 1) + 1;
+  if (sorted && step == 1) return step;
+  qnv::parallel_for(
+      segments.size(),
+      [&](std::size_t i) {
+        if (step == 1 && !segments[i].begin.empty()) return;
+        count_in_tiles(segments[i], discs, grid, step, std::numeric_limits<std::uint64_t>::max());
+        sort_by_tiles(segments[i], discs, grid, step);
+      },
+      view.threads);
+  return step;
 }
 
 }  // namespace
@@ -238,82 +208,67 @@ SplatLayer rasterize_surface(const qnv::Cloud& cloud, const SplatView& view) {
 }
 
 SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& view) {
+  return rasterize_surface(pieces, view, splat_kernels().front());
+}
+
+SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& wanted, const SplatKernel& kernel,
+                             std::uint64_t most_samples) {
   SplatLayer layer;
+  SplatView view = wanted;
+  view.supersample = supersample_of(wanted);
+  if (pieces.empty() || view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMostSamples)
+    return layer;
   const auto camera = splat_camera(view);
-  if (!camera || pieces.empty() || view.width < 1 || view.height < 1) return layer;
-  std::vector<SplatPiece> ranges;
-  std::vector<std::size_t> tasks{0};  // the first range of each, and the end
-  std::size_t all = 0, in_task = 0;
-  bool colored = false;
-  for (const SplatPiece& piece : pieces) {
-    colored = colored || !piece.cloud->colors.empty();
-    for (std::size_t i = 0; i < piece.count; i += kRange) {
-      const std::size_t count = std::min(kRange, piece.count - i);
-      if (in_task + count > kRange && in_task > 0) {
-        tasks.push_back(ranges.size());
-        in_task = 0;
-      }
-      ranges.push_back({piece.cloud, piece.first + i, count, piece.growth});
-      in_task += count;
-      all += count;
-    }
-  }
-  tasks.push_back(ranges.size());
-  SplatDisc* const discs = disc_memory(all);
-  std::vector<Segment> segments(tasks.size() - 1);
-  std::vector<double> widths(segments.size());
-  for (std::size_t t = 0, first = 0; t < segments.size(); ++t) {
-    segments[t].first = first;
-    for (std::size_t r = tasks[t]; r < tasks[t + 1]; ++r) first += ranges[r].count;
-  }
-  qnv::parallel_for(
-      segments.size(),
-      [&](std::size_t t) {
-        Segment& segment = segments[t];
-        for (std::size_t r = tasks[t]; r < tasks[t + 1]; ++r)
-          segment.count +=
-              Preparer(ranges[r], *camera)
-                  .run(ranges[r].first, ranges[r].first + ranges[r].count, discs + segment.first + segment.count);
-        for (std::size_t i = segment.first; i < segment.first + segment.count; ++i)
-          widths[t] += width_of(discs[i].bell);
-      },
-      view.threads);
-  double width = 0;
-  for (std::size_t t = 0; t < segments.size(); ++t) {
-    layer.discs += segments[t].count;
-    width += widths[t];
+  if (!camera) return layer;
+  std::vector<Segment> segments = segments_of(pieces);
+  const std::size_t room = room_for(segments);
+  if (room > std::numeric_limits<std::uint32_t>::max()) return layer;
+  SplatDisc* const discs = disc_memory(room);
+  const Grid grid(*camera);
+  const std::size_t step = prepare_all(segments, view, *camera, grid, kernel, most_samples, discs);
+  std::uint64_t width = 0;
+  for (const Segment& segment : segments) {
+    layer.discs += segment.count;
+    layer.drawn += (segment.count + step - 1) / step;
+    width += segment.width;
   }
   if (layer.discs == 0) return layer;
-  const Bins bins = bin(discs, segments, *camera, view.threads);
   SplatKind kind;
   kind.cubes = !pieces.front().cloud->cells.empty();
-  kind.colored = colored;
   kind.sides = pieces.front().cloud->description.two_sided;
-  // The bounds of a disc are four bells wide.
-  kind.smooth = width > 4.0 * kSmoothFrom * static_cast<double>(layer.discs);
+  kind.smooth = is_smooth(static_cast<double>(width), static_cast<double>(layer.discs));
+  kind.colored = view.color_by_normal || std::any_of(pieces.begin(), pieces.end(), [](const SplatPiece& piece) {
+                   return piece.tint || !piece.cloud->colors.empty();
+                 });
   layer.width = view.width;
   layer.height = view.height;
   const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
-  layer.depth.assign(pixels, 0);
-  layer.normals.assign(4 * pixels, 0);
-  if (colored) layer.colors.assign(4 * pixels, 0);
+  layer.depth.resize(pixels);
+  layer.normals.resize(4 * pixels);
+  if (kind.colored) layer.colors.resize(4 * pixels);
+  const SplatTarget target{view.width,         view.height,          view.supersample,
+                           layer.depth.data(), layer.normals.data(), kind.colored ? layer.colors.data() : nullptr};
   qnv::parallel_for(
-      static_cast<std::size_t>(bins.columns) * static_cast<std::size_t>(bins.rows),
+      grid.size(),
       [&](std::size_t t) {
-        if (bins.begin[t] == bins.begin[t + 1]) return;
-        const int left = static_cast<int>(t) % bins.columns * kTile,
-                  bottom = static_cast<int>(t) / bins.columns * kTile;
         thread_local const auto tile = std::make_unique<SplatTile>();
-        splat_kernel().tile(discs, std::span(bins.discs).subspan(bins.begin[t], bins.begin[t + 1] - bins.begin[t]),
-                            camera->rays, left, bottom, kind, *tile);
-        resolve(*tile, left, bottom, view, *camera, kind, layer);
+        thread_local std::vector<std::uint32_t> chosen;  // kept, with the tile, for the next
+        chosen.clear();
+        for (const Segment& segment : segments)
+          chosen.insert(chosen.end(), segment.discs.begin() + segment.begin[t],
+                        segment.discs.begin() + segment.begin[t + 1]);
+        kernel.draw(discs, chosen, *camera, static_cast<int>(t) % grid.columns * kTile,
+                    static_cast<int>(t) / grid.columns * kTile, kind, *tile, target);
       },
       view.threads);
   return layer;
 }
 
-SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& view, std::size_t most) {
+SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& wanted, std::size_t most) {
   SplatSurvey survey;
+  SplatView view = wanted;
+  view.supersample = supersample_of(wanted);
+  if (view.width < 1 || view.height < 1 || std::max(view.width, view.height) > kMostSamples) return survey;
   const auto camera = splat_camera(view);
   std::size_t all = 0;
   for (const SplatPiece& piece : pieces) all += piece.count;
@@ -322,21 +277,35 @@ SplatSurvey survey_surface(std::span<const SplatPiece> pieces, const SplatView& 
   double width = 0, in_view = 0;
   std::vector<SplatDisc> discs;
   for (const SplatPiece& piece : pieces) {
+    qnv::Cloud sample;
     const std::size_t looked_at = (piece.count + step - 1) / step;
-    discs.resize(looked_at);
-    discs.resize(Preparer(piece, *camera).run(piece.first, piece.first + piece.count, discs.data(), step));
+    SplatPiece looked{piece};
+    if (step > 1) {
+      sample.description.two_sided = piece.cloud->description.two_sided;
+      for (std::size_t i = 0; i < piece.count; i += step) {
+        const std::size_t at = piece.first + i;
+        sample.positions.push_back(piece.cloud->positions[at]);
+        sample.normals.push_back(piece.cloud->normals[at]);
+        sample.weights.push_back(piece.cloud->weights[at]);
+        if (!piece.cloud->cells.empty()) sample.cells.push_back(piece.cloud->cells[at]);
+      }
+      looked = {&sample, 0, looked_at, piece.growth};
+    }
+    discs.resize(looked_at + 1);
+    discs.resize(splat_kernels().front().prepare(source_of(looked, view), *camera, discs.data()));
     const double share = static_cast<double>(piece.count) / static_cast<double>(std::max<std::size_t>(looked_at, 1));
     for (const SplatDisc& disc : discs) {
-      width += share * width_of(disc.bell);
-      survey.samples += share * width_of(disc.bell) * (1 + disc.bell.y1 - disc.bell.y0);
+      const Extent extent(disc);
+      width += share * extent.width();
+      survey.samples += share * static_cast<double>(extent.samples());
     }
     in_view += share * static_cast<double>(discs.size());
   }
   survey.discs = static_cast<std::size_t>(std::llround(in_view));
-  survey.smooth = width > 4.0 * kSmoothFrom * in_view;
+  survey.smooth = is_smooth(width, in_view);
   return survey;
 }
 
-std::string_view splat_instructions() { return &splat_kernel() == &splat_kernel_baseline() ? "SSE2" : "AVX2"; }
+std::string_view splat_instructions() { return splat_kernels().front().name; }
 
 }  // namespace gs::render

@@ -1,11 +1,12 @@
 #pragma once
 
 // GLSL 3.30 of the surface splatter on the GPU, without the #version line, which make_program writes together with the
-// #defines. It mirrors splat_raster.cpp and splat_tile_loop.h; the constants come from splat_constants.h.
+// #defines. It mirrors splat_raster.cpp and splat_tile_loop.inc; the constants come from splat_constants.h.
 namespace gs::render {
 
-/// What a vector is, as the instance buffer holds it. Defines: RECORDS (8-byte records of a stream, qnv/record.h),
-/// CELLS (discs of an octree).
+/// What a vector is, as the buffers of SplatStore and SplatRecords hold it. An instance draws up to 64
+/// (SplatGl::kAnInstance) vectors of one piece, four vertices each. Defines: RECORDS (8-byte records of a stream,
+/// qnv/record.h), CELLS (discs of an octree).
 inline constexpr char kSplatVectorShader[] = R"glsl(
 struct Vector {
   vec3 position, normal;
@@ -13,48 +14,80 @@ struct Vector {
   vec3 color;
   bool drawn;
 };
-uniform vec3 frame_lower, frame_step;
+/// What is the same for all vectors of a piece, three texels in `pieces`.
+struct Piece {
+  vec3 lower;   // position = lower + code * step
+  vec3 step;
+  vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it; records: step of the weight
+  vec2 edge;    // likewise
+  float scale;  // of radii
+  float tint;   // 24 bits, in place of all colours; negative: none
+};
+layout(location = 0) in uvec2 instance;  // the first vector; the number of the piece and, in the low byte, of vectors
+uniform usamplerBuffer vectors;
+uniform sampler2D pieces;
+uniform int stride;  // every so many vectors are drawn
+uniform bool color_by_normal;
+
+// The vector of this vertex; false where the instance has no such one.
+bool find_vector(out int index) {
+  int i = gl_VertexID >> 2;
+  index = int(instance.x) + i * stride;
+  return i < int(instance.y & 255u);
+}
+
+Piece read_piece() {
+  int number = int(instance.y >> 8);
+  ivec2 at = ivec2((number % PIECES_A_ROW) * 3, number / PIECES_A_ROW);
+  vec4 a = texelFetch(pieces, at, 0), b = texelFetch(pieces, at + ivec2(1, 0), 0),
+       c = texelFetch(pieces, at + ivec2(2, 0), 0);
+  return Piece(a.xyz, b.xyz, vec2(a.w, b.w), c.xy, c.z, c.w);
+}
+
+vec3 rgb8(uint code) {
+  return vec3(uvec3(code, code >> 8, code >> 16) & 255u) * (1.0 / 255.0);
+}
+
 #ifdef RECORDS
-layout(location = 0) in uvec2 record;
-uniform float weight_step;
 uniform sampler2D normal_table;  // theta, phi
 uniform sampler2D palette;
 
-// In bits, from the lowest: X 10, Y 10, Z 10, theta 5, phi 6, A 15, C 8. frame_step is half a cell, so that every
-// product is exact and the position is that of qnv::unpack_record to the last bit.
-void unpack_record(out vec3 position, out vec3 normal, out float weight, out int color) {
+// In bits, from the lowest: X 10, Y 10, Z 10, theta 5, phi 6, A 15, C 8. With half a cell every product is exact, and the position is that of qnv::unpack_record to the last bit.
+void unpack_record(uvec2 record, vec3 lower, vec3 half_cell, float weight_step, out vec3 position, out vec3 normal,
+                   out float weight, out int color) {
   uint low = record.x, high = record.y;
   uvec3 code = uvec3(low, low >> 10, low >> 20) & 1023u;
-  position = frame_lower + vec3(2u * code + 1u) * frame_step;
+  position = lower + vec3(2u * code + 1u) * half_cell;
   normal = texelFetch(normal_table, ivec2(int(low >> 30 | (high & 7u) << 2), int(high >> 3 & 63u)), 0).xyz;
   weight = float(max(high >> 9 & 32767u, 1u)) * weight_step;
   color = int(high >> 24);
 }
 
-Vector read_vector() {
+Vector read_vector(int index) {
   Vector v;
   float weight;
   int color;
-  unpack_record(v.position, v.normal, weight, color);
+  Piece piece = read_piece();
+  unpack_record(texelFetch(vectors, index).xy, piece.lower, piece.step, piece.radius.x, v.position, v.normal, weight,
+                color);
   v.radius = sqrt(weight * (1.0 / PI));
   v.edge = v.offset = 0.0;
   v.color = texelFetch(palette, ivec2(color, 0), 0).rgb;
+  if (color_by_normal) v.color = v.normal * 0.5 + 0.5;
   v.drawn = true;
   return v;
 }
 #else
-layout(location = 0) in uvec4 disc;
-uniform vec2 radius_code;  // logarithm of the smallest radius, and what a step of the code adds to it
-uniform float radius_scale;
 #ifdef CELLS
-layout(location = 1) in uint cell;
-uniform vec2 edge_code;
+uniform usamplerBuffer cells;
 #endif
 
 // As encode_splats (splat_store.h) writes them.
-Vector read_vector() {
+Vector read_vector(int index) {
   Vector v;
-  v.position = frame_lower + vec3(disc.xyz & 0xfffffu) * frame_step;
+  Piece piece = read_piece();
+  uvec4 disc = texelFetch(vectors, index);
+  v.position = piece.lower + vec3(disc.xyz & 0xfffffu) * piece.step;
   uint more = disc.w >> 24;
   uvec2 direction = disc.xy >> 20 | (uvec2(more, more >> 2) & 3u) << 12;
   vec2 octahedron = (vec2(direction) - 8191.0) * (1.0 / 8191.0);
@@ -64,12 +97,13 @@ Vector read_vector() {
   v.normal = normalize(v.normal);
   uint radius = disc.z >> 20 | (more >> 4) << 12;
   v.drawn = radius != 0u;
-  v.radius = exp2(radius_code.x + float(radius) * radius_code.y) * radius_scale;
-  v.color = vec3(uvec3(disc.w, disc.w >> 8, disc.w >> 16) & 255u) * (1.0 / 255.0);
+  v.radius = exp2(piece.radius.x + float(radius) * piece.radius.y) * piece.scale;
+  v.color = rgb8(piece.tint < 0.0 ? disc.w : uint(piece.tint));
+  if (color_by_normal) v.color = v.normal * 0.5 + 0.5;
   v.edge = v.offset = 0.0;
 #ifdef CELLS
-  uint edge = cell & 0xffffu;
-  if (edge != 0u) v.edge = exp2(edge_code.x + float(edge) * edge_code.y);
+  uint cell = texelFetch(cells, index).r, edge = cell & 0xffffu;
+  if (edge != 0u) v.edge = exp2(piece.edge.x + float(edge) * piece.edge.y);
   v.offset = (float(cell >> 16) - 32767.0) * (OFFSET_RANGE / 32767.0) * v.edge;
 #endif
   return v;
@@ -101,7 +135,9 @@ void main() {
 #else
   clip_reach = vec4(0.0);
 #endif
-  Vector v = read_vector();
+  int index;
+  if (!find_vector(index)) return;
+  Vector v = read_vector(index);
   if (!v.drawn) return;
   vec3 place = v.position - eye;
   float plane = dot(v.normal, place);
@@ -254,6 +290,89 @@ void main() {
   normal_coverage = covered > 0.0 ? vec4(normal * 0.5 + 0.5, covered / float(supersample * supersample)) : vec4(0.0);
   depth = covered > 0.0 ? closest : 0.0;
   color = vec4(sum / max(covered, 1.0), 1.0);
+}
+)glsl";
+
+/// Shades what the surface splatter left in the pixels of the viewport; comes behind kLightingShader. Defines: COLORS,
+/// those of the lights, CLOSING (does what close_pinholes of splat_closing.h says).
+inline constexpr char kSplatFragmentShader[] = R"glsl(
+uniform sampler2D normals, depths;
+#ifdef COLORS
+uniform sampler2D colors;
+#endif
+uniform ivec2 origin, size;    // of the viewport
+uniform vec4 rectangle;        // pixels of the viewport that the textures hold: the first ones, and those behind the last
+uniform ivec2 corner;          // the pixel of the first texel
+#ifdef CLOSING
+uniform int closing;  // pixels
+#endif
+uniform vec2 pixel, tangents;  // 2 / size of the viewport; of half the angles of view
+uniform vec2 depth_row;        // clip_from_camera[2][2] and [3][2]
+uniform vec4 base, emissive_ambient, specular_exponent;
+out vec4 result;
+
+vec3 normal = vec3(0.0), color = vec3(0.0);
+float depth = 0.0, count = 0.0;
+
+void add(ivec2 at, vec3 n) {
+  normal += n * 2.0 - 1.0;
+  depth += texelFetch(depths, at - corner, 0).r;
+#ifdef COLORS
+  color += texelFetch(colors, at - corner, 0).rgb;
+#endif
+  count += 1.0;
+}
+
+bool outside(ivec2 at) {
+  return any(lessThan(vec2(at), rectangle.xy)) || any(greaterThanEqual(vec2(at), rectangle.zw));
+}
+
+#ifdef CLOSING
+// The largest coverage that is near on one side; the nearest covered pixel is added when `fill`.
+float beside(ivec2 at, ivec2 way, bool fill) {
+  float most = 0.0;
+  for (int i = 1; i <= closing; ++i) {
+    ivec2 there = at + way * i;
+    if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) return 1.0;
+    if (outside(there)) break;
+    vec4 found = texelFetch(normals, there - corner, 0);
+    if (fill && most == 0.0 && found.a > 0.0) add(there, found.xyz);
+    most = max(most, found.a);
+    if (most == 1.0) break;
+  }
+  return most;
+}
+#endif
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
+  // Mesa's llvmpipe lets a row more than the scissor through where there are several samples.
+  if (outside(at)) discard;
+  vec4 own = texelFetch(normals, at - corner, 0);
+  float coverage = own.a;
+  if (coverage > 0.0) add(at, own.xyz);
+#ifdef CLOSING
+  if (coverage < 1.0) {
+    bool fill = coverage == 0.0;
+    float least = beside(at, ivec2(1, 0), fill);
+    if (least > coverage) least = min(least, beside(at, ivec2(-1, 0), fill));
+    if (least > coverage) least = min(least, beside(at, ivec2(0, 1), fill));
+    if (least > coverage) least = min(least, beside(at, ivec2(0, -1), fill));
+    coverage = max(coverage, least);
+  }
+#endif
+  if (coverage == 0.0 || count == 0.0) discard;
+  depth /= count;
+  vec3 place = vec3(((vec2(at) + 0.5) * pixel - 1.0) * tangents, -1.0) * depth;
+#ifdef COLORS
+  color /= count;
+#else
+  color = base.rgb;
+#endif
+  float length2 = dot(normal, normal);
+  vec3 n = length2 > 0.0 ? normal * inversesqrt(length2) : vec3(0.0, 0.0, 1.0);
+  result = vec4(lit(n, place, color, emissive_ambient, specular_exponent), coverage * base.a);
+  gl_FragDepth = clamp(0.5 - 0.5 * depth_row.x + 0.5 * depth_row.y / depth, 0.0, 1.0);
 }
 )glsl";
 

@@ -14,7 +14,8 @@ namespace {
 
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // encoded at a time
-constexpr std::size_t kTaskDiscs = 16384;
+constexpr std::uint32_t kTaskDiscs = 16384;
+constexpr std::size_t kLeastRange = 1024;      // discs: clouds are cut into smaller ones only when they are small
 constexpr std::size_t kSampledRecords = 1024;  // of a chunk
 
 bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
@@ -53,6 +54,8 @@ std::array<std::uint32_t, 2> normal_codes(const glm::vec3& n) {
   };
   return {code(u), code(v)};
 }
+
+std::size_t bytes_of(bool cells) { return sizeof(SplatCode) + (cells ? sizeof(CellCode) : 0); }
 
 bool has_cube(const qnv::Cell& cell) { return cell.edge > 0 && std::isfinite(cell.edge); }
 
@@ -139,82 +142,208 @@ void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_
   }
 }
 
-const SplatStore::Entry* SplatStore::find(const std::shared_ptr<const qnv::Cloud>& cloud) {
-  Entry& entry = entries_[cloud.get()];
-  // An expired entry belonged to another cloud that lay at the same address.
-  if (entry.cloud.expired()) {
-    bytes_ -= entry.bytes;
-    entry = {};
-    entry.cloud = cloud;
+std::size_t most_buffer_texels(const Gl& gl) {
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  return static_cast<std::size_t>(std::max(most, 65536));  // that many at least (OpenGL 3.3, table 6.41)
+}
+
+Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format) {
+  Texture texture = make_texture(gl);
+  gl.BindTexture(GL_TEXTURE_BUFFER, texture.name());
+  gl.TexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
+  return texture;
+}
+
+SplatStore::SplatStore(const Gl& gl, std::size_t most_bytes, std::size_t slab_discs)
+    : gl_(gl), most_bytes_(most_bytes), slab_discs_(std::clamp<std::size_t>(slab_discs, 1, most_buffer_texels(gl))) {}
+
+const SplatStore::Entry* SplatStore::find(const qnv::Cloud* cloud) const {
+  const auto found = entries_.find(cloud);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) {
+  std::vector<Upload> uploads;
+  for (const auto& cloud : clouds) {
+    Entry& entry = entries_[cloud.get()];
+    // An expired entry belonged to another cloud that lay at the same address.
+    if (entry.cloud.expired()) {
+      give_back(entry);
+      entry = {};
+      entry.cloud = cloud;
+      uploads.push_back({cloud.get(), &entry});  // entries of a map stay where they are
+    }
     entry.used = frame_;
-    if (!upload(*cloud, entry)) {
-      entries_.erase(cloud.get());
-      return nullptr;
+  }
+  if (uploads.empty()) return true;
+  qnv::parallel_for(
+      uploads.size(), [&](std::size_t i) { uploads[i].entry->coding = splat_coding(*uploads[i].cloud); }, 0);
+  bool good = true;
+  take_errors(gl_);
+  std::erase_if(uploads, [&](const Upload& upload) {
+    if (!upload.entry->coding) return true;
+    upload.entry->discs = upload.cloud->size();
+    upload.entry->cells = !upload.cloud->cells.empty();
+    if (place(*upload.entry)) return false;
+    entries_.erase(upload.cloud);
+    good = false;
+    return true;
+  });
+  upload(uploads);
+  return !take_errors(gl_) && good;
+}
+
+// Finds memory for all discs, or takes none.
+bool SplatStore::place(Entry& entry) {
+  std::size_t left = entry.discs, want = std::min(left, slab_discs_);
+  while (left > 0) {
+    want = std::min(want, left);
+    if (const auto range = take(want, entry.cells)) {
+      entry.ranges.push_back(*range);
+      left -= range->count;
+    } else if (want > kLeastRange) {
+      want /= 2;  // there may be room in pieces
+    } else {
+      give_back(entry);
+      return false;
     }
   }
-  entry.used = frame_;
-  return &entry;
+  return true;
+}
+
+std::optional<SplatStore::Range> SplatStore::take(std::size_t discs, bool cells) {
+  do {
+    for (std::size_t i = 0; i < slabs_.size(); ++i) {
+      Slab* slab = slabs_[i].get();
+      if (!slab || static_cast<bool>(slab->cells) != cells) continue;
+      const auto first = slab->free.take(discs);
+      if (!first) continue;
+      slab->discs += discs;
+      bytes_ += discs * bytes_of(cells);
+      return Range{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(*first),
+                   static_cast<std::uint32_t>(discs)};
+    }
+  } while (make_slab(cells) || make_room());
+  return std::nullopt;
+}
+
+bool SplatStore::make_slab(bool cells) {
+  const std::size_t bytes = slab_discs_ * bytes_of(cells);
+  if (reserved_bytes_ + bytes > most_bytes_) return false;
+  auto slab = std::make_unique<Slab>(Slab{{}, {}, {}, {}, RangeAllocator(slab_discs_), 0});
+  const auto make = [&](Buffer& buffer, Texture& texture, std::size_t size, GLenum format) {
+    buffer = make_buffer(gl_);
+    gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer.name());
+    gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STATIC_DRAW);
+    texture = make_buffer_texture(gl_, buffer, format);
+  };
+  make(slab->codes, slab->codes_texture, slab_discs_ * sizeof(SplatCode), GL_RGBA32UI);
+  if (cells) make(slab->cells, slab->cells_texture, slab_discs_ * sizeof(CellCode), GL_R32UI);
+  if (take_errors(gl_)) return false;
+  reserved_bytes_ += bytes;
+  const auto hole = std::find(slabs_.begin(), slabs_.end(), nullptr);
+  (hole == slabs_.end() ? slabs_.emplace_back() : *hole) = std::move(slab);
+  return true;
+}
+
+// Forgets what was drawn longest ago; what this frame needs stays. False when there is nothing to forget.
+bool SplatStore::make_room() {
+  std::uint64_t oldest = frame_;
+  for (const auto& [cloud, entry] : entries_)
+    if (!entry.ranges.empty()) oldest = std::min(oldest, entry.used);
+  if (oldest == frame_) return false;
+  std::erase_if(entries_, [&](const auto& item) {
+    if (item.second.used != oldest) return false;
+    give_back(item.second);
+    return true;
+  });
+  drop_empty_slabs();
+  return true;
+}
+
+void SplatStore::give_back(const Entry& entry) {
+  for (const Range& range : entry.ranges) {
+    Slab& slab = *slabs_[range.slab];
+    slab.free.give_back(range.first, range.count);
+    slab.discs -= range.count;
+    bytes_ -= range.count * bytes_of(entry.cells);
+  }
+}
+
+void SplatStore::drop_empty_slabs() {
+  for (auto& slab : slabs_) {
+    if (!slab || slab->discs > 0) continue;
+    reserved_bytes_ -= slab_discs_ * bytes_of(static_cast<bool>(slab->cells));
+    slab.reset();
+  }
 }
 
 void SplatStore::forget_unused() {
   ++frame_;
   std::erase_if(entries_, [&](const auto& item) {
     if (!item.second.cloud.expired()) return false;
-    bytes_ -= item.second.bytes;
+    give_back(item.second);
     return true;
   });
+  drop_empty_slabs();
 }
 
-// What this frame needs stays.
-void SplatStore::make_room(std::size_t bytes) {
-  while (bytes_ + bytes > most_bytes_) {
-    auto oldest = entries_.end();
-    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry)
-      if (entry->second.bytes > 0 && entry->second.used < frame_ &&
-          (oldest == entries_.end() || entry->second.used < oldest->second.used))
-        oldest = entry;
-    if (oldest == entries_.end()) return;
-    bytes_ -= oldest->second.bytes;
-    entries_.erase(oldest);
+void SplatStore::upload(std::span<const Upload> uploads) {
+  // A part of a range that is encoded at one go.
+  struct Task {
+    const Upload* upload;
+    std::size_t from;  // in the cloud
+    Range to;
+    std::size_t at;  // in `codes`
+  };
+  std::vector<Task> tasks;
+  std::vector<SplatCode> codes;
+  std::vector<CellCode> cells;
+  std::size_t discs = 0;
+  const auto flush = [&] {
+    codes.resize(std::max(codes.size(), discs));
+    cells.resize(codes.size());
+    qnv::parallel_for(
+        tasks.size(),
+        [&](std::size_t t) {
+          const auto& [upload, from, to, at] = tasks[t];
+          encode_splats(*upload->cloud, *upload->entry->coding, from, std::span(codes).subspan(at, to.count));
+          if (upload->entry->cells)
+            encode_cells(*upload->cloud, *upload->entry->coding, from, std::span(cells).subspan(at, to.count));
+        },
+        0);
+    for (std::size_t t = 0; t < tasks.size();) {
+      // What lies side by side goes together.
+      const Range& first = tasks[t].to;
+      std::size_t end = t, count = 0;
+      while (end < tasks.size() && tasks[end].to.slab == first.slab && tasks[end].to.first == first.first + count)
+        count += tasks[end++].to.count;
+      const auto put = [&](const Buffer& buffer, const auto* values) {
+        gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer.name());
+        gl_.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(first.first * sizeof *values),
+                          static_cast<GLsizeiptr>(count * sizeof *values), values + tasks[t].at);
+      };
+      const Slab& slab = *slabs_[first.slab];
+      put(slab.codes, codes.data());
+      if (slab.cells) put(slab.cells, cells.data());
+      t = end;
+    }
+    tasks.clear();
+    discs = 0;
+  };
+  for (const Upload& upload : uploads) {
+    std::size_t from = 0;
+    for (const Range& range : upload.entry->ranges)
+      for (std::uint32_t i = 0; i < range.count; i += kTaskDiscs) {
+        const std::uint32_t count = std::min(range.count - i, kTaskDiscs);
+        tasks.push_back({&upload, from, {range.slab, range.first + i, count}, discs});
+        from += count;
+        discs += count;
+        if (discs >= kUploadDiscs) flush();
+      }
   }
-}
-
-bool SplatStore::upload(const qnv::Cloud& cloud, Entry& entry) {
-  entry.coding = splat_coding(cloud);
-  if (!entry.coding) return true;
-  const std::size_t count = cloud.size();
-  const bool cells = !cloud.cells.empty();
-  const std::size_t bytes = count * (sizeof(SplatCode) + (cells ? sizeof(CellCode) : 0));
-  make_room(bytes);
-  if (bytes_ + bytes > most_bytes_) return false;
-  take_errors(gl_);
-  Buffer buffer = make_buffer(gl_);
-  gl_.BindBuffer(GL_ARRAY_BUFFER, buffer.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STATIC_DRAW);
-  if (take_errors(gl_)) return false;
-  std::vector<SplatCode> codes(std::min(count, kUploadDiscs));
-  std::vector<CellCode> cubes(cells ? codes.size() : 0);
-  for (std::size_t first = 0; first < count; first += kUploadDiscs) {
-    const std::size_t part = std::min(kUploadDiscs, count - first);
-    qnv::parallel_for((part + kTaskDiscs - 1) / kTaskDiscs,
-                      [&](std::size_t task) {
-                        const std::size_t at = task * kTaskDiscs, size = std::min(kTaskDiscs, part - at);
-                        encode_splats(cloud, *entry.coding, first + at, std::span(codes).subspan(at, size));
-                        if (cells) encode_cells(cloud, *entry.coding, first + at, std::span(cubes).subspan(at, size));
-                      },
-                      0);
-    gl_.BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(SplatCode)),
-                      static_cast<GLsizeiptr>(part * sizeof(SplatCode)), codes.data());
-    if (cells)
-      gl_.BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(count * sizeof(SplatCode) + first * sizeof(CellCode)),
-                        static_cast<GLsizeiptr>(part * sizeof(CellCode)), cubes.data());
-  }
-  entry.buffer = std::move(buffer);
-  entry.discs = count;
-  entry.cells = cells;
-  entry.bytes = bytes;
-  bytes_ += bytes;
-  return true;
+  flush();
 }
 
 SplatRecords::SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided)
@@ -234,11 +363,21 @@ bool SplatRecords::add(std::span<const std::byte> records, const qnv::RecordFram
   static_assert(std::endian::native == std::endian::little);
   const std::size_t count = records.size() / qnv::kRecordBytes;
   if (!qnv::valid(frame)) return false;
-  if (count == 0) return true;
+  const std::size_t most = most_buffer_texels(gl_);
+  for (std::size_t first = 0; first < count; first += most) {
+    const std::size_t part = std::min(most, count - first);
+    if (!add_chunk(records.subspan(first * qnv::kRecordBytes, part * qnv::kRecordBytes), frame)) return false;
+  }
+  return true;
+}
+
+bool SplatRecords::add_chunk(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
+  const std::size_t count = records.size() / qnv::kRecordBytes;
   take_errors(gl_);
-  Chunk chunk{make_buffer(gl_), count, frame, nullptr};
-  gl_.BindBuffer(GL_ARRAY_BUFFER, chunk.buffer.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count * qnv::kRecordBytes), records.data(), GL_STATIC_DRAW);
+  Chunk chunk{make_buffer(gl_), {}, count, frame, nullptr};
+  gl_.BindBuffer(GL_TEXTURE_BUFFER, chunk.buffer.name());
+  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(records.size()), records.data(), GL_STATIC_DRAW);
+  chunk.texture = make_buffer_texture(gl_, chunk.buffer, GL_RG32UI);
   if (take_errors(gl_)) return false;
 
   const std::size_t step = (count + kSampledRecords - 1) / kSampledRecords, sampled = (count + step - 1) / step;

@@ -2,10 +2,12 @@
 
 #include "qnv/encode_volume.h"
 #include "qnv/parallel.h"
+#include "render/color_ramps.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace gs::render {
@@ -18,6 +20,7 @@ constexpr float kBoundaryLayers = 3;    // voxels across a boundary
 constexpr float kMostSpacing = 2;       // times what nine tenths have
 constexpr std::size_t kSample = 65536;  // vectors whose weights are sorted
 constexpr float kGloss = 16;            // exponent
+constexpr double kRootOfTwo = 1.41421356237309505;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -37,12 +40,12 @@ float quantile(const std::vector<float>& values, float rank) {
 /// How many vectors stand in the cells of grids, each twice as coarse as the one before.
 class Counts {
  public:
-  Counts(const qnv::Cloud& cloud, const qnv::Box& box, float finest) : lower_(box.lower) {
+  Counts(std::span<const glm::vec3> positions, const qnv::Box& box, float finest) : lower_(box.lower) {
     Grid grid;
     grid.edge = finest;
     for (int i = 0; i < 3; ++i) grid.cells[i] = 1 + static_cast<int>(std::min(box.size()[i] / finest, kFinestCells));
     grid.counts.assign(grid.size(), 0);
-    for (const glm::vec3& p : cloud.positions)
+    for (const glm::vec3& p : positions)
       if (finite(p)) grid.counts[grid.at(cell(grid, p, 0, 0), cell(grid, p, 1, 0), cell(grid, p, 2, 0))] += 1;
     grids_.push_back(std::move(grid));
     while (grids_.back().size() > 1) grids_.push_back(coarser(grids_.back()));
@@ -135,28 +138,16 @@ qnv::Box box_of(const qnv::Cloud& cloud) {
   return box;
 }
 
-std::array<glm::vec4, 256> table_of(const qnv::Description& about) {
-  const auto own = about.transfer.empty() ? qnv::default_transfer(about.value_range.first, about.value_range.second)
-                                          : about.transfer;
-  std::array<glm::vec4, 256> table{};
-  const auto color = [](const qnv::TransferPoint& p) {
-    return glm::vec4(glm::vec3(p.color.r, p.color.g, p.color.b) / 255.0f, p.opacity);
-  };
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const float value = static_cast<float>(i) / 255;
-    // The first point that is not below; points that are out of order or no numbers hide those behind them.
-    std::size_t next = 0;
-    while (next < own.size() && own[next].value < value) ++next;
-    glm::vec4 entry = color(own[std::min(next, own.size() - 1)]);
-    if (next > 0 && next < own.size()) {
-      const float from = own[next - 1].value, width = own[next].value - from;
-      if (width > 0) entry = color(own[next - 1]) + (entry - color(own[next - 1])) * ((value - from) / width);
-    }
-    const float opacity = entry.w > 0 ? std::min(entry.w, 0.999f) : 0.0f;
-    entry.w = -std::log(1 - opacity);
-    table[i] = entry;
-  }
-  return table;
+/// The largest floor(sqrt(2)^i) that is not more than `n` >= 1, and the next one.
+std::size_t power_below(std::size_t n) {
+  const std::size_t whole = std::bit_floor(n);
+  const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);
+  return half <= n ? half : whole;
+}
+std::size_t power_above(std::size_t n) {
+  const std::size_t whole = std::bit_floor(n);
+  const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);
+  return n < half ? half : 2 * whole;
 }
 
 float attenuation(const VolumeLight& light, float distance) {
@@ -179,25 +170,82 @@ std::span<const VolumeLight> volume_headlight() {
   return {&light, 1};
 }
 
-VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads) {
+VolumeTransfer volume_transfer(const qnv::Description& about, std::span<const qnv::TransferPoint> points) {
+  std::vector<qnv::TransferPoint> soft;
+  std::span<const qnv::TransferPoint> own = points.empty() ? std::span(about.transfer) : points;
+  if (own.empty()) own = soft = qnv::default_transfer(about.value_range.first, about.value_range.second);
+  VolumeTransfer table{};
+  if (own.empty()) return table;
+  const auto color = [](const qnv::TransferPoint& p) {
+    return glm::vec4(glm::vec3(p.color.r, p.color.g, p.color.b) / 255.0f, p.opacity);
+  };
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const float value = static_cast<float>(i) / 255;
+    // The first point that is not below; points that are out of order or no numbers hide those behind them.
+    std::size_t next = 0;
+    while (next < own.size() && own[next].value < value) ++next;
+    glm::vec4 entry = color(own[std::min(next, own.size() - 1)]);
+    if (next > 0 && next < own.size()) {
+      const float from = own[next - 1].value, width = own[next].value - from;
+      if (width > 0) entry = color(own[next - 1]) + (entry - color(own[next - 1])) * ((value - from) / width);
+    }
+    const float opacity = entry.w > 0 ? std::min(entry.w, 0.999f) : 0.0f;
+    entry.w = -std::log(1 - opacity);
+    table[i] = entry;
+  }
+  return table;
+}
+
+VolumePrefix volume_prefix(std::size_t size, std::size_t budget) {
+  if (budget == 0 || budget >= size) return {size, size};
+  return {budget, std::max<std::size_t>(power_below(budget), 1)};
+}
+
+glm::vec3 volume_color_by(const qnv::Cloud& cloud, ColorBy by, std::size_t k) {
+  const std::size_t last = std::max<std::size_t>(cloud.size(), 1) - 1;
+  qnv::Rgb8 color{255, 255, 255};
+  switch (by) {
+    case ColorBy::own:
+      break;
+    case ColorBy::normal: {
+      const glm::vec3& n = cloud.normals[k];
+      const float length = std::sqrt(glm::dot(n, n));
+      return length > 0 && std::isfinite(length) ? n * (0.5f / length) + 0.5f : glm::vec3(0.5f);
+    }
+    case ColorBy::level:
+      color = level_color(octave_of(k), octave_of(last));
+      break;
+    case ColorBy::chunk:
+      color = chunk_color(static_cast<std::uint32_t>(k / kBlockVectors));
+      break;
+    case ColorBy::age:
+      color = age_color(last > 0 ? static_cast<double>(k) / static_cast<double>(last) : 0.0);
+      break;
+  }
+  return glm::vec3(color.r, color.g, color.b) * (1 / 255.0f);
+}
+
+VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t counted) {
   VolumeModel model;
-  const std::size_t count = cloud.size();
-  if (count == 0 || cloud.normals.size() != count || cloud.weights.size() != count ||
-      (!cloud.classes.empty() && cloud.classes.size() != count) ||
-      (!cloud.colors.empty() && cloud.colors.size() != count))
+  const std::size_t size = cloud.size();
+  if (size == 0 || cloud.normals.size() != size || cloud.weights.size() != size ||
+      (!cloud.classes.empty() && cloud.classes.size() != size) ||
+      (!cloud.colors.empty() && cloud.colors.size() != size))
     return model;
+  counted = std::clamp<std::size_t>(counted, 1, size);
+  const std::size_t count = counted < size ? std::min(size, power_above(counted)) : size;
   const qnv::Box box = box_of(cloud);
   if (box.empty()) return model;
-  const glm::vec3 size = box.size();
-  const float longest = std::max({size.x, size.y, size.z});
+  const glm::vec3 edges = box.size();
+  const float longest = std::max({edges.x, edges.y, edges.z});
   if (!std::isfinite(longest)) return model;
   float h = cloud.description.spacing;
-  if (!(h > 0) || !std::isfinite(h)) h = longest / (2 * std::cbrt(static_cast<float>(count)));
+  if (!(h > 0) || !std::isfinite(h)) h = longest / (2 * std::cbrt(static_cast<float>(size)));
   if (longest > 0) h = std::min(h, longest);
   h = std::max(h, 1e-20f);
-  model.transfer = table_of(cloud.description);
+  model.transfer = volume_transfer(cloud.description);
   model.full_magnitude = quantile(cloud.weights, 0.5f);
-  const Counts counts(cloud, box, std::max(2 * h, longest / kFinestCells));
+  const Counts counts(std::span(cloud.positions).first(counted), box, std::max(2 * h, longest / kFinestCells));
   model.spacing.resize(count);
   qnv::parallel_for((count + kRange - 1) / kRange,
                     [&](std::size_t r) {

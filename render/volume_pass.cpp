@@ -1,38 +1,21 @@
 #include "render/volume_pass.h"
 
+#include "render/splat_budget.h"
+#include "render/volume_shaders.h"
+
 #include <glm/glm.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 #include <variant>
 
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostLights = 4;
-
-/// One triangle that covers the viewport, from gl_VertexID alone.
-constexpr char kVertexShader[] = R"glsl(
-void main() {
-  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
-  gl_Position = vec4(corner, 0.0, 1.0);
-}
-)glsl";
-
-constexpr char kFragmentShader[] = R"glsl(
-uniform sampler2D pixels, depths;
-uniform ivec2 origin;    // of the viewport
-uniform vec2 depth_row;  // clip_from_camera[2][2] and [3][2]
-out vec4 result;
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
-  result = texelFetch(pixels, at, 0);
-  if (result.a == 0.0) discard;
-  float depth = texelFetch(depths, at, 0).r;
-  gl_FragDepth = clamp(0.5 - 0.5 * depth_row.x + 0.5 * depth_row.y / depth, 0.0, 1.0);
-}
-)glsl";
+constexpr double kShareSteps = 8;          // an octave
+constexpr std::uint64_t kKeptFrames = 64;  // of the model of a prefix that is not drawn
 
 glm::mat4 camera_from_world_of(const Camera& camera) {
   const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
@@ -41,153 +24,199 @@ glm::mat4 camera_from_world_of(const Camera& camera) {
   return glm::mat4(matrix);
 }
 
-/// Nothing, or a vector of unit length.
-glm::vec3 unit(const glm::vec3& v) {
-  const float length = std::sqrt(glm::dot(v, v));
-  return length > 0 && std::isfinite(length) ? v / length : glm::vec3(0);
+/// Shares of a budget for several clouds change with every step of the viewer: not the numbers that are shown.
+std::size_t steady(std::size_t share) {
+  if (share < 2) return share;
+  return static_cast<std::size_t>(
+      std::exp2(std::floor(std::log2(static_cast<double>(share)) * kShareSteps) / kShareSteps));
 }
 
-VolumeLight in_camera(const Light& light, const glm::mat4& camera_from_world) {
-  VolumeLight result;
-  const glm::vec3 direction = unit(glm::mat3(camera_from_world) * light.direction);
-  result.directional = light.kind == Light::Kind::directional;
-  result.place = result.directional ? -direction : glm::vec3(camera_from_world * glm::vec4(light.location, 1));
-  result.color = light.color * light.intensity;
-  result.ambient = light.intensity > 0 ? light.ambient_intensity / light.intensity : 0.0f;
-  result.attenuation = light.attenuation;
-  result.radius = light.radius;
-  if (light.kind == Light::Kind::spot) {
-    result.direction = direction;
-    result.beam_width = light.beam_width;
-    result.cut_off_angle = light.cut_off_angle;
+bool is_volume(const SplatItem& item) {
+  return item.cloud && item.cloud->description.kind == qnv::Kind::volume && !item.cloud->empty();
+}
+
+/// The depths with which a layer is laid over a picture, window space; 0: over whatever is there. Of pixels whose
+/// samples differ one between; without stops that where a pixel becomes opaque.
+std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops,
+                                 const glm::mat4& clip_from_camera) {
+  std::vector<float> depths(layer.depth.size(), 0.0f);
+  const auto window = [&](float depth) {
+    const float at = 0.5f - 0.5f * clip_from_camera[2][2] + 0.5f * clip_from_camera[3][2] / depth;
+    return at > 0 ? std::min(at, 1.0f) : 0.0f;
+  };
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (stops.near.empty()) {
+      if (layer.depth[i] > 0) depths[i] = window(layer.depth[i]);
+    } else if (!layer.edge_pixels.empty() && stops.near[i] != stops.far[i]) {
+      depths[i] = 0.5f * (window(stops.near[i]) + window(stops.far[i]));
+    }
   }
-  return result;
-}
-
-/// How bright a point or spot light is there, about.
-float strength_at(const VolumeLight& light, const glm::vec3& place) {
-  const float distance = glm::distance(light.place, place);
-  const glm::vec3& a = light.attenuation;
-  return std::max({light.color.r, light.color.g, light.color.b}) /
-         std::max(a.x + a.y * distance + a.z * distance * distance, 1.0f);
+  return depths;
 }
 
 }  // namespace
 
-std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
-                                       const glm::mat4& camera_from_world, const glm::vec3& center, bool headlight) {
-  std::vector<VolumeLight> lights, local;
-  for (const std::uint16_t i : item.directional_lights)
-    if (i < list.lights.size()) lights.push_back(in_camera(list.lights[i], camera_from_world));
-  for (const Light& light : list.lights)
-    if (light.kind != Light::Kind::directional) local.push_back(in_camera(light, camera_from_world));
-  std::stable_sort(local.begin(), local.end(), [&](const VolumeLight& a, const VolumeLight& b) {
-    return strength_at(a, center) > strength_at(b, center);
-  });
-  lights.insert(lights.end(), local.begin(), local.end());
-  if (lights.size() > kMostLights) lights.resize(kMostLights);
-  if (headlight) lights.push_back(volume_headlight().front());
-  // No lights at all would mean the viewer's.
-  if (lights.empty()) lights.push_back({.color = glm::vec3(0)});
-  return lights;
-}
-
-VolumePass::VolumePass(const Gl& gl)
-    : gl_(gl), no_attributes_(make_vertex_array(gl)), pixels_(make_texture(gl)), depths_(make_texture(gl)) {
-  for (const Texture* texture : {&pixels_, &depths_}) {
+VolumePass::VolumePass(const Gl& gl, VolumeSort sort)
+    : gl_(gl),
+      volume_gl_(gl, sort),
+      target_(gl),
+      no_attributes_(make_vertex_array(gl)),
+      pixels_texture_(make_texture(gl)),
+      depths_texture_(make_texture(gl)) {
+  for (const Texture* texture : {&pixels_texture_, &depths_texture_}) {
     gl.BindTexture(GL_TEXTURE_2D, texture->name());
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   }
-  auto made = make_program(gl, "", kVertexShader, kFragmentShader);
+  overlay_ = make_overlay("");
+  edge_overlay_ = make_overlay("#define EDGES\n");
+}
+
+VolumePass::Overlay VolumePass::make_overlay(const char* defines) const {
+  Overlay overlay;
+  auto made = make_program(gl_, defines, kVolumeScreenVertexShader, kVolumePixelsFragmentShader);
   auto* program = std::get_if<Program>(&made);
-  if (!program) return;
-  program_ = std::move(*program);
-  pixels_at_ = gl.GetUniformLocation(program_.name(), "pixels");
-  depths_at_ = gl.GetUniformLocation(program_.name(), "depths");
-  origin_at_ = gl.GetUniformLocation(program_.name(), "origin");
-  depth_row_at_ = gl.GetUniformLocation(program_.name(), "depth_row");
+  if (!program) return overlay;
+  overlay.program = std::move(*program);
+  overlay.pixels = gl_.GetUniformLocation(overlay.program.name(), "pixels");
+  overlay.depths = gl_.GetUniformLocation(overlay.program.name(), "depths");
+  overlay.origin = gl_.GetUniformLocation(overlay.program.name(), "origin");
+  return overlay;
 }
 
-const VolumeModel& VolumePass::model_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
-  const auto [found, fresh] = models_.try_emplace(cloud.get());
-  if (fresh) found->second = {cloud, volume_model(*cloud)};
-  return found->second.model;
+std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                                        std::size_t counted) {
+  const auto [first, last] = models_.equal_range(cloud.get());
+  for (auto entry = first; entry != last; ++entry) {
+    if (entry->second.counted != counted) continue;
+    entry->second.used = frame_;
+    return entry->second.model;
+  }
+  auto model = std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted));
+  models_.emplace(cloud.get(), Held{cloud, counted, model, frame_});
+  return model;
 }
 
-void VolumePass::lay_over(const VolumeLayer& layer, const glm::mat4& clip_from_camera, const DrawOptions& options) {
-  const auto upload = [&](const Texture& texture, GLenum unit, GLint internal, GLenum format, GLenum type,
-                          const void* data) {
-    gl_.ActiveTexture(GL_TEXTURE0 + unit);
-    gl_.BindSampler(unit, 0);
-    gl_.BindTexture(GL_TEXTURE_2D, texture.name());
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, internal, layer.width, layer.height, 0, format, type, data);
-  };
-  upload(pixels_, 0, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, layer.pixels.data());
-  upload(depths_, 1, GL_R32F, GL_RED, GL_FLOAT, layer.depth.data());
+void VolumePass::forget_models() {
+  ++frame_;
+  std::erase_if(models_, [&](const auto& entry) {
+    const Held& held = entry.second;
+    const std::shared_ptr<const qnv::Cloud> cloud = held.cloud.lock();
+    return !cloud || (held.counted < cloud->size() && held.used + kKeptFrames < frame_);
+  });
+}
+
+void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_world, const SplatView& view,
+                        const DrawOptions& options, Scene& scene) {
+  const std::vector<std::size_t> shares = share_budget(
+      list.splats, {glm::dmat4(camera_from_world), view.tangents, view.width, view.height}, options.budget);
+  const CloudLook& look = options.clouds;
+  if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
+  scene.lights.reserve(list.splats.size());  // items point to them
+  for (std::size_t i = 0; i < list.splats.size(); ++i) {
+    const SplatItem& item = list.splats[i];
+    if (!is_volume(item)) continue;
+    const std::size_t size = item.cloud->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
+    const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
+    auto model = model_of(item.cloud, prefix.counted);
+    if (model->empty()) continue;
+    const qnv::Box& box = item.cloud->description.box;
+    const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
+    const glm::mat4 camera_from_node(glm::dmat4(camera_from_world) * glm::dmat4(item.world_from_node));
+    const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
+    VolumeOptions own;
+    own.opacity = look.opacity * (1 - item.material.transparency);
+    own.least_magnitude = look.least_magnitude;
+    if (look.clip) own.clip = *look.clip * item.world_from_node;
+    own.color_by = look.color_by;
+    if (!look.transfer.empty()) own.transfer = &scene.transfer;
+    own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
+    scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
+    scene.held.push_back({item.cloud, std::move(model)});
+  }
+}
+
+void VolumePass::draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
+                              const DrawOptions& options) {
+  if (!overlay.program) return;
   gl_.ActiveTexture(GL_TEXTURE0);
-  gl_.UseProgram(program_.name());
-  gl_.Uniform1i(pixels_at_, 0);
-  gl_.Uniform1i(depths_at_, 1);
-  gl_.Uniform2i(origin_at_, options.x, options.y);
-  gl_.Uniform2f(depth_row_at_, clip_from_camera[2][2], clip_from_camera[3][2]);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, pixels_texture_.name());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, layer.width, layer.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  gl_.UseProgram(overlay.program.name());
+  gl_.Uniform1i(overlay.pixels, 0);
+  gl_.Uniform1i(overlay.depths, 1);
+  gl_.Uniform2i(overlay.origin, options.x, options.y);
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
-                      const DrawOptions& options, FrameStatistics& statistics) {
-  std::erase_if(models_, [](const auto& entry) { return entry.second.cloud.expired(); });
-  struct Volume {
-    const SplatItem* item;
-    glm::mat4 camera_from_node;
-    glm::vec3 center;  // camera space
-  };
-  std::vector<Volume> volumes;
-  const glm::mat4 camera_from_world = camera_from_world_of(camera);
-  for (const SplatItem& item : list.splats) {
-    if (!item.cloud || item.cloud->description.kind != qnv::Kind::volume || item.cloud->empty()) continue;
-    const qnv::Box& box = item.cloud->description.box;
-    const glm::mat4 camera_from_node(glm::dmat4(camera_from_world) * glm::dmat4(item.world_from_node));
-    const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
-    volumes.push_back({&item, camera_from_node, glm::vec3(camera_from_node * glm::vec4(middle, 1))});
-  }
-  if (volumes.empty() || !program_) return;
-  // By keys that are numbers, so that the order is one.
-  const auto distance = [](const Volume& v) { return std::isfinite(v.center.z) ? -v.center.z : 0.0f; };
-  std::stable_sort(volumes.begin(), volumes.end(),
-                   [&](const Volume& a, const Volume& b) { return distance(a) > distance(b); });
+void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const DrawOptions& options) {
+  gl_.Viewport(options.x, options.y, options.width, options.height);
+  gl_.Scissor(options.x, options.y, options.width, options.height);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
   gl_.DepthMask(GL_FALSE);
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
   gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.ActiveTexture(GL_TEXTURE1);
+  gl_.BindSampler(1, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, depths_texture_.name());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, layer.width, layer.height, 0, GL_RED, GL_FLOAT, depths.data());
+  draw_overlay(overlay_, layer, layer.pixels, options);
+  if (!layer.edge_pixels.empty()) {
+    // The samples of a pixel that the first did not take.
+    gl_.DepthFunc(GL_GREATER);
+    draw_overlay(edge_overlay_, layer, layer.edge_pixels, options);
+  }
+  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
+}
+
+void VolumePass::on_processor(const Scene& scene, const SplatView& view, const glm::mat4& clip_from_camera,
+                              const DrawOptions& options, FrameStatistics& statistics) {
+  statistics.splats = "cpu";
+  const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
+  VolumeStops stops;
+  if (target_.read_depths(rectangle, clip_from_camera, depths_)) stops = depths_.stops();
+  const VolumeLayer layer = rasterize_volumes(scene.items, view, stops);
+  statistics.vectors += layer.vectors;
+  if (layer.empty()) return;
+  lay_over(layer, window_depths(layer, stops, clip_from_camera), options);
+  ++statistics.draw_calls;
+}
+
+void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+                      const DrawOptions& options, FrameStatistics& statistics) {
+  forget_models();
+  volume_gl_.forget_unused();
+  if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
   SplatView view;
   view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
   view.width = options.width;
   view.height = options.height;
   view.near_plane = camera.near_plane;
-  for (const Volume& volume : volumes) {
-    view.camera_from_node = volume.camera_from_node;
-    const std::vector<VolumeLight> lights =
-        volume_lights(list, *volume.item, camera_from_world, volume.center, options.headlight);
-    VolumeOptions look;
-    look.opacity = settings.opacity * (1 - volume.item->material.transparency);
-    look.least_magnitude = settings.least_magnitude;
-    if (settings.clip) look.clip = *settings.clip * volume.item->world_from_node;
-    look.lights = lights;
-    const VolumeLayer layer = rasterize_volume(*volume.item->cloud, model_of(volume.item->cloud), view, look);
-    statistics.vectors += layer.vectors;
-    statistics.splats = "cpu";
-    if (layer.empty()) continue;
-    lay_over(layer, clip_from_camera, options);
-    ++statistics.draw_calls;
+  Scene scene;
+  gather(list, camera_from_world_of(camera), view, options, scene);
+  if (scene.items.empty()) return;
+  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+  if (with_gl) {
+    const VolumeGl::View gl_view{
+        view, clip_from_camera, {options.x, options.y, options.width, options.height}, options.viewport};
+    if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
+      statistics.vectors += drawn->vectors;
+      statistics.pending = statistics.pending || drawn->pending;
+      // One that OpenGL could not draw is told of.
+      if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
+      ++statistics.draw_calls;
+      return;
+    }
   }
-  gl_.DepthMask(GL_TRUE);
-  gl_.Disable(GL_BLEND);
-  gl_.Disable(GL_DEPTH_TEST);
+  on_processor(scene, view, clip_from_camera, options, statistics);
 }
 
 }  // namespace gs::render

@@ -1,16 +1,15 @@
 #include "render/volume_raster.h"
 
 #include "qnv/parallel.h"
+#include "render/volume_lens.h"
 #include "render/volume_tile.h"
-
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace gs::render {
@@ -18,49 +17,36 @@ namespace {
 
 constexpr std::size_t kRange = 16384;                       // vectors that one task prepares
 constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // splats of tiles that are copied at a time
-constexpr float kLeastAlpha = 1 / 1024.0f;                  // fainter vectors are left out
 constexpr unsigned kDigitBits = 11, kDigits = 1u << kDigitBits;
 
-struct Lens {
-  glm::mat4 camera_from_node;
-  glm::mat3 normal_matrix;
-  float scale;               // of lengths, node to camera
-  float pixels_x, pixels_y;  // at depth 1
-  int width, height;
-};
-
-bool lens_of(const SplatView& view, Lens& lens) {
-  lens.camera_from_node = view.camera_from_node;
-  const glm::mat3 linear(view.camera_from_node);
-  const float determinant = glm::determinant(linear);
-  if (!(std::abs(determinant) > 1e-30f) || !std::isfinite(determinant)) return false;
-  lens.normal_matrix = glm::transpose(glm::inverse(linear));
-  lens.scale = std::cbrt(std::abs(determinant));
-  lens.pixels_x = static_cast<float>(view.width) / (2 * view.tangents.x);
-  lens.pixels_y = static_cast<float>(view.height) / (2 * view.tangents.y);
-  lens.width = view.width;
-  lens.height = view.height;
-  return view.width > 0 && view.height > 0 && lens.pixels_x > 0 && lens.pixels_y > 0;
-}
-
-/// The vectors of one range of a cloud that are in view.
+/// The vectors of a volume that are in view.
 class Preparer {
  public:
-  Preparer(const qnv::Cloud& cloud, const VolumeModel& model, const Lens& lens, float near_plane,
-           const VolumeOptions& options)
-      : cloud_(cloud), model_(model), lens_(lens), near_plane_(near_plane), options_(options) {}
+  /// The item must have a cloud and a model.
+  Preparer(const VolumeItem& item, const SplatView& view)
+      : cloud_(*item.cloud), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
+    const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
+    if (!lens) return;
+    lens_ = *lens;
+    count_ = std::min({item.count, cloud_.size(), model_.spacing.size()});
+  }
+
+  /// How many there are to look at; 0 when nothing of it can be seen.
+  [[nodiscard]] std::size_t count() const { return count_; }
 
   void run(std::size_t first, std::size_t last, std::vector<VolumeSplat>& out) const {
     for (std::size_t i = first; i < last; ++i) {
       VolumeSplat splat;
-      if (prepare(i, splat)) out.push_back(splat);
+      if (!place(i, splat)) continue;
+      shade(i, splat);
+      out.push_back(splat);
     }
   }
 
- private:
-  bool prepare(std::size_t i, VolumeSplat& splat) const {
+  /// All but the colour. False when it cannot be seen.
+  bool place(std::size_t i, VolumeSplat& splat) const {
     splat.alpha = volume_alpha(cloud_, model_, options_, i);
-    if (!(splat.alpha >= kLeastAlpha)) return false;
+    if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
     const glm::vec3 seen(lens_.camera_from_node * glm::vec4(cloud_.positions[i], 1.0f));
     splat.depth = -seen.z;
     const float spacing = model_.spacing[i] * lens_.scale;
@@ -71,7 +57,7 @@ class Preparer {
     if (area < kVolumePixel) {
       splat.alpha *= area / kVolumePixel;
       area = kVolumePixel;
-      if (!(splat.alpha >= kLeastAlpha)) return false;
+      if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
     }
     splat.reach = kVolumeCut * std::sqrt(area);
     splat.x = seen.x * near * lens_.pixels_x + 0.5f * static_cast<float>(lens_.width) - 0.5f;
@@ -80,19 +66,32 @@ class Preparer {
     if (!(splat.x - splat.reach <= static_cast<float>(lens_.width - 1)) ||
         !(splat.y - splat.reach <= static_cast<float>(lens_.height - 1)) || !std::isfinite(splat.reach))
       return false;
+    return true;
+  }
+
+ private:
+  void shade(std::size_t i, VolumeSplat& splat) const {
+    const glm::vec3 seen(lens_.camera_from_node * glm::vec4(cloud_.positions[i], 1.0f));
     const glm::vec3 color = volume_shade(options_, volume_color(cloud_, model_, options_, i), seen,
                                          lens_.normal_matrix * cloud_.normals[i]);
     const auto byte = [](float c) { return static_cast<std::uint32_t>(c * 255 + 0.5f); };
     splat.color = byte(color.x) | byte(color.y) << 8 | byte(color.z) << 16;
-    return true;
   }
 
   const qnv::Cloud& cloud_;
   const VolumeModel& model_;
-  const Lens& lens_;
+  VolumeLens lens_{};
   float near_plane_;
   const VolumeOptions& options_;
+  std::size_t count_ = 0;
 };
+
+std::vector<Preparer> preparers_of(std::span<const VolumeItem> items, const SplatView& view) {
+  std::vector<Preparer> preparers;
+  for (const VolumeItem& item : items)
+    if (item.cloud && item.model) preparers.emplace_back(item, view);
+  return preparers;
+}
 
 /// Front to back, splats of one depth in their order. Depths that differ by less than a few millionths are one.
 class Sorter {
@@ -138,9 +137,11 @@ class Sorter {
 /// The splats in view, tile by tile, and the picture of them.
 class Painter {
  public:
-  Painter(const std::vector<std::vector<VolumeSplat>>& parts, const SplatView& view, VolumeLayer& layer)
+  Painter(const std::vector<std::vector<VolumeSplat>>& parts, const SplatView& view, const VolumeStops& stops,
+          VolumeLayer& layer)
       : parts_(parts),
         view_(view),
+        stops_(stops),
         layer_(layer),
         columns_((view.width + kVolumeTile - 1) / kVolumeTile),
         tiles_(static_cast<std::size_t>(columns_) *
@@ -214,6 +215,36 @@ class Painter {
         last - first, [&](std::size_t i) { paint(first + i, begin_[i], begin_[i + 1]); }, view_.threads);
   }
 
+  /// The pixels of a tile that lie in the viewport: body(of the tile, of the viewport).
+  template <class Body>
+  void for_pixels(int left, int bottom, Body body) const {
+    for (int y = bottom; y < std::min(bottom + kVolumeTile, view_.height); ++y)
+      for (int x = left; x < std::min(left + kVolumeTile, view_.width); ++x)
+        body(static_cast<std::size_t>((y - bottom) * kVolumeTile + x - left),
+             static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x));
+  }
+
+  /// Whether any of them hides something that is not deeper than `deepest`.
+  bool put_stops(std::span<const float> stops, int left, int bottom, float deepest, VolumeTile& tile) const {
+    bool hides = false;
+    tile.stop.fill(0);  // beside the viewport nothing need be blended
+    for_pixels(left, bottom, [&](std::size_t in_tile, std::size_t at) {
+      tile.stop[in_tile] = stops[at];
+      hides = hides || !(stops[at] >= deepest);
+    });
+    return hides;
+  }
+
+  void put_pixels(int left, int bottom, const VolumeTile& tile, std::vector<std::uint8_t>& pixels) const {
+    for_pixels(left, bottom, [&](std::size_t in_tile, std::size_t at) {
+      const auto byte = [](float c) { return static_cast<std::uint8_t>(std::min(c, 255.0f) + 0.5f); };
+      pixels[4 * at] = byte(tile.red[in_tile]);
+      pixels[4 * at + 1] = byte(tile.green[in_tile]);
+      pixels[4 * at + 2] = byte(tile.blue[in_tile]);
+      pixels[4 * at + 3] = byte(255 - 255 * tile.clear[in_tile]);
+    });
+  }
+
   void paint(std::size_t tile_number, std::size_t first, std::size_t last) {
     if (first == last) return;
     thread_local const auto tile = std::make_unique<VolumeTile>();
@@ -221,23 +252,26 @@ class Painter {
     const int left = static_cast<int>(tile_number) % columns_ * kVolumeTile,
               bottom = static_cast<int>(tile_number) / columns_ * kVolumeTile;
     const std::span splats(splats_.data() + first, last - first);
-    volume_kernel().tile(splats.data(), sorter.sort(splats), left, bottom, *tile);
-    for (int y = bottom; y < std::min(bottom + kVolumeTile, view_.height); ++y)
-      for (int x = left; x < std::min(left + kVolumeTile, view_.width); ++x) {
-        const auto from = static_cast<std::size_t>((y - bottom) * kVolumeTile + x - left);
-        const auto to =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x);
-        const auto byte = [](float c) { return static_cast<std::uint8_t>(std::min(c, 255.0f) + 0.5f); };
-        layer_.depth[to] = tile->depth[from];
-        layer_.pixels[4 * to] = byte(tile->red[from]);
-        layer_.pixels[4 * to + 1] = byte(tile->green[from]);
-        layer_.pixels[4 * to + 2] = byte(tile->blue[from]);
-        layer_.pixels[4 * to + 3] = byte(255 - 255 * tile->clear[from]);
-      }
+    const std::span<const std::uint32_t> order = sorter.sort(splats);
+    float deepest = 0;
+    for (const VolumeSplat& splat : splats) deepest = std::max(deepest, splat.depth);
+    const auto kernel = [&](std::span<const float> stops) {
+      return !stops.empty() && put_stops(stops, left, bottom, deepest, *tile) ? volume_kernel().stopped_tile
+                                                                              : volume_kernel().tile;
+    };
+    kernel(stops_.far.empty() ? stops_.near : stops_.far)(splats.data(), order, left, bottom, *tile);
+    put_pixels(left, bottom, *tile, layer_.pixels);
+    for_pixels(left, bottom, [&](std::size_t in_tile, std::size_t at) { layer_.depth[at] = tile->depth[in_tile]; });
+    if (layer_.edge_pixels.empty()) return;
+    bool edge = false;
+    for_pixels(left, bottom, [&](std::size_t, std::size_t at) { edge = edge || stops_.near[at] != stops_.far[at]; });
+    if (edge) kernel(stops_.near)(splats.data(), order, left, bottom, *tile);
+    put_pixels(left, bottom, *tile, layer_.edge_pixels);
   }
 
   const std::vector<std::vector<VolumeSplat>>& parts_;
   const SplatView& view_;
+  const VolumeStops& stops_;
   VolumeLayer& layer_;
   int columns_;
   std::size_t tiles_;
@@ -248,16 +282,20 @@ class Painter {
 
 }  // namespace
 
-VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, const SplatView& view,
-                             const VolumeOptions& options) {
+VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView& view, const VolumeStops& given) {
   VolumeLayer layer;
-  Lens lens{};
-  const std::size_t count = cloud.size();
-  if (model.spacing.size() != count || count == 0 || !lens_of(view, lens)) return layer;
-  std::vector<std::vector<VolumeSplat>> parts((count + kRange - 1) / kRange);
-  const Preparer preparer(cloud, model, lens, view.near_plane, options);
+  const std::vector<Preparer> preparers = preparers_of(items, view);
+  struct Range {
+    const Preparer* preparer;
+    std::size_t first, last;
+  };
+  std::vector<Range> ranges;
+  for (const Preparer& preparer : preparers)
+    for (std::size_t first = 0; first < preparer.count(); first += kRange)
+      ranges.push_back({&preparer, first, std::min(preparer.count(), first + kRange)});
+  std::vector<std::vector<VolumeSplat>> parts(ranges.size());
   qnv::parallel_for(
-      parts.size(), [&](std::size_t r) { preparer.run(r * kRange, std::min(count, (r + 1) * kRange), parts[r]); },
+      parts.size(), [&](std::size_t r) { ranges[r].preparer->run(ranges[r].first, ranges[r].last, parts[r]); },
       view.threads);
   for (const auto& part : parts) layer.vectors += part.size();
   if (layer.vectors == 0) return layer;
@@ -266,8 +304,44 @@ VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, 
   const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
   layer.pixels.assign(4 * pixels, 0);
   layer.depth.assign(pixels, 0);
-  Painter(parts, view, layer).run();
+  VolumeStops stops;
+  if (given.near.size() == pixels) stops.near = given.near;
+  if (!stops.near.empty() && given.far.size() == pixels &&
+      !std::equal(given.near.begin(), given.near.end(), given.far.begin())) {
+    stops.far = given.far;
+    layer.edge_pixels.assign(4 * pixels, 0);
+  }
+  Painter(parts, view, stops, layer).run();
   return layer;
+}
+
+VolumeLayer rasterize_volume(const qnv::Cloud& cloud, const VolumeModel& model, const SplatView& view,
+                             const VolumeOptions& options) {
+  if (model.spacing.size() != cloud.size()) return {};
+  const VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), options};
+  return rasterize_volumes(std::span(&item, 1), view);
+}
+
+VolumeSurvey survey_volumes(std::span<const VolumeItem> items, const SplatView& view, std::size_t most) {
+  const std::vector<Preparer> preparers = preparers_of(items, view);
+  std::size_t all = 0, looked = 0, seen = 0;
+  for (const Preparer& preparer : preparers) all += preparer.count();
+  const std::size_t step = std::max<std::size_t>(1, all / std::max<std::size_t>(most, 1));
+  double pixels = 0;
+  const auto along = [](float at, float reach, int size) {
+    return double{std::min(at + reach, static_cast<float>(size))} - double{std::max(at - reach, 0.0f)};
+  };
+  for (const Preparer& preparer : preparers)
+    for (std::size_t i = 0; i < preparer.count(); i += step) {
+      VolumeSplat splat{};
+      ++looked;
+      if (!preparer.place(i, splat)) continue;
+      ++seen;
+      pixels += std::max(1.0, along(splat.x, splat.reach, view.width) * along(splat.y, splat.reach, view.height));
+    }
+  if (looked == 0) return {};
+  const double share = static_cast<double>(all) / static_cast<double>(looked);
+  return {static_cast<std::size_t>(static_cast<double>(seen) * share + 0.5), pixels * share};
 }
 
 }  // namespace gs::render

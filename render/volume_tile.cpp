@@ -30,7 +30,7 @@ namespace avx2 {
 }  // namespace avx2
 #endif
 
-constexpr VolumeKernel kBaseline{baseline::tile};
+constexpr VolumeKernel kBaseline{baseline::tile<false>, baseline::tile<true>};
 
 }  // namespace
 
@@ -38,7 +38,7 @@ const VolumeKernel& volume_kernel_baseline() { return kBaseline; }
 
 const VolumeKernel& volume_kernel() {
 #if defined(__x86_64__)
-  static constexpr VolumeKernel kAvx2{avx2::tile};
+  static constexpr VolumeKernel kAvx2{avx2::tile<false>, avx2::tile<true>};
   static const bool have_avx2 = __builtin_cpu_supports("avx2") != 0;
   if (have_avx2) return kAvx2;
 #endif

@@ -21,18 +21,21 @@ struct VolumeSplat {
   std::uint32_t color;
 };
 
-/// The pixels of one tile, premultiplied.
+/// The pixels of one tile, premultiplied. `stop` is the caller's: what lies deeper is hidden.
 struct alignas(64) VolumeTile {
   static constexpr std::size_t kPixels = std::size_t{kVolumeTile} * kVolumeTile;
   std::array<float, kPixels> red, green, blue;  // 0..255
   std::array<float, kPixels> clear;             // what is behind shows through with this part
   std::array<float, kPixels> depth;             // 0: nothing here
+  std::array<float, kPixels> stop;
 };
 
 /// Blends the splats `order`, the first one in front, into the tile whose lower left pixel is (left, bottom). Stops
-/// when nothing shows through any more.
+/// when nothing shows through any more. `tile` leaves the stops aside.
 struct VolumeKernel {
-  void (*tile)(const VolumeSplat* splats, std::span<const std::uint32_t> order, int left, int bottom, VolumeTile& tile);
+  using Tile = void (*)(const VolumeSplat* splats, std::span<const std::uint32_t> order, int left, int bottom,
+                        VolumeTile& tile);
+  Tile tile, stopped_tile;
 };
 
 /// The one for this processor, and the one for every processor: both give the same bits.

@@ -1,6 +1,7 @@
 #include "render/splat_gl.h"
 #include "drawing.h"
 #include "qnv/record.h"
+#include "render/splat_closing.h"
 #include "splat_scenes.h"
 
 #include <limits>
@@ -225,6 +226,106 @@ TEST_CASE("Records are drawn as they came, with the picture of the unpacked ones
   const auto empty = splats.draw(refused, view_of_sphere());
   REQUIRE(empty);
   CHECK(empty->normals == 0);
+}
+
+TEST_CASE("OpenGL draws tints and normals as colours") {
+  OpenContext open;
+  SplatGl splats(open.gl);
+  SplatView view = view_of_sphere();
+  const auto plain = sphere(4000), colored = sphere(4000, true);
+  // The middle of the sphere is drawn by its first discs, whose normal is +Z.
+  const auto middle = [&](const std::vector<SharedSplatPiece>& pieces) {
+    const auto drawn = splats.draw(pieces, view);
+    REQUIRE(drawn);
+    const SplatLayer layer = splats.read(*drawn, view);
+    REQUIRE(!layer.colors.empty());
+    const std::size_t at = 4 * (40 * 100 + 50);
+    return glm::vec3(layer.colors[at], layer.colors[at + 1], layer.colors[at + 2]);
+  };
+  const qnv::Rgb8 red{250, 10, 20}, green{0, 200, 1};
+  check_color(middle({{plain, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
+  check_color(middle({{colored, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
+  check_color(middle({{plain, 0, 2000, 1, green}, {colored, 2000, 2000, 1, red}}), glm::vec3(0, 200, 1) / 255.0f);
+  // Where some are tinted, the others keep the colour of their cloud.
+  check_color(middle({{plain, 0, 2000}, {colored, 2000, 2000, 1, red}}), glm::vec3(0.8f));
+  view.color_by_normal = true;
+  check_color(middle({{colored, 0, 4000, 1, red}}), {0.5f, 0.5f, 1}, 4);
+  std::vector<std::byte> bytes(4000 * qnv::kRecordBytes);
+  const qnv::RecordFrame frame = qnv::frame_for(plain->description.box, plain->weights[0] * 2);
+  qnv::pack_records(plain->positions, plain->normals, plain->weights, {}, frame, bytes.data());
+  SplatRecords records(open.gl, {}, false);
+  REQUIRE(records.add(bytes, frame));
+  const auto drawn = splats.draw(records, view);
+  REQUIRE(drawn);
+  const SplatLayer layer = splats.read(*drawn, view);
+  REQUIRE(!layer.colors.empty());
+  CHECK(layer.colors[4 * (40 * 100 + 50) + 2] > 245);
+}
+
+TEST_CASE("Thousands of clouds are drawn with a few calls") {
+  OpenContext open;
+  SplatGl splats(open.gl);
+  const auto whole = sphere(40000);
+  std::vector<SharedSplatPiece> pieces;
+  for (std::size_t first = 0; first < whole->size(); first += 20) {
+    auto part = std::make_shared<qnv::Cloud>();
+    const auto take = [&](const auto& from, auto& to) {
+      to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),
+                from.begin() + static_cast<std::ptrdiff_t>(first) + 20);
+    };
+    take(whole->positions, part->positions);
+    take(whole->normals, part->normals);
+    take(whole->weights, part->weights);
+    pieces.push_back({part, 0, 20});
+  }
+  REQUIRE(pieces.size() == 2000);
+  const SplatView view = view_of_sphere();
+  const auto drawn = splats.draw(pieces, view);
+  REQUIRE(drawn);
+  CHECK(drawn->draw_calls == 3);
+  CHECK(splats.store().slabs() == 1);
+  const LayerDifference difference = compare(splats.read(*drawn, view), rasterize_surface(*whole, view));
+  CHECK(difference.both > 3000);
+  CHECK(difference.uncovered < 0.005);
+  CHECK(difference.wrong < 0.01);
+  CHECK(!take_errors(open.gl));
+  // Those that nobody holds any more leave nothing behind.
+  pieces.clear();
+  splats.forget_unused();
+  CHECK(splats.store().reserved_bytes() == 0);
+}
+
+TEST_CASE("Pinholes are closed, and nothing that is open") {
+  SplatLayer layer;
+  SplatView view;
+  view.width = layer.width = 9;
+  view.height = layer.height = 7;
+  const auto covered = [&](int x, int y) -> std::uint16_t& {
+    return layer.normals[4 * static_cast<std::size_t>(y * 9 + x) + 3];
+  };
+  layer.depth.assign(63, 5);
+  layer.normals.assign(4 * 63, 65535);
+  covered(4, 3) = 0;
+  covered(5, 3) = 0;
+  covered(2, 2) = 16383;
+  covered(8, 5) = 0;  // at the edge of the picture
+  layer.depth[3 * 9 + 4] = layer.depth[3 * 9 + 5] = 0;
+  SplatLayer closed = layer;
+  close_pinholes(closed, view, 2);
+  CHECK(*std::min_element(closed.normals.begin(), closed.normals.end()) > 30000);
+  CHECK(std::all_of(closed.depth.begin(), closed.depth.end(), [](float depth) { return depth == 5; }));
+  // Too wide, open to one side, or of a layer that ends before the picture does.
+  closed = layer;
+  close_pinholes(closed, view, 1);
+  CHECK(closed.normals[4 * (3 * 9 + 4) + 3] == 0);
+  closed = layer;
+  for (int y = 0; y < 7; ++y) closed.normals[4 * static_cast<std::size_t>(y * 9 + 4) + 3] = 0;
+  close_pinholes(closed, view, 2);
+  CHECK(closed.normals[4 * (3 * 9 + 4) + 3] == 0);
+  closed = layer;
+  view.width = 20;
+  close_pinholes(closed, view, 2);
+  CHECK(closed.normals[4 * (5 * 9 + 8) + 3] == 0);
 }
 
 TEST_CASE("Pictures too large for OpenGL are left to the processor") {

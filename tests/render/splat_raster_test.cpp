@@ -3,16 +3,14 @@
 #include "qnv/decoder.h"
 #include "qnv/encode_surface.h"
 #include "render/raycast.h"
-#include "render/splat_tile.h"
+#include "render/splat_kernel.h"
 #include "tests/render/clouds.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <memory>
-#include <numeric>
+#include <optional>
 #include <random>
 #include <span>
 
@@ -89,9 +87,29 @@ qnv::Cloud octree_sphere(std::size_t vectors) {
   return decoder.cloud();
 }
 
+/// Discs of all sizes, all directions, colours and cubes that lie anywhere, even around the viewer.
+qnv::Cloud random_discs(std::size_t count) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<float> part(0, 1);
+  qnv::Cloud cloud;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec3 place(part(random) - 0.5f, part(random) - 0.5f, part(random) - 0.5f);
+    add(cloud, place * 3.0f, random_direction(random), 1e-6f * std::pow(1e5f, part(random)));
+    cloud.colors.push_back({static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7});
+    cloud.cells.push_back({i % 3 == 0 ? 0 : 0.2f * part(random), 0.1f * (part(random) - 0.5f)});
+  }
+  return cloud;
+}
+
+std::size_t covered_pixels(const SplatLayer& layer) {
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < layer.normals.size(); i += 4) covered += layer.normals[i] > 0 ? 1 : 0;
+  return covered;
+}
+
 bool same(const SplatLayer& a, const SplatLayer& b) {
   return a.width == b.width && a.height == b.height && a.depth == b.depth && a.normals == b.normals &&
-         a.colors == b.colors && a.discs == b.discs;
+         a.colors == b.colors && a.discs == b.discs && a.drawn == b.drawn;
 }
 
 }  // namespace
@@ -116,6 +134,11 @@ TEST_CASE("The surface splatter agrees with the oracle on octrees, both sides an
     view.supersample = 2;
     check_agreement(cloud, view);
   }
+  SECTION("with sixteen samples a pixel") {
+    view = view_from({1, 1, 2.5f}, 41, 33);
+    view.supersample = 4;
+    check_agreement(cloud, view);
+  }
   SECTION("seen from within") {
     cloud.description.two_sided = true;
     view.camera_from_node = glm::lookAt(glm::vec3(0.1f, 0, 0.2f), glm::vec3(1, 0.2f, 0), glm::vec3(0, 1, 0));
@@ -126,6 +149,18 @@ TEST_CASE("The surface splatter agrees with the oracle on octrees, both sides an
                                                               glm::vec4(0, 0, 1, 0), glm::vec4(0, 0.1f, 0, 1));
     check_agreement(cloud, view);
   }
+}
+
+TEST_CASE("The surface splatter agrees with the oracle on discs that cover many tiles") {
+  qnv::Cloud cloud;
+  for (int i = 0; i < 3; ++i) {
+    add(cloud, {0.2f * static_cast<float>(i) - 0.3f, 0.1f, -2.0f - 0.1f * static_cast<float>(i)},
+        glm::normalize(glm::vec3(0.3f, 0.2f * static_cast<float>(i), 1)), 0.3f + 0.2f * static_cast<float>(i));
+    cloud.colors.push_back({static_cast<std::uint8_t>(80 * i), 200, 30});
+  }
+  SplatView view = straight_view(1001, 777);
+  view.tangents *= 0.4f;
+  check_agreement(cloud, view);
 }
 
 TEST_CASE("The surface splatter draws the same bits with every number of threads") {
@@ -141,38 +176,110 @@ TEST_CASE("The surface splatter draws the same bits with every number of threads
   }
 }
 
-TEST_CASE("Both kernels of the surface splatter give the same bits") {
-  std::mt19937 random(12);
-  std::uniform_real_distribution<float> part(0, 1);
-  render::SplatRays rays{{-0.5f, -0.5f, -1}, {1 / 64.0f, 0, 0}, {0, 1 / 64.0f, 0}, 0.01f};
-  std::vector<render::SplatDisc> discs(400);
-  for (int kinds = 0; kinds < 16; ++kinds) {
-    const render::SplatKind kind{(kinds & 1) != 0, (kinds & 2) != 0, (kinds & 4) != 0, (kinds & 8) != 0};
-    for (auto& d : discs) {
-      d = {};
-      d.place = d.clip = glm::vec3(part(random) - 0.5f, part(random) - 0.5f, -1) * (2 + part(random));
-      d.normal = random_direction(random);
-      d.plane = glm::dot(d.normal, d.place);
-      d.facing = glm::dot(d.normal, rays.origin);
-      d.facing_x = glm::dot(d.normal, rays.right);
-      d.facing_y = glm::dot(d.normal, rays.up);
-      const float radius = 0.02f + 0.2f * part(random);
-      d.reach = kind.cubes ? radius : radius * radius;
-      d.inverse_radius2 = 1 / (radius * radius);
-      d.color = static_cast<std::uint32_t>(random() & 0xFFFFFFu);
-      // Narrow ones, wide ones, and ones that begin anywhere in a group of eight.
-      const auto edge = [&](int most) { return static_cast<std::int16_t>(random() % static_cast<unsigned>(most)); };
-      d.bell = d.cover = {edge(60), edge(20), 63, 63};
+TEST_CASE("All kernels of the surface splatter give the same bits") {
+  const std::span<const render::SplatKernel> kernels = render::splat_kernels();
+  REQUIRE(!kernels.empty());
+  CHECK(kernels.front().name == render::splat_instructions());
+  std::vector<qnv::Cloud> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), octree_sphere(3000)};
+  clouds.push_back(random_discs(5000));
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    const render::SplatPiece whole{&clouds[c], 0, clouds[c].size()};
+    for (int kind = 0; kind < 8; ++kind) {
+      clouds[c].description.two_sided = (kind & 1) != 0;
+      INFO("cloud " << c << ", kind " << kind);
+      SplatView view = view_from({0.3f, 0.2f, kind & 2 ? 1.1f : 2.7f}, 203, 151);
+      view.supersample = kind & 4 ? 2 : 1;
+      const SplatLayer first = render::rasterize_surface(std::span(&whole, 1), view, kernels.front());
+      REQUIRE(!first.empty());
+      CHECK(covered_pixels(first) > 1000);
+      for (const render::SplatKernel& kernel : kernels.subspan(1)) {
+        INFO("cloud " << c << ", kind " << kind << ", " << kernels.front().name << " and " << kernel.name);
+        CHECK(same(first, render::rasterize_surface(std::span(&whole, 1), view, kernel)));
+      }
     }
-    std::vector<std::uint32_t> order(discs.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto a = std::make_unique<render::SplatTile>(), b = std::make_unique<render::SplatTile>();
-    std::memset(static_cast<void*>(a.get()), 0, sizeof *a);
-    std::memset(static_cast<void*>(b.get()), 0, sizeof *b);
-    render::splat_kernel().tile(discs.data(), order, rays, 32, 0, kind, *a);
-    render::splat_kernel_baseline().tile(discs.data(), order, rays, 32, 0, kind, *b);
-    CHECK(std::memcmp(a.get(), b.get(), sizeof *a) == 0);
-    CHECK(*std::max_element(a->weight.begin(), a->weight.end()) > 0);
+  }
+}
+
+TEST_CASE("Pieces have their tint, and normals give colours, in place of their own") {
+  const qnv::Cloud colored = disc_sphere(2500, 1);
+  qnv::Cloud plain = colored;
+  plain.colors.clear();
+  plain.color = {10, 20, 30};
+  SplatView view = view_from({3, 0.2f, 0.1f}, 120, 90);
+  const qnv::Rgb8 tint{250, 3, 77};
+  // The colours of the pixels in which a sphere of discs is seen.
+  const auto colors_of = [&](const qnv::Cloud& cloud, std::optional<qnv::Rgb8> of) {
+    const render::SplatPiece piece{&cloud, 0, cloud.size(), 1, of};
+    SplatLayer layer = render::rasterize_surface(std::span(&piece, 1), view);
+    REQUIRE(covered_pixels(layer) > 2000);
+    return layer;
+  };
+  CHECK(colors_of(plain, std::nullopt).colors.empty());
+  for (const qnv::Cloud* cloud : std::initializer_list<const qnv::Cloud*>{&plain, &colored}) {
+    const SplatLayer layer = colors_of(*cloud, tint);
+    REQUIRE(layer.colors.size() == 4u * 120 * 90);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < layer.depth.size(); ++i) {
+      const bool covered = layer.normals[4 * i + 3] > 0;
+      const qnv::Rgb8 wanted = covered ? tint : qnv::Rgb8{0, 0, 0};
+      if (layer.colors[4 * i] != wanted.r || layer.colors[4 * i + 1] != wanted.g || layer.colors[4 * i + 2] != wanted.b)
+        ++wrong;
+    }
+    CHECK(wrong == 0);
+  }
+  // One tinted half, and one that keeps what it has.
+  const std::size_t half = plain.size() / 2;
+  const render::SplatPiece halves[] = {{&plain, 0, half, 1, tint}, {&plain, half, plain.size() - half}};
+  const SplatLayer two = render::rasterize_surface(halves, view);
+  std::size_t tinted = 0, own = 0;
+  for (std::size_t i = 0; i < two.depth.size(); ++i) {
+    if (two.normals[4 * i + 3] == 0) continue;
+    tinted += two.colors[4 * i] == 250 && two.colors[4 * i + 2] == 77 ? 1 : 0;
+    own += two.colors[4 * i] == 10 && two.colors[4 * i + 2] == 30 ? 1 : 0;
+  }
+  CHECK(tinted > 1000);
+  CHECK(own > 1000);
+
+  view.color_by_normal = true;
+  const glm::mat3 node_from_camera = glm::transpose(glm::mat3(view.camera_from_node));
+  for (const auto& of : {std::optional<qnv::Rgb8>(), std::optional<qnv::Rgb8>(tint)}) {
+    const SplatLayer layer = colors_of(colored, of);
+    float most = 0;
+    for (std::size_t i = 0; i < layer.depth.size(); ++i) {
+      if (layer.normals[4 * i + 3] == 0) continue;
+      glm::vec3 n;
+      for (int c = 0; c < 3; ++c)
+        n[c] = static_cast<float>(layer.normals[4 * i + static_cast<std::size_t>(c)]) / 32767.5f - 1;
+      n = (node_from_camera * n) * 127.5f + 127.5f;
+      for (int c = 0; c < 3; ++c)
+        most = std::max(most, std::abs(n[c] - layer.colors[4 * i + static_cast<std::size_t>(c)]));
+    }
+    CHECK(most < 3);
+  }
+}
+
+TEST_CASE("Clouds that would cover too much are thinned out, the same way with every number of threads") {
+  qnv::Cloud cloud;
+  constexpr std::size_t kDiscs = 40'000;
+  for (std::size_t i = 0; i < kDiscs; ++i) add(cloud, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);
+  SplatView view = straight_view(150, 100);
+  const render::SplatPiece whole{&cloud, 0, cloud.size()};
+  const std::span<const render::SplatPiece> pieces(&whole, 1);
+  const render::SplatSurvey survey = render::survey_surface(pieces, view, kDiscs);
+  CHECK(survey.samples == 150.0 * 100 * kDiscs);
+  CHECK(render::rasterize_surface(pieces, straight_view(4, 3)).drawn == kDiscs);
+  constexpr std::uint64_t kMost = 20'000'000;
+  const render::SplatKernel& kernel = render::splat_kernels().front();
+  view.threads = 1;
+  const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMost);
+  CHECK(thin.discs == kDiscs);
+  // At most one more than there is room for in each of the tasks that discs are prepared by.
+  CHECK(thin.drawn * 150 * 100 <= kMost + 3 * 150 * 100);
+  CHECK(thin.drawn >= kMost / (150 * 100) / 2);
+  CHECK(covered_pixels(thin) == 150u * 100);
+  for (const unsigned threads : {2u, 5u}) {
+    view.threads = threads;
+    CHECK(same(thin, render::rasterize_surface(pieces, view, kernel, kMost)));
   }
 }
 

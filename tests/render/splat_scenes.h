@@ -5,6 +5,7 @@
 #include "qnv/cloud.h"
 #include "qnv/decoder.h"
 #include "qnv/encode_surface.h"
+#include "qnv/lod.h"
 #include "render/gl.h"
 
 #include <catch2/catch.hpp>
@@ -69,6 +70,42 @@ inline std::shared_ptr<const qnv::Cloud> octree_sphere(std::size_t vectors) {
   REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
   decoder.finish();
   return std::make_shared<const qnv::Cloud>(decoder.cloud());
+}
+
+/// A closed surface full of bumps about the sphere of radius 1, at least 0.94 and at most 1.06 from the middle, as a
+/// packed stream of which views take their cuts.
+inline std::shared_ptr<const qnv::Cloud> bumpy_stream(std::size_t vectors) {
+  constexpr int kRows = 160;
+  const auto on_surface = [](int row, int column) {
+    const float theta = kPi * static_cast<float>(row) / kRows, phi = kPi * static_cast<float>(column) / kRows;
+    const glm::vec3 n(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi));
+    return n * (1 + 0.02f * (std::sin(20 * n.x) + std::sin(20 * n.y) + std::sin(20 * n.z)));
+  };
+  std::vector<qnv::Triangle> triangles;
+  const auto add = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    qnv::Triangle triangle;
+    triangle.positions = {a, b, c};
+    triangle.normals.fill(glm::normalize(glm::cross(b - a, c - a)));
+    triangles.push_back(triangle);
+  };
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < 2 * kRows; ++column) {
+      const glm::vec3 a = on_surface(row, column), b = on_surface(row + 1, column), c = on_surface(row + 1, column + 1),
+                      d = on_surface(row, column + 1);
+      if (row + 1 < kRows) add(a, b, c);
+      if (row > 0) add(a, c, d);
+    }
+  qnv::EncodeOptions options;
+  options.vectors = vectors;
+  auto encoded =
+      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
+  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
+  auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
+  if (auto* problem = std::get_if<qnv::StreamProblem>(&opened)) FAIL(problem->message);
+  auto cloud = std::make_shared<qnv::Cloud>();
+  cloud->levels = std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened));
+  cloud->description = cloud->levels->header().description;
+  return cloud;
 }
 
 /// On OSMesa.

@@ -1,97 +1,44 @@
 #include "render/volume_pass.h"
 
-#include "tests/render/clouds.h"
-#include "tests/render/drawing.h"
-
-#include <catch2/catch.hpp>
+#include "tests/render/volume_scenes.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <string>
 #include <utility>
 
 using namespace gs;
 using namespace gs::render;
-using gs::test::random_volume;
+using namespace gs::test;
 
 namespace {
 
 constexpr int kWidth = 80, kHeight = 60;
-using Pixels = std::vector<std::uint8_t>;
+using Target = VolumePicture;
 
-/// A target of a known colour and depth on OSMesa, and a pass that draws into it.
-class Target {
- public:
-  Target() {
-    auto opened = open_headless_context("osmesa");
-    if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
-    context_ = std::move(std::get<std::unique_ptr<GlContext>>(opened));
-    auto loaded = Gl::load(*context_);
-    if (auto* error = std::get_if<ContextError>(&loaded)) FAIL(error->message);
-    gl_ = std::move(std::get<Gl>(loaded));
-    framebuffer_ = make_framebuffer(gl_);
-    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-    color_ = attach(GL_RGBA8, GL_COLOR_ATTACHMENT0);
-    depth_ = attach(GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
-    REQUIRE(gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
-    pass = std::make_unique<VolumePass>(gl_);
-    camera.world_from_camera = testing::translation({0, 0, 3});
-    camera.near_plane = 0.1f;
-    camera.far_plane = 10;
-    options.width = kWidth;
-    options.height = kHeight;
-  }
+RenderList list_of(const std::shared_ptr<const qnv::Cloud>& cloud) { return volume_list(cloud); }
 
-  /// RGB after the pass, where something of `color` has stood at `depth` (camera units) in all pixels.
-  Pixels draw(const RenderList& list, const glm::vec3& color, float depth) {
-    const glm::mat4 clip_from_camera = projection(camera, kWidth, kHeight);
-    const glm::vec4 clip = clip_from_camera * glm::vec4(0, 0, -depth, 1);
-    const float background[4] = {color.x, color.y, color.z, 1}, far = clip.z / clip.w * 0.5f + 0.5f;
-    gl_.Viewport(0, 0, kWidth, kHeight);
-    gl_.DepthMask(GL_TRUE);
-    gl_.ClearBufferfv(GL_COLOR, 0, background);
-    gl_.ClearBufferfv(GL_DEPTH, 0, &far);
-    statistics = {};
-    pass->draw(list, camera, clip_from_camera, options, statistics);
-    Pixels pixels(std::size_t{kWidth} * kHeight * 4);
-    gl_.ReadPixels(0, 0, kWidth, kHeight, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
-    CHECK(gl_.GetError() == GL_NO_ERROR);
-    return pixels;
-  }
-
-  std::unique_ptr<VolumePass> pass;
-  Camera camera;
-  DrawOptions options;
-  FrameStatistics statistics;
-
- private:
-  Renderbuffer attach(GLenum format, GLenum attachment) {
-    Renderbuffer buffer = make_renderbuffer(gl_);
-    gl_.BindRenderbuffer(GL_RENDERBUFFER, buffer.name());
-    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, format, kWidth, kHeight);
-    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.name());
-    return buffer;
-  }
-
-  std::unique_ptr<GlContext> context_;
-  Gl gl_;
-  Framebuffer framebuffer_;
-  Renderbuffer color_, depth_;
-};
-
-RenderList list_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
-  RenderList list;
-  SplatItem item;
-  item.cloud = cloud;
-  list.splats.push_back(item);
-  return list;
+/// One pixel of a picture, 0..1.
+glm::vec3 pixel(const Pixels& pixels, int x, int y) {
+  const std::uint8_t* p = pixels.data() + 4 * (y * kWidth + x);
+  return glm::vec3(p[0], p[1], p[2]) / 255.0f;
 }
 
-bool plain(const Pixels& pixels, const glm::vec3& color) {
-  for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (i % 4 < 3 && std::abs(pixels[i] - color[static_cast<int>(i % 4)] * 255) > 1) return false;
-  return true;
+std::size_t index_of(int x, int y) { return static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x); }
+
+/// A rectangle that faces the camera at `depth` and covers the pixels x0..x1, y0..y1 (exclusive) of `target`.
+std::array<glm::vec3, 4> rectangle(const Target& target, float depth, float x0, float y0, float x1, float y1) {
+  const glm::vec2 t = target.view().tangents;
+  const auto corner = [&](float x, float y) {
+    return glm::vec3((x / kWidth * 2 - 1) * t.x * depth, (y / kHeight * 2 - 1) * t.y * depth, -depth);
+  };
+  return {corner(x0, y0), corner(x1, y0), corner(x0, y1), corner(x1, y1)};
+}
+
+VolumeItem item_of(const qnv::Cloud& cloud, const VolumeModel& model, const glm::mat4& camera_from_node) {
+  return {&cloud, &model, camera_from_node, model.spacing.size(), {}};
 }
 
 }  // namespace
@@ -151,13 +98,13 @@ TEST_CASE("Transparency, clipping plane and threshold of a volume") {
   list.splats[0].material.transparency = 1;
   CHECK(plain(target.draw(list, color, 9), color));
   list.splats[0].material.transparency = 0;
-  target.pass->settings.least_magnitude = 2;
+  target.options.clouds.least_magnitude = 2;
   CHECK(plain(target.draw(list, color, 9), color));
-  target.pass->settings.least_magnitude = 0;
+  target.options.clouds.least_magnitude = 0;
   list.splats[0].world_from_node = testing::translation({0, 0, -1});
-  target.pass->settings.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1: in front of all of it
+  target.options.clouds.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1: in front of all of it
   CHECK(plain(target.draw(list, color, 9), color));
-  target.pass->settings.clip = glm::vec4(0, 0, 1, 1);
+  target.options.clouds.clip = glm::vec4(0, 0, 1, 1);
   (void)target.draw(list, color, 9);
   CHECK(target.statistics.vectors > 300);
   CHECK(target.statistics.vectors < 600);
@@ -208,4 +155,214 @@ TEST_CASE("The lights of a volume: its directional ones, the strongest others, t
   const auto none = volume_lights({}, item, glm::mat4(1), {0, 0, -3}, false);
   REQUIRE(none.size() == 1);
   CHECK(none[0].color == glm::vec3(0));
+}
+
+TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vector by vector") {
+  const auto first = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)),
+             second = std::make_shared<const qnv::Cloud>(random_volume(700, 6, 0.12f));
+  const glm::mat4 place = testing::translation({0.3f, 0.1f, 0.2f}) * testing::scale({1.2f, 0.8f, 1});
+  RenderList list = volume_list(first);
+  list.splats.push_back(volume_list(second, place).splats[0]);
+  list.splats[1].material.transparency = 0.3f;
+  Target target;
+  const VolumeModel models[2] = {volume_model(*first), volume_model(*second)};
+  const glm::mat4 camera_from_world = target.view().camera_from_node;
+  std::array<VolumeItem, 2> items{item_of(*first, models[0], camera_from_world),
+                                  item_of(*second, models[1], camera_from_world * place)};
+  items[1].options.opacity *= 0.7f;
+  const RayImage exact = exact_volumes(items, target.view());
+  for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+    target.options.splats = path;
+    for (int turn = 0; turn < 2; ++turn) {
+      CHECK(psnr_over(target.draw(list, {0.2f, 0.4f, 0.8f}, 25), exact, {51, 102, 204, 255}) >= 40);
+      std::swap(list.splats[0], list.splats[1]);
+    }
+  }
+  // One over the other would be another picture.
+  Psnr layered;
+  const RayImage one = exact_volumes(std::span(items).first(1), target.view()),
+                 other = exact_volumes(std::span(items).last(1), target.view());
+  for (std::size_t i = 0; i < exact.color.size(); ++i)
+    for (int c = 0; c < 3; ++c)
+      layered.add(static_cast<double>(exact.color[i][c]),
+                  static_cast<double>(one.color[i][c] + (1 - one.color[i].w) * other.color[i][c]));
+  CHECK(layered.decibels() < 35);
+}
+
+TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what lies before it") {
+  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
+  const VolumeModel model = volume_model(*cloud);
+  for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+    Target target;
+    target.options.splats = path;
+    target.options.clouds.opacity = 0.5f;
+    const glm::vec3 yellow(1, 1, 0), blue(0, 0, 1);
+    target.clear(blue, 25);
+    target.polygon(rectangle(target, 3, 20, 15, 60, 45), yellow);
+    target.volumes(list_of(cloud));
+    const Pixels drawn = target.read();
+    std::vector<float> stops(kWidth * kHeight, kInfinity);
+    Pixels under(drawn.size());
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const bool covered = x >= 20 && x < 60 && y >= 15 && y < 45;
+        if (covered) stops[index_of(x, y)] = 3;
+        for (int c = 0; c < 3; ++c)
+          under[4 * index_of(x, y) + static_cast<std::size_t>(c)] =
+              static_cast<std::uint8_t>((covered ? yellow : blue)[c] * 255);
+      }
+    VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
+    item.options.opacity = 0.5f;
+    const RayImage exact = exact_volumes(std::span(&item, 1), target.view(), stops);
+    CHECK(psnr_over(drawn, exact, under) >= 40);
+    // Neither the bare polygon nor all of the volume over it.
+    const RayImage all = exact_volumes(std::span(&item, 1), target.view());
+    CHECK(psnr_over(drawn, all, under) < 35);
+    CHECK(glm::distance(pixel(drawn, 40, 30), yellow) > 0.1f);
+  }
+}
+
+TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay smooth with several samples") {
+  auto cloud = std::make_shared<qnv::Cloud>(random_volume(6000, 5, 0.08f));
+  cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
+  for (const float depth : {1.0f, 3.0f, 6.0f}) {
+    std::array<Pixels, 2> drawn;
+    std::size_t path = 0;
+    for (const SplatPath chosen : {SplatPath::cpu, SplatPath::gl}) {
+      Target target(VolumeSort::automatic, kWidth, kHeight, 4);
+      target.options.splats = chosen;
+      const auto draw = [&](bool polygon, bool volume) {
+        target.clear({0, 0, 1}, 25);
+        // Its left edge cuts the column 30 in halves.
+        if (polygon) target.polygon(rectangle(target, depth, 30.5f, -5, 90, 70), {1, 0, 0});
+        if (volume) target.volumes(list_of(cloud));
+        return target.read();
+      };
+      drawn[path] = draw(true, true);
+      const Pixels bare = draw(false, true);
+      double worst = 0;
+      for (int y = 5; y < kHeight - 5; ++y) {
+        // In the column half of the samples show what the left column shows, half what the right one does.
+        const glm::vec3 left = pixel(bare, 30, y),
+                        right = 0.5f * (pixel(drawn[path], 31, y) + pixel(drawn[path], 32, y)),
+                        middle = pixel(drawn[path], 30, y), wanted = 0.5f * (left + right);
+        worst = std::max(worst, static_cast<double>(glm::distance(middle, wanted)));
+      }
+      INFO("depth " << depth << " path " << path);
+      CHECK(worst < 0.16);
+      ++path;
+    }
+    CHECK(psnr_of(drawn[0], drawn[1]) >= 40);
+  }
+}
+
+TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for what is not") {
+  Target target;
+  auto cloud = std::make_shared<qnv::Cloud>(random_volume(20'000, 3, 0.05f));
+  cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
+  cloud->description.box = {glm::vec3(-1), glm::vec3(1)};
+  RenderList list = list_of(cloud);
+  const auto brightness = [&](const Pixels& pixels) {
+    double sum = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) sum += i % 4 == 3 ? 0 : pixels[i];
+    return sum;
+  };
+  const double all = brightness(target.draw(list, {0, 0, 0}, 25));
+  CHECK(target.statistics.vectors == 20'000);
+  for (const std::size_t budget : {100u, 2000u, 2001u, 19'999u, 20'000u, 90'000u}) {
+    target.options.budget = budget;
+    const double some = brightness(target.draw(list, {0, 0, 0}, 25));
+    CHECK(target.statistics.vectors == std::min<std::size_t>(budget, 20'000));
+    INFO(budget);
+    if (budget >= 2000) CHECK(some == Approx(all).epsilon(0.4));
+  }
+  auto small = std::make_shared<qnv::Cloud>(random_volume(50, 4, 0.05f));
+  small->description = cloud->description;
+  list.splats.push_back(list_of(small).splats[0]);
+  list.splats.push_back(list.splats[0]);
+  target.options.budget = 4050;
+  (void)target.draw(list, {0, 0, 0}, 25);
+  CHECK(target.statistics.vectors > 3000);
+  CHECK(target.statistics.vectors <= 4050);
+}
+
+TEST_CASE("A transfer function in place of the volumes' own, and colours by where vectors come from") {
+  Target target;
+  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(2000, 5, 0.1f));
+  const Pixels own = target.draw(list_of(cloud), {0, 0, 0}, 25);
+  target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
+  const Pixels green = target.draw(list_of(cloud), {0, 0, 0}, 25);
+  // Its gloss is white, but weak.
+  CHECK(pixel(green, 40, 30).y > 3 * pixel(green, 40, 30).x);
+  target.options.clouds.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
+  CHECK(plain(target.draw(list_of(cloud), {0, 0, 0}, 25), {0, 0, 0}));
+  target.options.clouds.transfer.clear();
+  target.options.clouds.color_by = ColorBy::age;
+  CHECK(psnr_of(target.draw(list_of(cloud), {0, 0, 0}, 25), own) < 30);
+  target.options.clouds.color_by = ColorBy::own;
+  CHECK(target.draw(list_of(cloud), {0, 0, 0}, 25) == own);
+}
+
+TEST_CASE("A volume fills its part of a window and leaves the rest alone") {
+  for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+    Target target(VolumeSort::automatic, kWidth, kHeight), whole(VolumeSort::automatic, 40, 30);
+    target.options.splats = whole.options.splats = path;
+    const RenderList list = list_of(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
+    const Pixels wanted = whole.draw(list, {0, 0, 0.5f}, 25);
+    target.clear({0, 0, 0.5f}, 25);
+    target.options.x = 30;
+    target.options.y = 20;
+    target.options.width = 40;
+    target.options.height = 30;
+    target.gl.Viewport(30, 20, 40, 30);
+    target.gl.Scissor(30, 20, 40, 30);
+    target.gl.Enable(GL_SCISSOR_TEST);
+    target.volumes(list);
+    target.gl.Disable(GL_SCISSOR_TEST);
+    const Pixels drawn = target.read();
+    std::size_t wrong = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const bool inside = x >= 30 && x < 70 && y >= 20 && y < 50;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const int is = drawn[4 * index_of(x, y) + c],
+                    should =
+                        inside
+                            ? wanted[4 * (static_cast<std::size_t>(y - 20) * 40 + static_cast<std::size_t>(x - 30)) + c]
+                            : (c == 2 ? 128 : 0);
+          if (std::abs(is - should) > 1) ++wrong;
+        }
+      }
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn where there is none") {
+  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
+  for (const int samples : {1, 4}) {
+    Pixels wanted;
+    for (const GLenum format : {GL_DEPTH_COMPONENT24, GL_DEPTH24_STENCIL8, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT32F,
+                                GL_DEPTH32F_STENCIL8, GL_NONE}) {
+      for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+        Target target(VolumeSort::automatic, kWidth, kHeight, samples, static_cast<GLenum>(format));
+        target.options.splats = path;
+        target.clear({0, 0, 1}, 25);
+        if (format != GL_NONE) target.polygon(rectangle(target, 3, 20.5f, 15.2f, 60, 45), {1, 1, 0});
+        target.volumes(list_of(cloud));
+        const Pixels drawn = target.read();
+        if (wanted.empty()) wanted = drawn;
+        INFO("format " << format << " samples " << samples << " path " << static_cast<int>(path));
+        if (format != GL_NONE) {
+          CHECK(psnr_of(drawn, wanted) >= 40);
+          continue;
+        }
+        // Blended into eight bits.
+        const VolumeModel model = volume_model(*cloud);
+        const VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
+        const double psnr = psnr_over(drawn, exact_volumes(std::span(&item, 1), target.view()), {0, 0, 255, 255});
+        INFO(psnr);
+        CHECK(psnr >= 40);
+      }
+    }
+  }
 }

@@ -2,7 +2,7 @@
 
 #include "render/raycast.h"
 #include "render/volume_tile.h"
-#include "tests/render/clouds.h"
+#include "tests/render/volume_scenes.h"
 
 #include <catch2/catch.hpp>
 
@@ -112,6 +112,76 @@ TEST_CASE("The picture of a volume is the same for every number of threads") {
   }
 }
 
+TEST_CASE("So is that of several volumes with stops, which is their exact one") {
+  const qnv::Cloud first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
+  const render::VolumeModel models[2] = {render::volume_model(first), render::volume_model(second)};
+  SplatView view = view_from({1, 1, 2}, 100, 75);
+  std::array<render::VolumeItem, 2> items{
+      render::VolumeItem{&first, &models[0], view.camera_from_node, first.size(), {}},
+      render::VolumeItem{&second, &models[1], glm::translate(view.camera_from_node, {0.5f, 0, 0}), 500, {}}};
+  items[0].options.opacity = 0.2f;
+  std::vector<float> near(100 * 75, kInfinity), far(100 * 75, kInfinity);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (i % 100 > 50) near[i] = far[i] = 2.5f;
+    if (i % 100 == 50) near[i] = 2.5f;
+    if (i % 100 > 90) near[i] = far[i] = 0.5f;
+  }
+  view.threads = 1;
+  const VolumeLayer one = render::rasterize_volumes(items, view, {near, far});
+  REQUIRE(!one.edge_pixels.empty());
+  for (const unsigned threads : {2u, 5u}) {
+    view.threads = threads;
+    const VolumeLayer other = render::rasterize_volumes(items, view, {near, far});
+    CHECK(same(one, other));
+    CHECK(one.edge_pixels == other.edge_pixels);
+  }
+  const auto decibels = [&](const std::vector<std::uint8_t>& pixels, std::span<const float> stops) {
+    const render::RayImage exact = exact_volumes(items, view, stops);
+    Psnr psnr;
+    for (std::size_t i = 0; i < exact.color.size(); ++i)
+      for (int c = 0; c < 4; ++c)
+        psnr.add(pixels[4 * i + static_cast<std::size_t>(c)] / 255.0, static_cast<double>(exact.color[i][c]));
+    return psnr.decibels();
+  };
+  CHECK(decibels(one.pixels, far) >= 40);
+  CHECK(decibels(one.edge_pixels, near) >= 40);
+  // Stops that nothing reaches, and those of another size, change nothing.
+  const std::vector<float> none(100 * 75, kInfinity);
+  const VolumeLayer free = render::rasterize_volumes(items, view);
+  CHECK(same(free, render::rasterize_volumes(items, view, {none, none})));
+  CHECK(same(free, render::rasterize_volumes(items, view, {std::span(near).first(9), {}})));
+  CHECK(!same(free, one));
+  const std::vector<float> before(100 * 75, 0.1f);
+  const VolumeLayer hidden = render::rasterize_volumes(items, view, {before, {}});
+  CHECK(std::all_of(hidden.pixels.begin(), hidden.pixels.end(), [](std::uint8_t p) { return p == 0; }));
+}
+
+TEST_CASE("The exact picture of one volume among several is that of the ray caster") {
+  const qnv::Cloud cloud = random_volume(300, 3, 0.2f);
+  const render::VolumeModel model = render::volume_model(cloud);
+  const SplatView view = view_from({1, 0.5f, 2.5f}, 30, 20);
+  const render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
+  const render::RayImage a = exact_volumes(std::span(&item, 1), view), b = raycast_volume(cloud, view, {});
+  REQUIRE(a.color.size() == b.color.size());
+  for (std::size_t i = 0; i < a.color.size(); ++i)
+    for (int c = 0; c < 4; ++c) REQUIRE(a.color[i][c] == Approx(b.color[i][c]).margin(1e-5));
+}
+
+TEST_CASE("A survey counts what is in view") {
+  const qnv::Cloud cloud = random_volume(5000, 3, 0.05f);
+  const render::VolumeModel model = render::volume_model(cloud);
+  SplatView view = view_from({0, 0, 3}, 80, 60);
+  render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
+  const std::size_t all = drawn(cloud, view).vectors;
+  CHECK(render::survey_volumes(std::span(&item, 1), view, 10'000).vectors == all);
+  const render::VolumeSurvey some = render::survey_volumes(std::span(&item, 1), view, 500);
+  CHECK(static_cast<double>(some.vectors) == Approx(static_cast<double>(all)).epsilon(0.1));
+  CHECK(some.pixels > static_cast<double>(all));
+  item.count = 0;
+  CHECK(render::survey_volumes(std::span(&item, 1), view, 500).vectors == 0);
+  CHECK(render::survey_volumes({}, view, 500).pixels == 0);
+}
+
 TEST_CASE("Both kernels of the volume splatter give the same bits") {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> place(-30, 70), part(0, 1);
@@ -132,6 +202,13 @@ TEST_CASE("Both kernels of the volume splatter give the same bits") {
     CHECK(std::memcmp(a.get(), b.get(), sizeof *a) == 0);
     CHECK(*std::max_element(a->clear.begin(), a->clear.end()) <= 1);
     CHECK(*std::min_element(a->clear.begin(), a->clear.end()) >= 0);
+    for (std::size_t i = 0; i < a->stop.size(); ++i)
+      a->stop[i] = b->stop[i] = i % 7 == 0 ? kNaN : i % 5 == 0 ? kInfinity : 1 + part(random);
+    render::volume_kernel().stopped_tile(splats.data(), order, 32, 0, *a);
+    render::volume_kernel_baseline().stopped_tile(splats.data(), order, 32, 0, *b);
+    CHECK(std::memcmp(a.get(), b.get(), sizeof *a) == 0);
+    CHECK(*std::min_element(a->clear.begin(), a->clear.end()) >= 0);
+    CHECK(a->clear[0] == 1);  // its stop is no number
   }
 }
 

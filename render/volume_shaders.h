@@ -1,0 +1,350 @@
+#pragma once
+
+/// The shaders of volumes. "#version 330 core" is put before each by make_program; those for sorting have 430.
+namespace gs::render {
+
+/// One triangle that covers the viewport, from gl_VertexID alone.
+inline constexpr char kVolumeScreenVertexShader[] = R"glsl(
+void main() {
+  vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)glsl";
+
+/// What the processor made of volumes. Where `depths` is 0, whatever the depth of the pixel; EDGES: only elsewhere.
+inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
+uniform sampler2D pixels;
+uniform sampler2D depths;  // window space
+uniform ivec2 origin;      // of the viewport
+out vec4 result;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
+  result = texelFetch(pixels, at, 0);
+  float depth = texelFetch(depths, at, 0).r;
+#ifdef EDGES
+  if (depth == 0.0) discard;
+#endif
+  if (result.a == 0.0) discard;
+  gl_FragDepth = depth;
+}
+)glsl";
+
+/// What OpenGL made of volumes, one sample at a time.
+inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
+uniform ivec2 origin;
+#ifdef SAMPLES
+uniform sampler2DMS layer;
+uniform int sample_number;
+#else
+uniform sampler2D layer;
+const int sample_number = 0;
+#endif
+out vec4 result;
+void main() {
+  result = texelFetch(layer, ivec2(gl_FragCoord.xy) - origin, sample_number);
+}
+)glsl";
+
+/// The least and the most of the depths of the samples of a pixel.
+inline constexpr char kVolumeExtremesFragmentShader[] = R"glsl(
+uniform sampler2DMS depths;
+uniform int samples;
+out vec2 result;
+void main() {
+  float least = 1.0, most = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    float depth = texelFetch(depths, ivec2(gl_FragCoord.xy), i).r;
+    least = min(least, depth);
+    most = max(most, depth);
+  }
+  result = vec2(least, most);
+}
+)glsl";
+
+/// Where vectors lie in the buffer textures (volume_gl.cpp writes `items`), and what their codes mean.
+inline constexpr char kVolumeDataShader[] = R"glsl(
+uniform usamplerBuffer codes;
+uniform samplerBuffer items;
+uniform int item_count;
+
+const int ROW_X = 0, ROW_Y = 1, ROW_Z = 2, NORMAL_X = 3, NORMAL_Y = 4, NORMAL_Z = 5, LOWER = 6, STEP = 7, PLACE = 8,
+          SIZE = 9, WEIGHT = 10, CLIP = 11, SHADE = 12, COLOR = 13, SCALE = 14, LIGHTS = 15,
+          TRANSFER = LIGHTS + 5 * MOST_LIGHTS;
+
+vec4 about(int item, int what) { return texelFetch(items, item * ITEM_TEXELS + what); }
+
+// Floats hold 24 bits.
+int whole(vec2 halves) { return int(halves.x) * 65536 + int(halves.y); }
+
+// The item of a vector, its number in that, and its texel, from its number through all items.
+struct Place { int item, index, texel; };
+Place place_of(int number) {
+  int low = 0, high = item_count - 1;
+  while (low < high) {
+    int middle = (low + high + 1) / 2;
+    if (whole(about(middle, PLACE).xy) <= number) low = middle; else high = middle - 1;
+  }
+  vec4 place = about(low, PLACE);
+  int index = number - whole(place.xy);
+  return Place(low, index, whole(place.zw) + index);
+}
+
+vec3 position_of(int item, uvec4 code) {
+  return about(item, LOWER).xyz + vec3(code.xyz & 0xFFFFFu) * about(item, STEP).xyz;
+}
+)glsl";
+
+/// The rest of a vector, and its light: volume_model.h in the same order.
+inline constexpr char kVolumeShadeShader[] = R"glsl(
+vec3 normal_of(uvec4 code) {
+  uvec2 c = (code.xy >> 20) & 1023u;
+  if (c.x == 1023u) return vec3(0.0);
+  vec3 n = vec3(vec2(c) / 511.0 - 1.0, 0.0);
+  n.z = 1.0 - abs(n.x) - abs(n.y);
+  float fold = max(-n.z, 0.0);
+  n.x += n.x >= 0.0 ? -fold : fold;
+  n.y += n.y >= 0.0 ? -fold : fold;
+  return normalize(n);
+}
+
+float weight_of(int item, uvec4 code) {
+  uint c = code.x >> 30 | (code.y >> 30) << 2 | (code.z >> 20) << 4;
+  vec2 coding = about(item, WEIGHT).xy;
+  return c == 0u ? 0.0 : exp2(coding.x + float(c) * coding.y);
+}
+
+vec3 hue_color(float hue, float value) {
+  hue = fract(hue) * 6.0;
+  vec3 away = abs(hue - vec3(0.0, 2.0, 4.0));
+  return clamp(2.0 - min(away, 6.0 - away), 0.0, 1.0) * value;
+}
+vec3 ramp_color(float part) { return hue_color((1.0 - clamp(part, 0.0, 1.0)) * (2.0 / 3.0), 1.0); }
+float octave_of(int index) {
+  int octave = 0;
+  for (int end = FIRST_OCTAVE; index >= end && octave < 24; end *= 2) ++octave;
+  return float(octave);
+}
+
+vec3 color_of(int item, int index, uvec4 code, vec3 normal) {
+  vec4 chosen = about(item, COLOR);
+  int by = int(chosen.w);  // ColorBy, or 5: `chosen`, 6: the vectors'
+  int last = whole(about(item, SIZE).xy) - 1;
+  if (by == 1) return normal * 0.5 + 0.5;
+  if (by == 2) return last < FIRST_OCTAVE ? ramp_color(1.0) : ramp_color(octave_of(index) / octave_of(last));
+  if (by == 3) {
+    int block = index / BLOCK_VECTORS;
+    return hue_color(float(block) * 0.618033988749894848, block % 2 == 0 ? 1.0 : 0.75);
+  }
+  if (by == 4) return ramp_color(last > 0 ? float(index) / float(last) : 0.0);
+  if (by == 5) return chosen.rgb;
+  if (by == 6) return vec3(code.w & 255u, code.w >> 8 & 255u, code.w >> 16 & 255u) / 255.0;
+  return about(item, TRANSFER + int(code.w >> 24)).rgb;
+}
+
+float spot_of(vec4 direction_cut, float beam_width, vec3 to_light) {
+  float cut = direction_cut.w;
+  if (cut >= PI) return 1.0;
+  float angle = acos(clamp(-dot(direction_cut.xyz, to_light), -1.0, 1.0));
+  if (angle >= cut) return 0.0;
+  if (angle <= beam_width || !(beam_width < cut)) return 1.0;
+  return (angle - cut) / (beam_width - cut);
+}
+
+vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
+  vec4 shading = about(item, SHADE);  // ambient, diffuse, specular, number of lights
+  bool facing = dot(normal, normal) > 0.0;
+  vec3 n = facing ? normalize(normal) : vec3(0.0);
+  vec3 to_viewer = -normalize(seen);
+  vec3 diffuse = vec3(0.0), gloss = vec3(0.0);
+  for (int i = 0; i < int(shading.w); ++i) {
+    int at = LIGHTS + 5 * i;
+    vec4 place = about(item, at), tint = about(item, at + 1), fade = about(item, at + 2);
+    vec3 to_light = place.xyz;
+    float strength = 1.0;
+    if (place.w == 0.0) {  // not directional
+      vec4 direction_cut = about(item, at + 3), more = about(item, at + 4);
+      to_light -= seen;
+      float far = length(to_light);
+      if (!(far <= fade.w)) continue;
+      to_light = far > 0.0 ? to_light / far : to_viewer;
+      strength = spot_of(direction_cut, more.x, to_light) / max(fade.x + fade.y * far + fade.z * far * far, 1.0);
+    }
+    float falls = facing ? abs(dot(n, to_light)) : 1.0;
+    diffuse += tint.rgb * (strength * (shading.x + shading.y * falls + tint.a));
+    vec3 middle = to_light + to_viewer;
+    float middle2 = dot(middle, middle);
+    if (!facing || !(middle2 > 0.0)) continue;
+    float shine = dot(n, middle);
+    shine = shine * shine / middle2;
+    shine *= shine; shine *= shine; shine *= shine;
+    gloss += tint.rgb * (strength * shading.z * shine);
+  }
+  return clamp(color * diffuse + gloss, 0.0, 1.0);
+}
+)glsl";
+
+/// A rectangle that faces the viewer for each vector, in the order of `number`.
+inline constexpr char kVolumeVertexShader[] = R"glsl(
+uniform samplerBuffer spacings;
+uniform vec4 lens;         // pixels at depth 1 and of the viewport
+uniform vec3 depth_range;  // the near plane, clip_from_camera[2][2] and [3][2]
+layout(location = 0) in uint number;
+flat out vec4 color;
+out vec2 away;  // in units of the root of A
+
+void main() {
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
+  color = vec4(0.0);
+  away = vec2(0.0);
+  Place place = place_of(int(number));
+  int item = place.item;
+  uvec4 code = texelFetch(codes, place.texel);
+  vec4 scale = about(item, SCALE);  // of lengths, least magnitude, full magnitude, opacity / (pi kVolumeFootprint)
+  float weight = weight_of(item, code);
+  if (!(weight >= scale.y)) return;
+  vec4 position = vec4(position_of(item, code), 1.0);
+  vec4 clip = about(item, CLIP);
+  if (!(dot(clip, position) >= 0.0)) return;
+  float thickness = about(item, TRANSFER + int(code.w >> 24)).w;
+  float alpha = min(scale.w * thickness * (weight < scale.z ? weight / scale.z : 1.0), MOST_ALPHA);
+  vec3 seen = vec3(dot(about(item, ROW_X), position), dot(about(item, ROW_Y), position),
+                   dot(about(item, ROW_Z), position));
+  float depth = -seen.z, spacing = texelFetch(spacings, place.texel).r * scale.x;
+  if (!(alpha >= LEAST_ALPHA && depth > depth_range.x && depth > spacing)) return;
+  float near = 1.0 / depth, pixels = sqrt(lens.x * lens.y) * near;
+  float area = FOOTPRINT * spacing * spacing * pixels * pixels;
+  if (area < LEAST_AREA) {
+    alpha *= area / LEAST_AREA;
+    area = LEAST_AREA;
+    if (!(alpha >= LEAST_ALPHA)) return;
+  }
+  vec3 normal = normal_of(code);
+  vec3 turned = vec3(dot(about(item, NORMAL_X).xyz, normal), dot(about(item, NORMAL_Y).xyz, normal),
+                     dot(about(item, NORMAL_Z).xyz, normal));
+  color = vec4(shade(item, color_of(item, place.index, code, normal), seen, turned), alpha);
+  away = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * CUT;
+  vec2 center = seen.xy * near * lens.xy;  // pixels from the middle
+  gl_Position.xy = (center + away * sqrt(area)) * 2.0 / lens.zw;
+  gl_Position.z = clamp(depth_range.z * near - depth_range.y, -1.0, 1.0);
+}
+)glsl";
+
+inline constexpr char kVolumeFragmentShader[] = R"glsl(
+flat in vec4 color;
+in vec2 away;
+out vec4 result;
+void main() {
+  float alpha = color.a * exp(-dot(away, away));
+  result = vec4(color.rgb * alpha, alpha);
+}
+)glsl";
+
+/// Sorting: four bits at a time, least significant first. A group of 256 looks at a block of 4096 entries; a thread of
+/// it, where order matters, at 16 that follow one another.
+inline constexpr char kVolumeSortShader[] = R"glsl(
+layout(local_size_x = 256) in;
+uniform int total, shift, groups;
+const uint BLOCK = 4096u, THREADS = 256u, EACH = 16u;
+layout(std430, binding = 1) buffer Keys { uint keys[]; };
+layout(std430, binding = 2) buffer Values { uint values[]; };
+layout(std430, binding = 3) buffer SortedKeys { uint sorted_keys[]; };
+layout(std430, binding = 4) buffer SortedValues { uint sorted_values[]; };
+layout(std430, binding = 5) buffer Counts { uint counts[]; };  // by digit, then by block
+)glsl";
+
+/// The keys and the numbers, the last vector first (volume_sort.cpp does the same).
+inline constexpr char kVolumeKeysShader[] = R"glsl(
+void main() {
+  for (uint k = 0u; k < EACH; ++k) {
+    uint i = gl_WorkGroupID.x * BLOCK + k * THREADS + gl_LocalInvocationID.x;
+    if (i >= uint(total)) return;
+    int number = total - 1 - int(i);
+    Place place = place_of(number);
+    vec3 position = position_of(place.item, texelFetch(codes, place.texel));
+    float depth = -dot(about(place.item, ROW_Z), vec4(position, 1.0));
+    uint bits = floatBitsToUint(depth + 0.0);
+    uint ascending = (bits >> 31) != 0u ? ~bits : bits | 0x80000000u;
+    keys[i] = (bits & 0x7FFFFFFFu) > 0x7F800000u ? 0xFFFFFFFFu : ~ascending;
+    values[i] = uint(number);
+  }
+}
+)glsl";
+
+inline constexpr char kVolumeCountShader[] = R"glsl(
+shared uint bins[16];
+void main() {
+  uint thread = gl_LocalInvocationID.x;
+  if (thread < 16u) bins[thread] = 0u;
+  barrier();
+  for (uint k = 0u; k < EACH; ++k) {
+    uint i = gl_WorkGroupID.x * BLOCK + k * THREADS + thread;
+    if (i < uint(total)) atomicAdd(bins[(keys[i] >> uint(shift)) & 15u], 1u);
+  }
+  barrier();
+  if (thread < 16u) counts[thread * uint(groups) + gl_WorkGroupID.x] = bins[thread];
+}
+)glsl";
+
+/// Where the entries of each digit of each block begin. One group.
+inline constexpr char kVolumeScanShader[] = R"glsl(
+shared uint sums[256];
+void main() {
+  uint thread = gl_LocalInvocationID.x, size = 16u * uint(groups), before = 0u;
+  for (uint first = 0u; first < size; first += BLOCK) {
+    uint sum = 0u;
+    uint own = first + thread * EACH;
+    for (uint k = 0u; k < EACH; ++k)
+      if (own + k < size) sum += counts[own + k];
+    sums[thread] = sum;
+    barrier();
+    for (uint step = 1u; step < THREADS; step *= 2u) {
+      uint other = thread >= step ? sums[thread - step] : 0u;
+      barrier();
+      sums[thread] += other;
+      barrier();
+    }
+    uint next = before + sums[thread] - sum;
+    for (uint k = 0u; k < EACH; ++k)
+      if (own + k < size) {
+        uint count = counts[own + k];
+        counts[own + k] = next;
+        next += count;
+      }
+    before += sums[THREADS - 1u];
+    barrier();
+  }
+}
+)glsl";
+
+inline constexpr char kVolumeScatterShader[] = R"glsl(
+shared uint ranks[16 * 256];  // of the next entry of a digit of a thread, in the block
+shared uint parts[16 * 16];   // of 16 threads each
+void main() {
+  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x * BLOCK + thread * EACH;
+  for (uint digit = 0u; digit < 16u; ++digit) ranks[digit * THREADS + thread] = 0u;
+  for (uint k = 0u; k < EACH; ++k)
+    if (first + k < uint(total)) ranks[((keys[first + k] >> uint(shift)) & 15u) * THREADS + thread] += 1u;
+  barrier();
+  uint row = (thread / 16u) * THREADS + (thread & 15u) * 16u, sum = 0u;
+  for (uint k = 0u; k < 16u; ++k) sum += ranks[row + k];
+  parts[thread] = sum;
+  barrier();
+  uint next = 0u;
+  for (uint k = thread & ~15u; k < thread; ++k) next += parts[k];
+  for (uint k = 0u; k < 16u; ++k) {
+    uint count = ranks[row + k];
+    ranks[row + k] = next;
+    next += count;
+  }
+  barrier();
+  for (uint k = 0u; k < EACH; ++k) {
+    if (first + k >= uint(total)) break;
+    uint key = keys[first + k], digit = (key >> uint(shift)) & 15u;
+    uint to = counts[digit * uint(groups) + gl_WorkGroupID.x] + ranks[digit * THREADS + thread]++;
+    sorted_keys[to] = key;
+    sorted_values[to] = values[first + k];
+  }
+}
+)glsl";
+
+}  // namespace gs::render

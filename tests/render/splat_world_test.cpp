@@ -1,0 +1,274 @@
+// Clouds in worlds: pairs of worlds that must look alike, one with the feature and one without it, on both paths.
+
+#include "drawing.h"
+#include "splat_scenes.h"
+#include "vrml/parser.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <map>
+#include <string>
+
+using namespace gs;
+using namespace gs::render;
+using namespace gs::render::testing;
+
+namespace {
+
+using NamedClouds = std::map<std::string, std::shared_ptr<const qnv::Cloud>>;
+
+/// QNV nodes show the cloud that the first string of their url names.
+struct World {
+  World(const std::string& body, const NamedClouds& named) : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
+    vrml::Diagnostics diagnostics;
+    vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
+    for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
+    REQUIRE(diagnostics.errors() == 0);
+    for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
+      const vrml::Node& node = scene->node(scene->id_at(i));
+      if (node.type->name != "QNV") continue;
+      const auto* url = std::get_if<vrml::MFString>(&node.values[node.type->find_field("url")->slot]);
+      REQUIRE(url);
+      REQUIRE(!url->empty());
+      clouds[&node] = named.at(std::string(url->front().view()));
+    }
+  }
+  RenderList collect(const glm::vec3& viewer) { return render::collect(*scene, {}, meshes, viewer, clouds); }
+
+  std::unique_ptr<vrml::SceneGraph> scene;
+  MeshCache meshes;
+  Clouds clouds;
+};
+
+const std::string kPaint =
+    "appearance Appearance { material Material { diffuseColor 0.9 0.5 0.3 specularColor 0.4 0.4 0.4 } }";
+
+std::string shape(const std::string& cloud) {
+  return "Shape { " + kPaint + " geometry QNV { url \"" + cloud + "\" } }\n";
+}
+
+Camera camera_from(const glm::vec3& eye) {
+  Camera camera;
+  camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0)));
+  return camera;
+}
+
+double psnr(const Image& a, const Image& b) {
+  REQUIRE(a.pixels.size() == b.pixels.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const double difference = static_cast<double>(a.pixels[i]) - static_cast<double>(b.pixels[i]);
+    sum += difference * difference;
+  }
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.pixels.size()) / std::max(sum, 1e-9));
+}
+
+/// Draws both on both paths. Both must show something.
+void check_alike(const std::string& world, const std::string& same, const NamedClouds& clouds, double least,
+                 const glm::vec3& eye = {0, 0.5f, 6}) {
+  static Drawing drawing;
+  drawing.options.width = 160;
+  drawing.options.height = 120;
+  drawing.options.samples = 4;
+  World first(world, clouds), second(same, clouds);
+  const RenderList a = first.collect(eye), b = second.collect(eye);
+  for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+    drawing.options.splats = path;
+    const Image nothing = drawing.draw({}, camera_from(eye)), of_a = drawing.draw(a, camera_from(eye)),
+                of_b = drawing.draw(b, camera_from(eye));
+    CHECK(psnr(of_b, nothing) < 25);
+    INFO((path == SplatPath::gl ? "gl" : "cpu") << ", PSNR " << psnr(of_a, of_b));
+    CHECK(psnr(of_a, of_b) >= least);
+  }
+}
+
+/// The same discs after `matrix`; their areas are those of the ellipses.
+std::shared_ptr<const qnv::Cloud> moved(const qnv::Cloud& cloud, const glm::mat4& matrix) {
+  auto result = std::make_shared<qnv::Cloud>(cloud);
+  const glm::mat3 linear(matrix), normals = glm::transpose(glm::inverse(linear)) * glm::determinant(linear);
+  result->description.box = {};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    result->positions[i] = glm::vec3(matrix * glm::vec4(cloud.positions[i], 1));
+    const glm::vec3 n = normals * cloud.normals[i];
+    result->normals[i] = glm::normalize(n);
+    result->weights[i] = cloud.weights[i] * glm::length(n);
+    result->description.box.add(result->positions[i]);
+  }
+  return result;
+}
+
+/// Painted red on the side that looks to +Z, green to +X.
+std::shared_ptr<const qnv::Cloud> painted() {
+  auto cloud = sphere(3000);
+  for (const glm::vec3& p : cloud->positions)
+    cloud->colors.push_back(p.z > 0.6f   ? qnv::Rgb8{230, 20, 20}
+                            : p.x > 0.6f ? qnv::Rgb8{20, 230, 20}
+                                         : qnv::Rgb8{60, 60, 200});
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("A cloud under Transforms looks as one that was moved before") {
+  const auto ball = sphere(8000);
+  glm::mat4 rigid = glm::translate(glm::mat4(1), glm::vec3(0.7f, -0.3f, 0.5f));
+  rigid = glm::scale(glm::rotate(rigid, 0.8f, glm::vec3(0, 0, 1)), glm::vec3(1.4f));
+  check_alike(
+      "Transform { translation 0.7 -0.3 0.5 rotation 0 0 1 0.8 scale 1.4 1.4 1.4 children " + shape("ball") + "}",
+      shape("moved"), {{"ball", ball}, {"moved", moved(*ball, rigid)}}, 50);
+  // Not the same in all directions; turned first, so that it is sheared.
+  glm::mat4 shear = glm::scale(glm::mat4(1), glm::vec3(1.7f, 0.7f, 1.1f));
+  shear = glm::rotate(shear, 0.6f, glm::vec3(0, 0, 1));
+  check_alike("Transform { scale 1.7 0.7 1.1 children Transform { rotation 0 0 1 0.6 children " + shape("ball") + "} }",
+              shape("moved"), {{"ball", ball}, {"moved", moved(*ball, shear)}}, 55);
+}
+
+TEST_CASE("A cloud under a Transform of any scale looks like the polygons it stands for") {
+  const auto ball = sphere(20000);
+  for (const std::string scale : {"1 1 1", "2 0.5 1", "0.3 1.5 1.5"}) {
+    const std::string before = "Transform { rotation 0 0 1 0.4 scale " + scale + " children ";
+    check_alike(before + shape("ball") + "}", before + "Shape { " + kPaint + " geometry Sphere { radius 1 } } }",
+                {{"ball", ball}}, 44);
+  }
+}
+
+TEST_CASE("Clouds and polygons hide each other as polygons do") {
+  const auto ball = sphere(20000);
+  const std::string board =
+      "Transform { rotation 0 1 0 0.7 children Shape { appearance Appearance { material Material { "
+      "emissiveColor 0.1 0.7 0.2 diffuseColor 0 0 0 } } geometry Box { size 3 1 0.02 } } }\n";
+  const std::string sphere_shape = "Shape { " + kPaint + " geometry Sphere { radius 1 } }\n";
+  check_alike(board + shape("ball"), board + sphere_shape, {{"ball", ball}}, 40);
+  check_alike(shape("ball") + board, board + sphere_shape, {{"ball", ball}}, 40);
+  // Glass in front and behind.
+  const auto glass = [](const std::string& z) {
+    return "Transform { translation 0 0 " + z +
+           " children Shape { appearance Appearance { material Material { emissiveColor 0.2 0.2 0.9 diffuseColor 0 0 0 "
+           "transparency 0.5 } } geometry Box { size 3 1 0.02 } } }\n";
+  };
+  check_alike(glass("2") + shape("ball") + glass("-2"), glass("2") + sphere_shape + glass("-2"), {{"ball", ball}}, 40);
+}
+
+TEST_CASE("Clouds that run through each other look as one cloud of both") {
+  auto red = std::make_shared<qnv::Cloud>(*sphere(8000)), blue = std::make_shared<qnv::Cloud>(*red);
+  red->colors.assign(red->size(), {220, 40, 40});
+  blue->colors.assign(blue->size(), {40, 40, 220});
+  for (glm::vec3& p : blue->positions) p += glm::vec3(0.8f, 0.2f, 0.3f);
+  blue->description.box = {{-0.2f, -0.8f, -0.7f}, {1.8f, 1.2f, 1.3f}};
+  auto both = std::make_shared<qnv::Cloud>(*red);
+  both->description.box.add(blue->description.box.upper);
+  for (std::size_t i = 0; i < blue->size(); ++i) {
+    both->positions.push_back(blue->positions[i]);
+    both->normals.push_back(blue->normals[i]);
+    both->weights.push_back(blue->weights[i]);
+    both->colors.push_back(blue->colors[i]);
+  }
+  const NamedClouds clouds{{"red", red}, {"blue", blue}, {"both", both}};
+  check_alike(shape("red") + shape("blue"), shape("both"), clouds, 37);
+  check_alike(shape("blue") + shape("red"), shape("both"), clouds, 37);
+}
+
+TEST_CASE("Switch and LOD choose among clouds") {
+  const NamedClouds clouds{{"ball", sphere(3000)}, {"coarse", sphere(60)}, {"painted", painted()}};
+  check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
+              100);
+  World none("Switch { choice " + shape("ball") + "}", clouds);
+  CHECK(none.collect({0, 0, 10}).splats.empty());
+  const std::string lod = "LOD { range [ 5 ] level [ " + shape("ball") + shape("coarse") + "] }";
+  check_alike(lod, shape("ball"), clouds, 100, {0, 0.5f, 4});
+  check_alike(lod, shape("coarse"), clouds, 100, {0, 0.5f, 6});
+}
+
+TEST_CASE("A Billboard turns its cloud to the viewer") {
+  const NamedClouds clouds{{"painted", painted()}};
+  // Seen from +X: what looks to +Z turns there, as by a quarter about Y.
+  check_alike("Billboard { children " + shape("painted") + "}",
+              "Transform { rotation 0 1 0 1.5707963 children " + shape("painted") + "}", clouds, 50, {6, 0, 0});
+  check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), clouds, 60, {0, 0, 6});
+}
+
+TEST_CASE("Instances of a PROTO with a cloud stand where they are put") {
+  const NamedClouds clouds{{"painted", painted()}};
+  const std::string proto =
+      "PROTO Place [ field SFVec3f at 0 0 0 field SFVec3f size 1 1 1 ] { Transform { translation IS at scale IS size "
+      "children " +
+      shape("painted") + "} }\n";
+  check_alike(proto + "Place { at -1.2 0 0 } Place { at 1.2 0.3 0 size 0.5 1 0.8 }",
+              "Transform { translation -1.2 0 0 children " + shape("painted") +
+                  "} Transform { translation 1.2 0.3 0 scale 0.5 1 0.8 children " + shape("painted") + "}",
+              clouds, 100);
+  // USE, and a stream that is seen twice.
+  const NamedClouds stream{{"stream", bumpy_stream(5000)}};
+  check_alike("Transform { translation -1.2 0 0 children DEF S " + shape("stream") +
+                  "} Transform { translation 1.2 0 -6 children USE S }",
+              "Transform { translation -1.2 0 0 children " + shape("stream") +
+                  "} Transform { translation 1.2 0 -6 children " + shape("stream") + "}",
+              stream, 60);
+}
+
+TEST_CASE("The detail of a QNV node is collected, and kept within bounds") {
+  const NamedClouds clouds{{"ball", sphere(100)}};
+  const auto detail = [&](const std::string& value) {
+    World world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
+    const RenderList list = world.collect({0, 0, 10});
+    REQUIRE(list.splats.size() == 1);
+    return list.splats[0].detail;
+  };
+  CHECK(detail("") == 1);
+  CHECK(detail("detail 2.5") == 2.5f);
+  CHECK(detail("detail 1e30") == 100);
+  CHECK(detail("detail 0") == 0.01f);
+  CHECK(detail("detail -3") == 0.01f);
+}
+
+TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
+  Drawing drawing;
+  World world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  const Camera camera = camera_from({0, 0, 3});
+  RenderList list = world.collect({0, 0, 3});
+  drawing.options.width = drawing.options.height = 200;
+  (void)drawing.draw(list, camera);
+  const std::size_t all = drawing.statistics.vectors;
+  CHECK(!drawing.statistics.pending);
+  CHECK(all > 5000);
+  drawing.options.budget = 2000;
+  (void)drawing.draw(list, camera);
+  CHECK(drawing.statistics.vectors <= 2000);
+  drawing.options.budget = 0;
+  list.splats[0].detail = 0.1f;
+  (void)drawing.draw(list, camera);
+  CHECK(drawing.statistics.vectors < all / 4);
+
+  World fresh("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  list = fresh.collect({0, 0, 3});
+  drawing.options.most_decoded = 3000;
+  drawing.options.viewport = 3;
+  (void)drawing.draw(list, camera);
+  CHECK(drawing.statistics.pending);
+  for (int frame = 0; frame < 200 && drawing.statistics.pending; ++frame) (void)drawing.draw(list, camera);
+  CHECK(!drawing.statistics.pending);
+  CHECK(drawing.statistics.vectors == all);
+}
+
+TEST_CASE("Colours that tell vectors apart are drawn whatever the material") {
+  Drawing drawing;
+  drawing.options.width = drawing.options.height = 64;
+  World world(
+      "Shape { appearance Appearance { material Material { diffuseColor 0 0 0 } } geometry QNV { url \"ball\" } }",
+      {{"ball", sphere(6000)}});
+  const RenderList list = world.collect({0, 0, 4});
+  for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+    drawing.options.splats = path;
+    const auto middle = [&](ColorBy color_by) {
+      drawing.options.clouds.color_by = color_by;
+      return pixel(drawing.draw(list, camera_from({0, 0, 4})), 32, 32);
+    };
+    CHECK(middle(ColorBy::own) == glm::vec3(0));
+    // Towards the viewer: +Z, blue; and the headlight falls on it straight.
+    check_color(middle(ColorBy::normal), {0.5f, 0.5f, 1}, 6);
+    // The middle of the spiral's first discs, which look to +Z: the oldest.
+    check_color(middle(ColorBy::age), {0, 0, 1}, 6);
+    check_color(middle(ColorBy::level), {0, 0, 1}, 6);
+    check_color(middle(ColorBy::chunk), {1, 0, 0}, 6);
+  }
+}
