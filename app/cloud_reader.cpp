@@ -2,6 +2,7 @@
 
 #include "app/formats/volume.h"
 #include "app/gunzip.h"
+#include "net/file.h"
 #include "qnv/decoder.h"
 #include "qnv/encode_volume.h"
 #include "qnv/lod.h"
@@ -25,14 +26,15 @@ constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 // Vectors of a volume that is only looked at.
 constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
+constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
 
 class Reader {
  public:
-  Reader(const CloudFile& file, vrml::Diagnostics& diagnostics, Clock::time_point deadline)
-      : file_(file), diagnostics_(diagnostics), deadline_(deadline) {}
+  Reader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit)
+      : file_(file), diagnostics_(diagnostics), limit_(limit) {}
 
-  std::optional<qnv::Cloud> levels(std::vector<std::byte> bytes);
+  std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
   std::optional<qnv::Cloud> stream();
   std::optional<qnv::Cloud> cloud(const ContentType& type);
   std::optional<qnv::Cloud> volume();
@@ -45,12 +47,24 @@ class Reader {
   const CloudFile& file_;
   std::vector<std::byte> arrived_;  // with losses
   vrml::Diagnostics& diagnostics_;
-  Clock::time_point deadline_;
+  LoadLimit limit_;
 };
 
-// A packed stream is kept as it came; views decode what they show.
-std::optional<qnv::Cloud> Reader::levels(std::vector<std::byte> bytes) {
-  auto opened = qnv::LodStream::open(std::move(bytes));
+// Read with pread and not through a mapping: someone may truncate the file while it is looked at.
+class FileSource : public qnv::ChunkSource {
+ public:
+  explicit FileSource(net::RandomAccessFile file) : file_(std::move(file)) {}
+  [[nodiscard]] std::uint64_t size() const override { return file_.size(); }
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override {
+    return file_.read(offset, to);
+  }
+
+ private:
+  net::RandomAccessFile file_;
+};
+
+// A packed stream is kept as it came, or where it lies; views decode what they show.
+std::optional<qnv::Cloud> Reader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
   const std::shared_ptr<qnv::LodStream> stream = std::move(*made);
@@ -65,11 +79,18 @@ std::optional<qnv::Cloud> Reader::levels(std::vector<std::byte> bytes) {
 }
 
 std::optional<qnv::Cloud> Reader::stream() {
+  const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
+  if (as_it_lies && qnv::is_stream(file_.bytes)) {
+    const auto source = stream_source(file_.path);
+    // Not another file that has come to lie there.
+    if (source && source->size() == file_.bytes.size())
+      if (auto cloud = levels(qnv::LodStream::open(source))) return cloud;
+  }
   if (!is_gzip(file_.bytes)) {
     std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
                                                   : std::vector<std::byte>(file_.bytes.begin(), file_.bytes.end());
     if (file_.loss > 0) arrived_ = bytes;
-    if (auto cloud = levels(std::move(bytes))) return cloud;
+    if (auto cloud = levels(qnv::LodStream::open(std::move(bytes)))) return cloud;
   }
   qnv::StreamDecoder decoder;
   bool late = false;
@@ -78,7 +99,7 @@ std::optional<qnv::Cloud> Reader::stream() {
       const std::size_t size = std::min(bytes.size(), kPiece);
       if (!decoder.push(bytes.first(size))) return false;
       bytes = bytes.subspan(size);
-      late = Clock::now() > deadline_;
+      late = limit_.over();
     }
     return !late;
   };
@@ -137,7 +158,7 @@ std::optional<qnv::Cloud> Reader::volume() {
   }
   qnv::GradientOptions options;
   options.vectors = kMostGradients;
-  Deadline deadline(deadline_);
+  Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
     report(Severity::error,
@@ -164,19 +185,28 @@ qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
 
 }  // namespace
 
-Deadline::Deadline(Clock::time_point at)
-    : thread_([this, at](const std::stop_token& stop) {
+std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
+  auto opened = net::open_file(path);
+  auto* file = std::get_if<net::RandomAccessFile>(&opened);
+  return file ? std::make_shared<const FileSource>(std::move(*file)) : nullptr;
+}
+
+Deadline::Deadline(const LoadLimit& limit)
+    : thread_([this, limit](const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
-        // Nothing ever comes true: it waits for the time, or for the end of the work.
-        (void)done_.wait_until(lock, stop, at, [] { return false; });
+        // Nothing ever comes true: it waits for the time, or for the end of the work. Who cancels wakes nobody.
+        while (!stop.stop_requested() && !limit.over()) {
+          const auto next = limit.cancelled ? std::min(limit.at, Clock::now() + kCancelWait) : limit.at;
+          (void)done_.wait_until(lock, stop, next, [] { return false; });
+        }
         if (!stop.stop_requested()) progress.cancelled = true;
       }) {}
 
 Deadline::~Deadline() = default;
 
 std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, vrml::Diagnostics& diagnostics,
-                                     Clock::time_point deadline) {
-  Reader reader(file, diagnostics, deadline);
+                                     const LoadLimit& limit) {
+  Reader reader(file, diagnostics, limit);
   if (file.bytes.empty()) {
     diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
     return std::nullopt;

@@ -1,14 +1,15 @@
 #pragma once
 
 #include "app/content_types.h"
+#include "app/load_limit.h"
 #include "qnv/cloud.h"
+#include "qnv/lod_source.h"
 #include "qnv/parallel.h"
 #include "qnv/volume.h"
 #include "vrml/diagnostic.h"
 #include "vrml/field_value.h"
 #include "vrml/scene_graph.h"
 
-#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <memory>
@@ -22,7 +23,7 @@ namespace gs::app {
 
 /// A file that becomes vectors.
 struct CloudFile {
-  std::string path;                  // for diagnostics, and where a volume is opened
+  std::string path;                  // for diagnostics, and where a volume or a large stream is opened
   std::span<const std::byte> bytes;  // of the file, gzip'd or not
   bool cut = false;                  // more bytes would follow, and nobody misses them (`--max-bytes`)
   double loss = 0;                   // this share of a stream's packets never comes (`--loss`)
@@ -31,10 +32,14 @@ struct CloudFile {
 
 /// The vectors of a file of a type that `is_cloud`: a stream's, an importer's, or the strongest 9 % of a
 /// volume's gradients. What is wrong goes to `diagnostics`; nothing when there is no vector to show. A stream that
-/// ends early is a smaller cloud and gives a warning at most. Safe for untrusted files; gives up at `deadline`.
+/// ends early is a smaller cloud and gives a warning at most. Of a large packed stream that is whole only the header
+/// and the directory are read now: it stays open, and views read what they show. Safe for untrusted files; gives up at
+/// `limit`.
 [[nodiscard]] std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file,
-                                                   vrml::Diagnostics& diagnostics,
-                                                   std::chrono::steady_clock::time_point deadline);
+                                                   vrml::Diagnostics& diagnostics, const LoadLimit& limit);
+
+/// A stream that lies in a file, which stays open; null where it cannot be opened. Any number of threads may read it.
+[[nodiscard]] std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path);
 
 /// Makes the scene that shows a cloud: a WorldInfo with its title, and a Shape with a QNV node whose url is
 /// `url`. The QNV node; null when the scene may have no more nodes.
@@ -50,10 +55,10 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
 /// surface it takes its colour from `transfer`, if that is given. A message when there are none to be had.
 [[nodiscard]] std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId qnv);
 
-/// A piece of work that ends at a deadline: sets `cancelled` then.
+/// A piece of work that ends at a limit: sets `cancelled` then.
 class Deadline {
  public:
-  explicit Deadline(std::chrono::steady_clock::time_point at);
+  explicit Deadline(const LoadLimit& limit);
   ~Deadline();
   Deadline(const Deadline&) = delete;
   Deadline& operator=(const Deadline&) = delete;

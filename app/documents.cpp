@@ -1,6 +1,6 @@
 #include "app/documents.h"
 
-#include <glm/geometric.hpp>
+#include "app/navigation.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,117 +27,132 @@ void inspect(Document& document) {
   }
 }
 
+void inspect_clouds(Document& document) {
+  for (const render::SplatItem& item : document.list->splats) {
+    if (!item.cloud) continue;
+    const qnv::Cloud& cloud = *item.cloud;
+    if (cloud.description.kind == qnv::Kind::surface) {
+      document.has_surface_clouds = true;
+      continue;
+    }
+    if (!std::exchange(document.has_volumes, true)) {
+      document.volume = cloud.description;
+      document.volume.metadata.clear();
+    }
+    for (const float weight : cloud.weights)
+      if (weight > document.largest_magnitude) document.largest_magnitude = weight;
+  }
+}
+
+std::shared_ptr<const render::RenderList> collected(Document& document) {
+  return std::make_shared<const render::RenderList>(render::collect(
+      *document.world.scene, document.world.images, document.meshes, document.collected_for, document.world.clouds));
+}
+
 }  // namespace
 
 std::unique_ptr<Document> make_document(OpenedWorld world) {
   auto document = std::make_unique<Document>();
   document->world = std::move(world);
+  document->list = std::make_shared<const render::RenderList>();
   if (!document->world.scene) return document;
   inspect(*document);
-  document->list = render::collect(*document->world.scene, document->world.images, document->meshes,
-                                   glm::vec3(0, 0, 10), document->world.clouds);
+  document->list = collected(*document);
   if (document->viewer_dependent) {
-    const auto& viewpoints = document->list.viewpoints;
-    document->navigation.pose.position =
-        viewpoints.empty() ? first_pose(document->list.bounds, {4, 3}).position
-                           : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
-    follow_viewer(*document);
+    const auto& viewpoints = document->list->viewpoints;
+    document->collected_for = viewpoints.empty()
+                                  ? first_pose(document->list->bounds, {4, 3}).position
+                                  : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
+    document->list = collected(*document);
   }
+  inspect_clouds(*document);
   return document;
 }
 
-bool enter(Document& document, const glm::vec2& viewport, std::string_view viewpoint) {
-  const auto& viewpoints = document.list.viewpoints;
-  document.rules = document.has_navigation_info ? navigation_rules(document.list.navigation)
-                                                : default_navigation_rules(document.list.bounds, !viewpoints.empty());
-  document.headlight = document.list.navigation.headlight;
-  const auto named = viewpoint.empty() ? std::nullopt : find_viewpoint(viewpoints, viewpoint);
-  document.viewpoint = named ? named : viewpoints.empty() ? std::nullopt : std::optional<std::size_t>(0);
-  if (document.viewpoint) {
-    const render::ViewpointState& bound = viewpoints[*document.viewpoint];
-    document.home = pose_of(bound.world_from_camera, bound.field_of_view);
-  } else {
-    document.home = first_pose(document.list.bounds, viewport);
-  }
-  document.navigation = start_navigation(document.rules, document.list.bounds, document.home);
-  document.entered = true;
-  return viewpoint.empty() || named.has_value();
+void DocumentList::add(std::string_view path) {
+  if (path.empty()) return;
+  if (entry(path))
+    reload(path);
+  else
+    entries_.push_back({std::string(path), true, 0, nullptr, nullptr});
 }
 
-bool follow_viewer(Document& document) {
-  if (!document.viewer_dependent || !document.world.scene) return false;
-  const glm::vec3 viewer = document.navigation.pose.position;
-  // Large worlds are gathered again only where it is likely to show.
-  const float tolerance = document.list.items.size() > 2000 ? document.navigation.scene_size * 0.002f : 0.0f;
-  if (!(glm::distance(viewer, document.collected_for) > tolerance)) return false;
-  document.collected_for = viewer;
-  document.list =
-      render::collect(*document.world.scene, document.world.images, document.meshes, viewer, document.world.clouds);
-  if (document.viewpoint && *document.viewpoint >= document.list.viewpoints.size()) document.viewpoint.reset();
-  return true;
+void DocumentList::reload(std::string_view path) {
+  if (Entry* known = entry(path)) known->stale = true;
 }
 
-void DocumentList::open(std::span<const std::string> paths) {
-  bool first = true;
-  for (const std::string& path : paths) {
-    if (path.empty()) continue;
-    std::optional<std::size_t> index = find(path);
-    if (index) {
-      entries_[*index].stale = true;
-    } else {
-      index = entries_.size();
-      entries_.push_back({path, true, nullptr});
-    }
-    if (std::exchange(first, false)) select(*index);
-  }
+std::optional<DocumentList::Reading> DocumentList::begin(std::string_view path) {
+  Entry* known = entry(path);
+  if (!known || !known->stale || known->reading != 0) return std::nullopt;
+  known->stale = false;
+  known->reading = ++readings_;
+  known->cancelled = std::make_shared<std::atomic<bool>>(false);
+  return Reading{known->reading, known->path, known->cancelled};
 }
 
-void DocumentList::select(std::size_t index) {
-  if (index >= entries_.size()) return;
-  selected_ = index;
-  if (entries_[index].document) shown_ = entries_[index].path;
+std::optional<std::string> DocumentList::deliver(std::uint64_t reading, std::shared_ptr<Document> document) {
+  Entry* known = entry_of(reading);
+  if (!known) return std::nullopt;
+  known->reading = 0;
+  known->cancelled.reset();
+  known->document = std::move(document);
+  return known->path;
 }
 
-void DocumentList::reload() {
-  if (selected_ < entries_.size()) entries_[selected_].stale = true;
+std::optional<std::string> DocumentList::fail(std::uint64_t reading) {
+  Entry* known = entry_of(reading);
+  if (!known) return std::nullopt;
+  known->reading = 0;
+  known->cancelled.reset();
+  const std::string path = known->path;
+  if (!known->document && !known->stale) give_up(path);
+  return path;
 }
 
-std::optional<std::string> DocumentList::begin_loading() {
-  if (!loading_.empty() || selected_ >= entries_.size() || !entries_[selected_].stale) return std::nullopt;
-  loading_ = entries_[selected_].path;
-  entries_[selected_].stale = false;
-  return loading_;
+void DocumentList::cancel(std::string_view path) {
+  Entry* known = entry(path);
+  if (!known || known->reading == 0) return;
+  *known->cancelled = true;
+  known->cancelled.reset();
+  known->reading = 0;
+  known->stale = true;
 }
 
-void DocumentList::deliver(std::unique_ptr<Document> document) {
-  const std::optional<std::size_t> index = find(std::exchange(loading_, {}));
-  if (!index) return;
-  entries_[*index].document = std::move(document);
-  if (*index == selected_) shown_ = entries_[*index].path;
+void DocumentList::cancel_all() {
+  for (const Entry& entry : entries_) cancel(entry.path);
 }
 
-void DocumentList::fail() {
-  const std::optional<std::size_t> index = find(std::exchange(loading_, {}));
-  if (!index || entries_[*index].document) return;
-  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(*index));
-  if (selected_ > *index) {
-    --selected_;
-  } else if (selected_ == *index) {
-    // Back to what is on the screen; at the start, on to the next file that was named.
-    const std::optional<std::size_t> shown_index = find(shown_);
-    selected_ = shown_index ? *shown_index : std::min(*index, entries_.empty() ? 0 : entries_.size() - 1);
-  }
+void DocumentList::give_up(std::string_view path) {
+  const std::string name(path);  // `path` may be that of the entry itself
+  cancel(name);
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.path == name && !entry.document; });
+  if (Entry* known = entry(name)) known->stale = false;
 }
 
-Document* DocumentList::shown() {
-  const std::optional<std::size_t> index = find(shown_);
-  return index ? entries_[*index].document.get() : nullptr;
+const DocumentList::Entry* DocumentList::find(std::string_view path) const {
+  const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
+  return place == entries_.end() ? nullptr : &*place;
 }
 
-std::optional<std::size_t> DocumentList::find(std::string_view path) const {
-  for (std::size_t i = 0; i < entries_.size(); ++i)
-    if (entries_[i].path == path && !path.empty()) return i;
-  return std::nullopt;
+std::shared_ptr<Document> DocumentList::document(std::string_view path) const {
+  const Entry* known = find(path);
+  return known ? known->document : nullptr;
+}
+
+bool DocumentList::awaited(std::string_view path) const {
+  const Entry* known = find(path);
+  return known && (known->stale || known->reading != 0);
+}
+
+DocumentList::Entry* DocumentList::entry(std::string_view path) {
+  const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
+  return place == entries_.end() ? nullptr : &*place;
+}
+
+DocumentList::Entry* DocumentList::entry_of(std::uint64_t reading) {
+  const auto place = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& e) { return reading != 0 && e.reading == reading; });
+  return place == entries_.end() ? nullptr : &*place;
 }
 
 std::string file_label(std::string_view path) {

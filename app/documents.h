@@ -1,85 +1,88 @@
 #pragma once
 
-#include "app/navigation.h"
-#include "app/viewer.h"
+#include "app/opened_world.h"
+#include "qnv/cloud.h"
 #include "render/render_list.h"
 
+#include <glm/vec3.hpp>
+
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace gs::app {
 
-/// An opened world and how it is being looked at.
+/// An opened world: what all that look at it share.
 struct Document {
   OpenedWorld world;
   render::MeshCache meshes;
-  render::RenderList list;
-  bool viewer_dependent = false;  // has LOD or Billboard nodes: `list` must follow the viewer
+  std::shared_ptr<const render::RenderList> list;  // as seen from `collected_for`; never null
+  glm::vec3 collected_for{0, 0, 10};
+  bool viewer_dependent = false;  // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;
-  glm::vec3 collected_for{0, 0, 10};  // the viewer's place for which `list` was made
+  bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
+  qnv::Description volume;                               // of the first volume, without what is of its source
+  float largest_magnitude = 0;                           // of the gradients of all volumes
 
-  bool entered = false;
-  NavigationRules rules;
-  Navigation navigation;
-  Pose home;                             // of the bound Viewpoint, or the first view of the whole
-  std::optional<std::size_t> viewpoint;  // the bound one
-  bool headlight = true;
+  [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
 /// Gathers what is visible in a world that was opened. Any thread that owns it.
 [[nodiscard]] std::unique_ptr<Document> make_document(OpenedWorld world);
 
-/// Puts the viewer where the world is first seen from: at the Viewpoint named `viewpoint`, else at the first
-/// one, else so that the whole is in view. False when a name was given that no Viewpoint has.
-bool enter(Document& document, const glm::vec2& viewport, std::string_view viewpoint);
-
-/// Gathers again when the viewer has come so far that other levels of detail may be due.
-/// True when the list was made anew.
-bool follow_viewer(Document& document);
-
-/// The files of the session, of which one is shown. Plain bookkeeping: it neither reads nor draws.
+/// The files of the session. Plain bookkeeping: it neither reads nor draws.
 class DocumentList {
  public:
   struct Entry {
     std::string path;
-    bool stale = true;                   // to be read (again) once it is selected
-    std::unique_ptr<Document> document;  // null until it was read
+    bool stale = true;                             // to be read (again) once somebody wants to see it
+    std::uint64_t reading = 0;                     // the number of the reading that goes on; 0: none
+    std::shared_ptr<Document> document;            // null until it was read
+    std::shared_ptr<std::atomic<bool>> cancelled;  // of the reading that goes on
+  };
+  /// One reading of a file, begun. Who reads looks at `cancelled` now and then.
+  struct Reading {
+    std::uint64_t number = 0;
+    std::string path;
+    std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
-  /// Adds files that were named, dropped or chosen, and selects the first of them. A path that is already
-  /// in the list is read again. Empty paths are ignored.
-  void open(std::span<const std::string> paths);
-  void select(std::size_t index);
-  /// Marks the selected file to be read again.
-  void reload();
+  /// Adds a file; one that is in the list already is read again. An empty path is ignored.
+  void add(std::string_view path);
+  /// Marks a file to be read again.
+  void reload(std::string_view path);
 
-  /// The path of the selected file if it has to be read and nothing is being read; it then counts as
-  /// being read until `deliver` or `fail`.
-  [[nodiscard]] std::optional<std::string> begin_loading();
-  /// The path that is being read, or empty.
-  [[nodiscard]] const std::string& loading() const { return loading_; }
-  /// The file being read has become this.
-  void deliver(std::unique_ptr<Document> document);
-  /// The file being read could not be opened: it leaves the list, unless an older state of it is open.
-  void fail();
+  /// Begins to read a file, if it has to be read and is not being read.
+  [[nodiscard]] std::optional<Reading> begin(std::string_view path);
+  /// A reading has become this. The path, or nothing when it was cancelled meanwhile: then it is dropped.
+  std::optional<std::string> deliver(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// A reading came to nothing: its file leaves the list, unless an older state of it is open. The path, or nothing
+  /// when it was cancelled meanwhile.
+  std::optional<std::string> fail(std::uint64_t reading);
+  /// Nobody waits for this file any more. It will be read from its beginning when somebody does again.
+  void cancel(std::string_view path);
+  /// Nobody wants to read this file any more: an older state of it stays, else it leaves the list.
+  void give_up(std::string_view path);
+  /// Nobody waits for anything any more.
+  void cancel_all();
 
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
-  [[nodiscard]] std::size_t selected() const { return selected_; }
-  /// What is to be shown: the selected document, or the one before until that is read. Null: nothing yet.
-  [[nodiscard]] Document* shown();
+  [[nodiscard]] const Entry* find(std::string_view path) const;
+  [[nodiscard]] std::shared_ptr<Document> document(std::string_view path) const;
+  /// True when a file is being read or waits for it.
+  [[nodiscard]] bool awaited(std::string_view path) const;
 
  private:
-  [[nodiscard]] std::optional<std::size_t> find(std::string_view path) const;
+  [[nodiscard]] Entry* entry(std::string_view path);
+  [[nodiscard]] Entry* entry_of(std::uint64_t reading);
 
   std::vector<Entry> entries_;
-  std::size_t selected_ = 0;
-  std::string shown_;  // path of what is shown
-  std::string loading_;
+  std::uint64_t readings_ = 0;
 };
 
 /// The last part of a path or URL.

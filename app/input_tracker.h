@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/navigation.h"
+#include "app/viewports.h"
 #include "app/window.h"
 
 #include <glm/vec2.hpp>
@@ -9,14 +10,6 @@
 #include <set>
 
 namespace gs::app {
-
-/// Where the world is drawn in the window: framebuffer pixels, `top` from the upper edge.
-struct Viewport {
-  int left = 0, top = 0, width = 1, height = 1;
-
-  [[nodiscard]] glm::vec2 size() const { return glm::vec2(width, height); }
-  [[nodiscard]] glm::vec2 inside(const glm::vec2& pointer) const { return pointer - glm::vec2(left, top); }
-};
 
 /// Turns window events into NavigationInput: remembers which keys are held and which drag goes on.
 class InputTracker {

@@ -1,5 +1,7 @@
 #include "app/picking.h"
 
+#include "render/splat_pick.h"
+
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
@@ -12,6 +14,8 @@
 
 namespace gs::app {
 namespace {
+
+constexpr float kSolid = 0.5f;  // opacity from which a volume hides what lies behind it
 
 /// Distance at which the line enters the box, in lengths of `direction`; none when it misses.
 std::optional<float> enter(const vrml::Bounds& box, const glm::vec3& origin, const glm::vec3& direction) {
@@ -49,9 +53,8 @@ std::optional<float> meet(const glm::vec3& a, const glm::vec3& b, const glm::vec
   return t > 0 && std::isfinite(t) ? std::optional(t) : std::nullopt;
 }
 
-}  // namespace
-
-std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, std::size_t max_triangles) {
+/// The nearest triangle.
+std::optional<Hit> pick_triangle(const render::RenderList& list, const Ray& ray, std::size_t max_triangles) {
   struct Candidate {
     float enters;
     std::size_t item;
@@ -81,10 +84,60 @@ std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, std::siz
     for (std::size_t t = 0; t < triangles; ++t) {
       const auto distance = meet(positions[indices[3 * t]], positions[indices[3 * t + 1]],
                                  positions[indices[3 * t + 2]], candidate.origin, candidate.direction);
-      if (distance && (!nearest || *distance < nearest->distance)) nearest = Hit{*distance, candidate.item};
+      if (distance && (!nearest || *distance < nearest->distance))
+        nearest = Hit{*distance, candidate.item, std::nullopt};
     }
   }
   return nearest;
+}
+
+}  // namespace
+
+const render::VolumeModel& Picker::model_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
+  std::erase_if(models_, [](const auto& entry) { return entry.second.cloud.expired(); });
+  const auto [found, fresh] = models_.try_emplace(cloud.get());
+  if (fresh) found->second = {cloud, render::volume_model(*cloud)};
+  return found->second.model;
+}
+
+std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
+  std::optional<Hit> nearest = pick_triangle(list, ray, options.max_triangles), faint;
+  render::PickRay looking;
+  looking.origin = ray.origin;
+  looking.direction = ray.direction;
+  looking.pixel = options.pixel;
+  if (nearest) looking.farthest = nearest->distance;
+  for (std::size_t i = 0; i < list.splats.size(); ++i) {
+    const render::SplatItem& item = list.splats[i];
+    if (!item.cloud || item.cloud->description.kind != qnv::Kind::surface) continue;
+    if (const auto distance = render::pick_surface(*item.cloud, item.world_from_node, looking)) {
+      nearest = Hit{*distance, 0, i};
+      looking.farthest = *distance;
+    }
+  }
+  for (std::size_t i = 0; i < list.splats.size(); ++i) {
+    const render::SplatItem& item = list.splats[i];
+    if (!item.cloud || item.cloud->description.kind != qnv::Kind::volume || item.cloud->empty()) continue;
+    render::VolumeOptions look;
+    look.opacity = options.clouds.opacity * (1 - item.material.transparency);
+    look.least_magnitude = options.clouds.least_magnitude;
+    if (options.clouds.clip) look.clip = *options.clouds.clip * item.world_from_node;
+    const render::VolumeTransfer transfer = render::volume_transfer(item.cloud->description, options.clouds.transfer);
+    look.transfer = &transfer;
+    const auto veil = render::pick_volume(*item.cloud, model_of(item.cloud), look, item.world_from_node, looking);
+    if (!veil) continue;
+    if (veil->opacity >= kSolid) {
+      nearest = Hit{veil->distance, 0, i};
+      looking.farthest = veil->distance;
+    } else if (!faint || veil->distance < faint->distance) {
+      faint = Hit{veil->distance, 0, i};
+    }
+  }
+  return nearest ? nearest : faint;
+}
+
+std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
+  return Picker().pick(list, ray, options);
 }
 
 }  // namespace gs::app

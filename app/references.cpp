@@ -51,8 +51,8 @@ std::string find_ignoring_case(const fs::path& path) {
 
 class ReferenceLoader {
  public:
-  ReferenceLoader(References found, vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline)
-      : images_(found.images), clouds_(found.clouds), diagnostics_(diagnostics), deadline_(deadline) {}
+  ReferenceLoader(References found, vrml::Diagnostics& diagnostics, const LoadLimit& limit)
+      : images_(found.images), clouds_(found.clouds), diagnostics_(diagnostics), limit_(limit) {}
 
   // `chain`: the files that this scene lies in, outermost first.
   void load(vrml::SceneGraph& scene, const std::vector<std::string>& chain) {
@@ -87,7 +87,7 @@ class ReferenceLoader {
 
   bool out_of_time(const vrml::SceneGraph& scene) {
     if (stopped_) return true;
-    stopped_ = std::chrono::steady_clock::now() > deadline_ || files_ >= kMaxFiles;
+    stopped_ = limit_.over() || files_ >= kMaxFiles;
     if (stopped_)
       report(Severity::error, scene, {},
              files_ >= kMaxFiles
@@ -143,7 +143,7 @@ class ReferenceLoader {
       }
       vrml::SceneGraph*& library = libraries[found->path];
       if (!library) {
-        SceneRead read = read_scene(found->path, found->file.bytes(), diagnostics_, deadline_);
+        SceneRead read = read_scene(found->path, found->file.bytes(), diagnostics_, limit_);
         if (!read.scene) read.scene = std::make_unique<vrml::SceneGraph>(found->path);
         std::vector<std::string> inner = chain;
         inner.push_back(found->path);
@@ -178,7 +178,7 @@ class ReferenceLoader {
       report(Severity::error, scene, location, "Inline leads back to " + found->path + "; left out");
       return;
     }
-    SceneRead read = read_scene(found->path, found->file.bytes(), diagnostics_, deadline_);
+    SceneRead read = read_scene(found->path, found->file.bytes(), diagnostics_, limit_);
     if (!read.scene) return;
     std::vector<std::string> inner = chain;
     inner.push_back(found->path);
@@ -277,7 +277,7 @@ class ReferenceLoader {
              "QNV: " + found.path + " is " + std::string(type.name) + "; expected a QNV stream");
       return nullptr;
     }
-    auto cloud = read_cloud(type, {found.path, bytes}, diagnostics_, deadline_);
+    auto cloud = read_cloud(type, {found.path, bytes}, diagnostics_, limit_);
     return cloud ? std::make_shared<const qnv::Cloud>(std::move(*cloud)) : nullptr;
   }
 
@@ -294,7 +294,7 @@ class ReferenceLoader {
   render::Images& images_;
   render::Clouds& clouds_;
   vrml::Diagnostics& diagnostics_;
-  std::chrono::steady_clock::time_point deadline_;
+  LoadLimit limit_;
   std::unordered_map<std::string, std::shared_ptr<const render::Image>> by_path_;
   std::unordered_map<std::string, std::shared_ptr<const qnv::Cloud>> clouds_by_path_;
   std::size_t files_ = 0, copied_ = 0;
@@ -368,10 +368,10 @@ std::optional<std::vector<std::byte>> data_of_url(std::string_view url) {
 }
 
 void load_references(vrml::SceneGraph& scene, const std::string& path, References found, vrml::Diagnostics& diagnostics,
-                     std::chrono::steady_clock::time_point deadline) {
+                     const LoadLimit& limit) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error);
-  ReferenceLoader(found, diagnostics, deadline).load(scene, {error ? path : absolute.lexically_normal().string()});
+  ReferenceLoader(found, diagnostics, limit).load(scene, {error ? path : absolute.lexically_normal().string()});
 }
 
 }  // namespace gs::app

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/load_limit.h"
 #include "net/file.h"
 #include "net/url.h"
 #include "render/image.h"
@@ -7,7 +8,6 @@
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
-#include <chrono>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,9 +24,9 @@ struct References {
 /// Loads what the live nodes of a world refer to: EXTERNPROTOs, Inlines (with all of this again for their
 /// content), the images of textures and the vectors of QNV nodes. Of each url list the first entry that works is taken
 /// (VRML97 4.5.2); what is missing gives a warning and is left out. Inlines and EXTERNPROTOs that contain themselves
-/// are cut. Stops with a diagnostic at `deadline`.
+/// are cut. Stops with a diagnostic at `limit`.
 void load_references(vrml::SceneGraph& scene, const std::string& path, References found, vrml::Diagnostics& diagnostics,
-                     std::chrono::steady_clock::time_point deadline);
+                     const LoadLimit& limit);
 
 /// The local file that `reference` means, seen from `base`; also where only upper and lower case differ,
 /// as in worlds that come from Windows. Nothing when there is none.

@@ -18,7 +18,6 @@
 namespace gs::app {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using vrml::Severity;
 
 // A hostile .wrz can promise a thousand times its size.
@@ -34,14 +33,14 @@ struct ParseRun {
   vrml::Parser parser;
   vrml::SceneGraph& scene;
   vrml::Diagnostics& diagnostics;
-  Clock::time_point deadline;
+  const LoadLimit& limit;
   bool late = false;
 
   bool push(std::string_view text) {
     while (!text.empty() && !late) {
       parser.push(text.substr(0, kPiece));
       text.remove_prefix(std::min(text.size(), kPiece));
-      late = Clock::now() > deadline;
+      late = limit.over();
     }
     if (late && !text.empty())
       diagnostics.add(
@@ -52,8 +51,8 @@ struct ParseRun {
 
 // VRML97, gzip'd or not. True when the whole text was there.
 bool read_vrml(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
-               Clock::time_point deadline, bool& refused) {
-  ParseRun run{vrml::Parser(scene, diagnostics), scene, diagnostics, deadline};
+               const LoadLimit& limit, bool& refused) {
+  ParseRun run{vrml::Parser(scene, diagnostics), scene, diagnostics, limit};
   bool whole = true;
   if (is_gzip(bytes)) {
     if (const auto problem = gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) { return run.push(piece); })) {
@@ -110,17 +109,17 @@ bool read_mesh(const ContentType& type, const std::string& path, std::span<const
 }  // namespace
 
 SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
-                     Clock::time_point deadline, const Arrival& arrival) {
+                     const LoadLimit& limit, const Arrival& arrival) {
   SceneRead read;
   auto scene = std::make_unique<vrml::SceneGraph>(path);
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   bool refused = false;
   if (type.content == ContentClass::vrml) {
-    read.whole = read_vrml(bytes, *scene, diagnostics, deadline, refused);
+    read.whole = read_vrml(bytes, *scene, diagnostics, limit, refused);
   } else if (type.content == ContentClass::mesh) {
     refused = read_mesh(type, path, bytes, *scene, diagnostics);
   } else {
-    auto cloud = read_cloud(type, {path, bytes, arrival.cut, arrival.loss, arrival.loss_seed}, diagnostics, deadline);
+    auto cloud = read_cloud(type, {path, bytes, arrival.cut, arrival.loss, arrival.loss_seed}, diagnostics, limit);
     refused = !cloud;
     if (cloud) {
       const std::string url = net::url_of_path(std::filesystem::path(path).filename().string()).path;

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "app/load_limit.h"
 #include "render/render_list.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -28,10 +28,9 @@ struct SceneRead {
 };
 
 /// Makes a scene of the bytes of a file of any type of the table of content types, gzip'd or not; nothing
-/// that it refers to is read but the materials and buffers that belong to the format. Stops at `deadline`.
+/// that it refers to is read but the materials and buffers that belong to the format. Stops at `limit`.
 /// `arrival`: what of the bytes comes. Safe for untrusted bytes.
 [[nodiscard]] SceneRead read_scene(const std::string& path, std::span<const std::byte> bytes,
-                                   vrml::Diagnostics& diagnostics, std::chrono::steady_clock::time_point deadline,
-                                   const Arrival& arrival = {});
+                                   vrml::Diagnostics& diagnostics, const LoadLimit& limit, const Arrival& arrival = {});
 
 }  // namespace gs::app

@@ -33,19 +33,6 @@ float button_width(const char* label) {
   return ImGui::CalcTextSize(label, nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
 }
 
-/// A button that shows whether what it stands for is on: a state of the view, or only an open panel.
-bool switch_button(const char* label, bool on, bool is_panel = false) {
-  if (on) {
-    const ImVec4& accent = UiColors::kAccent;
-    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
-    ImGui::PushStyleColor(ImGuiCol_Button, color);
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
-  }
-  const bool pressed = ImGui::Button(label);
-  if (on) ImGui::PopStyleColor(2);
-  return pressed;
-}
-
 void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 
 constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
@@ -75,6 +62,52 @@ std::optional<std::size_t> choose(const char* id, const std::string& preview, co
   return result;
 }
 
+/// How much of the top bar there is room for (`more`: clouds and layouts). Each row leaves out more than the one
+/// before.
+struct BarPlan {
+  float files, viewpoints;  // widths at scale 1; 0: left out
+  bool mode_buttons, arrows, headlight_word, home, layouts, link, fit, more;
+};
+constexpr BarPlan kBarPlans[] = {
+    {150, 170, true, true, true, true, true, true, true, true},
+    {150, 170, false, true, true, true, true, true, true, true},
+    {90, 130, false, true, false, true, true, true, true, true},
+    {90, 130, false, true, false, true, false, true, true, true},
+    {90, 90, false, false, false, true, false, true, true, true},
+    {90, 90, false, false, false, false, false, true, true, true},
+    {70, 0, false, false, false, false, false, false, true, true},
+    {70, 0, false, false, false, false, false, false, false, true},
+    {0, 0, false, false, false, false, false, false, false, false},
+};
+
+float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
+
+/// What a plan needs, up to what stands at the right end.
+float width_of(const BarPlan& plan, const UiModel& model, float scale) {
+  const float gap = ImGui::GetStyle().ItemSpacing.x, group = gap * 2.5f;
+  const float combo_arrow = ImGui::GetFrameHeight();
+  float width = ImGui::GetStyle().WindowPadding.x + button_width("Open") + group;
+  if (model.files.size() > 1 && plan.files > 0) width += gap + plan.files * scale;
+  if (plan.viewpoints > 0) width += plan.viewpoints * scale + (plan.arrows ? 2 * combo_arrow + 2 : 0) + group;
+  if (plan.mode_buttons)
+    for (const char* label : {"Examine", "Fly", "Walk", "Pan"}) width += button_width(label) + 1;
+  else
+    width += button_width("Examine") + combo_arrow;
+  width += group + (plan.home ? button_width("Reset") + 1 : 0) + (plan.fit ? button_width("Fit") : 0);
+  if (plan.home) width += group + button_width(plan.headlight_word ? "Headlight" : "Light");
+  if (!plan.more) return width;
+  if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Clouds");
+  width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
+  if (plan.link && model.layout != ViewportLayout::one) width += 1 + button_width("Link");
+  return width;
+}
+
+const BarPlan& bar_plan(const UiModel& model, float scale, float room) {
+  for (const BarPlan& plan : kBarPlans)
+    if (width_of(plan, model, scale) <= room) return plan;
+  return std::end(kBarPlans)[-1];
+}
+
 std::string log_label(const UiModel& model) {
   const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
   if (count == 0) return "Log###log";
@@ -88,6 +121,18 @@ std::string counted(std::size_t count) {
 }
 
 }  // namespace
+
+bool switch_button(const char* label, bool on, bool is_panel) {
+  if (on) {
+    const ImVec4& accent = UiColors::kAccent;
+    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
+    ImGui::PushStyleColor(ImGuiCol_Button, color);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
+  }
+  const bool pressed = ImGui::Button(label);
+  if (on) ImGui::PopStyleColor(2);
+  return pressed;
+}
 
 float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
@@ -145,45 +190,39 @@ void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, 
 }
 
 void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
-  const float width = ImGui::GetIO().DisplaySize.x / scale;
-  const bool wide = width >= 980, narrow = width < 640;
   begin_bar("##top", 0, top_bar_height(), 5 * scale);
+  const std::string label = log_label(model);
+  const float right = button_width(label.c_str()) + button_width("?") + 8 * scale + 2;
+  const BarPlan& plan = bar_plan(model, scale, ImGui::GetIO().DisplaySize.x - right - 8 * scale);
   if (switch_button("Open", open_panel, true)) {
     open_panel = !open_panel;
     open_panel_appears = open_panel;
   }
   tooltip("Open a file (Ctrl+O), or drop one on the window");
-  if (model.files.size() > 1) {
+  if (model.files.size() > 1 && plan.files > 0) {
     ImGui::SameLine();
-    const std::string& preview = model.files[std::min(model.file, model.files.size() - 1)];
-    if (const auto chosen = choose("##files", preview, model.files, model.file, (wide ? 150 : 90) * scale))
+    const std::string preview = model.file && *model.file < model.files.size() ? model.files[*model.file] : "Files";
+    if (const auto chosen = choose("##files", preview, model.files, model.file, plan.files * scale))
       actions.file = chosen;
     tooltip("Files (Ctrl+Tab)");
   }
-  group_gap();
-  viewpoint_list(model, actions, (wide ? 170 : narrow ? 90 : 130) * scale, !narrow);
-  group_gap();
-  mode_buttons(model, actions, !wide);
-  group_gap();
-  ImGui::BeginDisabled(!model.has_world);
-  if (!narrow) {
-    if (ImGui::Button("Reset")) actions.reset = true;
-    tooltip("Back to the viewpoint (Home)");
-    ImGui::SameLine(0, 1);
-  }
-  ImGui::BeginDisabled(model.mode == NavigationMode::none);
-  if (ImGui::Button("Fit")) actions.fit = true;
-  ImGui::EndDisabled();
-  tooltip("Bring everything into view (F)");
-  if (!narrow) {
+  if (plan.viewpoints > 0) {
     group_gap();
-    if (switch_button(wide ? "Headlight" : "Light", model.headlight)) actions.toggle_headlight = true;
-    tooltip("Headlight (H)");
+    viewpoint_list(model, actions, plan.viewpoints * scale, plan.arrows);
   }
-  ImGui::EndDisabled();
+  group_gap();
+  mode_buttons(model, actions, !plan.mode_buttons);
+  view_buttons(model, actions, plan.home, plan.fit, plan.headlight_word);
+  if (plan.more && (model.has_surface_clouds || model.has_volumes)) {
+    ImGui::SameLine();
+    if (switch_button("Clouds", clouds.open, true)) clouds.open = !clouds.open;
+    tooltip("Colours of clouds; transfer function and clipping of volumes (F4)");
+  }
+  if (plan.more) {
+    group_gap();
+    layout_buttons(model, actions, plan.layouts, plan.link);
+  }
 
-  const std::string label = log_label(model);
-  const float right = button_width(label.c_str()) + button_width("?") + 8 * scale + 2;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
   const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
   ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
@@ -194,6 +233,32 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   if (switch_button("?", help, true)) help = !help;
   tooltip("Keys and mouse (F1)");
   ImGui::End();
+}
+
+void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit,
+                                    bool whole_word) {
+  ImGui::BeginDisabled(!model.has_world);
+  if (home) {
+    group_gap();
+    if (ImGui::Button("Reset")) actions.reset = true;
+    tooltip("Back to the viewpoint (Home)");
+  }
+  if (with_fit) {
+    if (home)
+      ImGui::SameLine(0, 1);
+    else
+      group_gap();
+    ImGui::BeginDisabled(model.mode == NavigationMode::none);
+    if (ImGui::Button("Fit")) actions.fit = true;
+    ImGui::EndDisabled();
+    tooltip("Bring everything into view (F)");
+  }
+  if (home) {
+    group_gap();
+    if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.toggle_headlight = true;
+    tooltip("Headlight (H)");
+  }
+  ImGui::EndDisabled();
 }
 
 void UiOverlay::State::status_bar(const UiModel& model) {
@@ -209,6 +274,9 @@ void UiOverlay::State::status_bar(const UiModel& model) {
   line += numbers;
   line += "   " + counted(model.statistics.triangles) + " triangles   " + counted(model.statistics.items) +
           " items   " + counted(model.statistics.draw_calls) + " draw calls";
+  if (model.statistics.vectors > 0)
+    line += "   " + counted(model.statistics.vectors) + " vectors (" + model.statistics.splats + ")" +
+            (model.statistics.pending ? ", more to come" : "");
   if (model.mode == NavigationMode::fly || model.mode == NavigationMode::walk) {
     std::snprintf(numbers, sizeof numbers, "   %.3g m/s", static_cast<double>(model.speed));
     line += numbers;
@@ -221,23 +289,6 @@ void UiOverlay::State::status_bar(const UiModel& model) {
     colored_text(UiColors::kQuiet, renderer);
   }
   ImGui::End();
-}
-
-void UiOverlay::State::loading_line(const UiModel& model) {
-  const float width = ImGui::GetIO().DisplaySize.x, top = top_bar_height(), thickness = std::round(3 * scale);
-  // A glint that runs along under the bar: the length of the work is not known.
-  ImDrawList& draw = *ImGui::GetForegroundDrawList();
-  const float phase = static_cast<float>(std::fmod(now * 0.8, 1.0));
-  const float from = (phase * 1.3f - 0.3f) * width;
-  draw.AddRectFilled({std::max(0.0f, from), top}, {std::min(width, from + 0.3f * width), top + thickness},
-                     ImGui::GetColorU32(UiColors::kAccent));
-  const std::string line = "Loading " + shortened(model.loading, 80) + "...";
-  const ImVec2 size = ImGui::CalcTextSize(line.c_str());
-  const ImVec2 place(std::floor((width - size.x) / 2), top + 12 * scale);
-  draw.AddRectFilled({place.x - 12 * scale, place.y - 6 * scale},
-                     {place.x + size.x + 12 * scale, place.y + size.y + 6 * scale},
-                     ImGui::GetColorU32(UiColors::kPanel), 6 * scale);
-  draw.AddText(place, ImGui::GetColorU32(UiColors::kText), line.c_str());
 }
 
 void UiOverlay::State::travel_mark(const UiModel& model) {

@@ -190,10 +190,23 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.top_bar(model, actions);
   if (state.statistics) state.status_bar(model);
   if (state.log) state.log_panel(model);
+  if (state.clouds.open) {
+    const float gap = 8 * state.scale;
+    const CloudPanel::Frame frame{state.scale, state.top_bar_height() + gap,
+                                  ImGui::GetIO().DisplaySize.y - state.status_bar_height() - gap,
+                                  [&state](std::string_view text) { state.tooltip(text); }};
+    state.clouds.build(frame, model, actions);
+  }
   if (state.help) state.help_panel();
   if (state.open_panel) state.open_files_panel(actions);
-  if (!model.has_world && model.loading.empty() && !state.open_panel) state.welcome();
-  if (!model.loading.empty()) state.loading_line(model);
+  state.viewport_marks(model);
+  for (std::size_t i = 0; i < model.viewports.size(); ++i) {
+    const UiViewport& viewport = model.viewports[i];
+    if (!viewport.loading.empty())
+      state.loading_line(viewport, i, actions);
+    else if (viewport.label.empty() && !state.open_panel)
+      state.welcome(viewport, i);
+  }
   if (!state.notice.empty()) state.notice_line();
   if (model.travel_anchor) state.travel_mark(model);
   if (!state.hovers) state.hovered = {-1, -1};
@@ -231,6 +244,7 @@ void UiOverlay::show_open_panel() {
 void UiOverlay::toggle_help() { state_->help = !state_->help; }
 void UiOverlay::toggle_statistics() { state_->statistics = !state_->statistics; }
 void UiOverlay::toggle_log() { state_->log = !state_->log; }
+void UiOverlay::toggle_clouds() { state_->clouds.open = !state_->clouds.open; }
 void UiOverlay::show_log() { state_->log = true; }
 
 void UiOverlay::show_notice(std::string text, bool is_error) {
@@ -248,6 +262,7 @@ bool UiOverlay::close_one() {
       return true;
     }
   }
+  if (state_->clouds.close_one()) return true;
   if (!state_->notice.empty()) {
     state_->notice.clear();
     return true;

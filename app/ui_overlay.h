@@ -1,9 +1,13 @@
 #pragma once
 
 #include "app/navigation.h"
+#include "app/viewports.h"
 #include "app/window.h"
+#include "qnv/cloud.h"
+#include "render/cloud_look.h"
 #include "render/renderer.h"
 #include "vrml/diagnostic.h"
+#include "vrml/mesh.h"
 
 #include <glm/vec2.hpp>
 
@@ -15,12 +19,25 @@
 
 namespace gs::app {
 
+/// A viewport in sight.
+struct UiViewport {
+  Viewport place;
+  std::string label;    // of the file it shows; empty: none
+  std::string loading;  // label of what is being read for it, or empty
+  bool active = false;
+};
+
 /// What the user interface shows. Made anew for each frame; pointers need to last only that long.
 struct UiModel {
-  std::vector<std::string> files;  // labels
-  std::size_t file = 0;
+  std::vector<std::string> files;   // labels
+  std::optional<std::size_t> file;  // of these, the chosen one
+
+  std::vector<UiViewport> viewports;
+  ViewportLayout layout = ViewportLayout::one;
+  bool linked = false;  // all viewports move as one
+
+  // From here on: the active viewport.
   bool has_world = false;
-  std::string loading;  // label of what is being read, or empty
 
   std::vector<std::string> viewpoints;   // labels
   std::optional<std::size_t> viewpoint;  // of these, the bound one
@@ -28,6 +45,15 @@ struct UiModel {
   NavigationRules rules;
   float speed = 1;  // metres a second
   bool headlight = false;
+
+  // Its clouds.
+  render::CloudLook look;
+  bool has_surface_clouds = false, has_volumes = false;
+  qnv::Description volume;                                 // of the first one: transfer function, range of values
+  float largest_magnitude = 0;                             // of all volumes' gradients
+  vrml::Bounds bounds;                                     // world space, of everything
+  std::vector<std::shared_ptr<const qnv::Cloud>> volumes;  // of which the panel takes a summary, once
+  glm::vec3 looking{0, 0, -1};                             // world space, along the middle of the view
 
   render::FrameStatistics statistics;
   double frame_ms = 0, frames_a_second = 0;
@@ -45,6 +71,10 @@ struct UiActions {
   std::optional<NavigationMode> mode;
   bool previous_viewpoint = false, next_viewpoint = false;
   bool reset = false, fit = false, toggle_headlight = false, reload = false;
+  std::optional<ViewportLayout> layout;
+  bool toggle_link = false;
+  std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
+  std::optional<render::CloudLook> look;      // instead of the model's
 };
 
 /// The bars and panels over the picture. Belongs to the thread of the window, whose context is current.
@@ -78,6 +108,7 @@ class UiOverlay {
   void toggle_help();
   void toggle_statistics();
   void toggle_log();
+  void toggle_clouds();
   void show_log();
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);

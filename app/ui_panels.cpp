@@ -35,8 +35,10 @@ constexpr KeyHelp kKeyHelp[] = {
     {"F", "Bring everything into view"},
     {"H", "Headlight"},
     {"Ctrl+O, Ctrl+Tab, F5", "Open, next file, read again"},
-    {"F1  F2  F3", "Help, statistics, log"},
-    {"F11, Esc, Ctrl+Q", "Full screen, close a panel, quit"},
+    {"F6, Ctrl+1 2 3 4", "One, two or four viewports; the keys go to this one"},
+    {"L", "Link: what one viewport does, all do"},
+    {"F1  F2  F3  F4", "Help, statistics, log, colours of clouds and volumes"},
+    {"F11, Esc, Ctrl+Q", "Full screen, close a panel or stop loading, quit"},
 };
 
 template <std::size_t N>
@@ -183,17 +185,6 @@ void UiOverlay::State::notice_line() {
     ImGui::SameLine();
     if (ImGui::SmallButton("x")) notice.clear();
   }
-  ImGui::End();
-}
-
-void UiOverlay::State::welcome() {
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({screen.x / 2, screen.y * 0.45f}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::Begin("##welcome", nullptr,
-               kPanelFlags | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoInputs);
-  colored_text(UiColors::kText, "Drop a file here");
-  colored_text(UiColors::kQuiet, "or press Ctrl+O to open one.  F1 shows the keys.");
   ImGui::End();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/ui_clouds.h"
 #include "app/ui_overlay.h"
 
 #include <imgui.h>
@@ -44,6 +45,8 @@ struct UiOverlay::State {
   double hovered_since = 0;
   bool hovers = false;
 
+  CloudPanel clouds;
+
   // The log panel.
   bool show_errors = true, show_warnings = true, show_notes = true;
 
@@ -59,8 +62,11 @@ struct UiOverlay::State {
   void help_panel();
   void open_files_panel(UiActions& actions);
   void notice_line();
-  void loading_line(const UiModel& model);
-  void welcome();
+  void view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit, bool whole_word);
+  void layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link);
+  void viewport_marks(const UiModel& model);
+  void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
+  void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
 
   [[nodiscard]] float top_bar_height() const;     // in the units of Dear ImGui
@@ -87,6 +93,8 @@ struct UiColors {
 /// `text` cut to about `length` bytes at a character's edge, control characters made blanks: worlds name
 /// things as they like.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
+/// A button that shows whether what it stands for is on: a state of the view, or only an open panel.
+bool switch_button(const char* label, bool on, bool is_panel = false);
 void text(std::string_view text);
 void colored_text(const ImVec4& color, std::string_view text);
 

@@ -1,27 +1,35 @@
 #pragma once
 
 #include "app/opened_world.h"
+#include "render/renderer.h"
 
 #include <glm/vec3.hpp>
 
+#include <atomic>
+#include <cstddef>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace gs::app {
 
-/// Reads a world. Called on a worker thread; must not touch anything that the main thread owns.
-using OpenFunction = std::function<OpenedWorld(const std::string& path)>;
+/// Reads a world. Called on worker threads, several at a time; must not touch anything that the main thread owns.
+/// Ends early where it can once `cancelled` is set; what it returns is dropped then.
+using OpenFunction = std::function<OpenedWorld(const std::string& path, const std::atomic<bool>& cancelled)>;
+
+/// Discs that a window draws when nobody says how many.
+inline constexpr std::size_t kWindowBudget = 2'000'000;
 
 struct ViewerOptions {
-  std::vector<std::string> files;       // opened at start; the first is shown
+  std::vector<std::string> files;       // opened at start, each in a viewport as far as there are
   int width = 1024, height = 768;       // of the window
   int samples = 4;                      // anti-aliasing
   std::optional<bool> headlight;        // in place of what the worlds say
   std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
   std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
+  std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
+  render::SplatPath splats = render::SplatPath::automatic;
 };
 
 /// Opens a window and runs until the user quits. Main thread. Returns the exit status: 0, or 1 with the

@@ -32,7 +32,9 @@ constexpr KeyRow kKeys[] = {
     {GLFW_KEY_F1, Key::f1},
     {GLFW_KEY_F2, Key::f2},
     {GLFW_KEY_F3, Key::f3},
+    {GLFW_KEY_F4, Key::f4},
     {GLFW_KEY_F5, Key::f5},
+    {GLFW_KEY_F6, Key::f6},
     {GLFW_KEY_F11, Key::f11},
     {GLFW_KEY_LEFT_SHIFT, Key::shift},
     {GLFW_KEY_RIGHT_SHIFT, Key::shift},
@@ -128,6 +130,9 @@ struct Window::Callbacks {
   }
   static void drop(GLFWwindow* window, int count, const char** paths) {
     WindowEvent e = event(window, WindowEvent::Kind::drop);
+    double x = 0, y = 0;  // the window hears nothing of the pointer while something is dragged over it
+    glfwGetCursorPos(window, &x, &y);
+    e.pointer = glm::vec2(x, y) * pixels_per_unit(window);
     e.paths.assign(paths, paths + std::max(count, 0));
     self(window).events_.push_back(std::move(e));
   }

@@ -35,8 +35,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 OpenedWorld load_world(const std::string& asked, const LoadOptions& options) {
   const Clock::time_point start = Clock::now();
-  const Clock::time_point deadline = start + std::chrono::duration_cast<Clock::duration>(
-                                                 std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
+  const LoadLimit limit(start + std::chrono::duration_cast<Clock::duration>(
+                                    std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6))),
+                        options.cancelled);
   OpenedWorld world;
   world.path = asked;
   world.title = std::filesystem::path(asked).filename().string();
@@ -57,13 +58,13 @@ OpenedWorld load_world(const std::string& asked, const LoadOptions& options) {
   const std::span<const std::byte> bytes = file.bytes().subspan(0, std::min(file.bytes().size(), options.max_bytes));
   world.bytes = bytes.size();
 
-  SceneRead read = read_scene(path, bytes, world.diagnostics, deadline, {cut, options.loss, options.loss_seed});
+  SceneRead read = read_scene(path, bytes, world.diagnostics, limit, {cut, options.loss, options.loss_seed});
   world.parse_seconds = seconds_since(start);
   world.truncated = !read.whole && !cut;
   if (!read.scene) return world;
   world.title = title_of(*read.scene, path);
   world.clouds = std::move(read.clouds);
-  if (options.references) load_references(*read.scene, path, {world.images, world.clouds}, world.diagnostics, deadline);
+  if (options.references) load_references(*read.scene, path, {world.images, world.clouds}, world.diagnostics, limit);
   world.scene = std::move(read.scene);
   return world;
 }

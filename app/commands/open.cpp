@@ -2,9 +2,17 @@
 #include "app/viewer.h"
 #include "app/world_loader.h"
 
+#include <atomic>
 #include <cstdio>
 
 namespace gs::app {
+namespace {
+
+render::SplatPath splat_path(const std::string& name) {
+  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
+}
+
+}  // namespace
 
 int run_open(const Options& options) {
   const std::string first = options.files.empty() ? demo_world() : options.files.front();
@@ -17,12 +25,20 @@ int run_open(const Options& options) {
   viewer.headlight = options.headlight;
   viewer.background = options.background;
   viewer.viewpoint = options.viewpoint;
+  viewer.budget = options.budget;
+  viewer.splats = splat_path(options.splats);
   LoadOptions load;
   load.max_bytes = options.max_bytes;
+  load.loss = options.loss;
+  load.loss_seed = options.loss_seed;
   load.timeout_seconds = options.timeout_seconds;
+  const OpenFunction open = [load](const std::string& path, const std::atomic<bool>& cancelled) {
+    LoadOptions one = load;
+    one.cancelled = &cancelled;
+    return load_world(path, one);
+  };
   std::string error;
-  const int status = run_viewer(
-      viewer, [load](const std::string& path) { return load_world(path, load); }, error);
+  const int status = run_viewer(viewer, open, error);
   if (status != 0)
     std::fprintf(stderr, "ghostspace: error: %s\nA picture without a window: ghostspace --snapshot OUT.png FILE\n",
                  error.c_str());

@@ -1,5 +1,6 @@
 #include "app/documents.h"
 
+#include "app/viewer_view.h"
 #include "vrml/node_type.h"
 #include "vrml/scene_graph.h"
 
@@ -10,8 +11,8 @@ namespace {
 using namespace gs;
 using namespace gs::app;
 
-std::unique_ptr<Document> empty_document(const std::string& path) {
-  auto document = std::make_unique<Document>();
+std::shared_ptr<Document> empty_document(const std::string& path) {
+  auto document = std::make_shared<Document>();
   document->world.path = path;
   return document;
 }
@@ -26,114 +27,158 @@ OpenedWorld world_with(std::initializer_list<const char*> types) {
   return world;
 }
 
+/// A world of one QNV node with this cloud.
+OpenedWorld world_of(qnv::Cloud cloud) {
+  OpenedWorld world = world_with({});
+  const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
+  const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
+  world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
+  world.scene->add_root(shape);
+  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  return world;
+}
+
 }  // namespace
 
-TEST_CASE("Dropped files join the list, the first of them is shown") {
+TEST_CASE("A file is read once, and again when that is asked for") {
   DocumentList list;
-  CHECK_FALSE(list.begin_loading());
-  CHECK(list.shown() == nullptr);
-  const std::string start[] = {"a.wrl"};
-  list.open(start);
-  CHECK(list.begin_loading() == "a.wrl");
-  CHECK_FALSE(list.begin_loading());  // one at a time
-  list.deliver(empty_document("a.wrl"));
-  REQUIRE(list.shown());
-  CHECK(list.shown()->world.path == "a.wrl");
+  CHECK_FALSE(list.begin("a.wrl"));
+  list.add("");
+  CHECK(list.entries().empty());
+  list.add("a.wrl");
+  CHECK(list.awaited("a.wrl"));
+  CHECK_FALSE(list.awaited("b.wrl"));
+  const auto reading = list.begin("a.wrl");
+  REQUIRE(reading);
+  CHECK(reading->path == "a.wrl");
+  CHECK_FALSE(list.begin("a.wrl"));
+  CHECK(list.awaited("a.wrl"));
+  CHECK(list.deliver(reading->number, empty_document("a.wrl")) == "a.wrl");
+  CHECK_FALSE(list.awaited("a.wrl"));
+  CHECK_FALSE(list.begin("a.wrl"));
+  CHECK_FALSE(list.deliver(reading->number, empty_document("a.wrl")));
+  const auto before = list.document("a.wrl");
+  REQUIRE(before);
 
-  const std::string dropped[] = {"", "b.wrl", "c.wrl"};
-  list.open(dropped);
-  CHECK(list.entries().size() == 3);
-  CHECK(list.selected() == 1);
-  CHECK(list.shown()->world.path == "a.wrl");  // until b is read
-  CHECK(list.begin_loading() == "b.wrl");
-  CHECK(list.loading() == "b.wrl");
-  list.deliver(empty_document("b.wrl"));
-  CHECK(list.shown()->world.path == "b.wrl");
-  CHECK_FALSE(list.begin_loading());  // c is read when it is chosen
-  list.select(2);
-  CHECK(list.begin_loading() == "c.wrl");
-  list.select(0);
-  CHECK(list.shown()->world.path == "a.wrl");
-  list.deliver(empty_document("c.wrl"));
-  CHECK(list.shown()->world.path == "a.wrl");  // the user has gone on
-  list.select(99);
-  CHECK(list.selected() == 0);
+  list.add("a.wrl");
+  CHECK(list.entries().size() == 1);
+  const auto again = list.begin("a.wrl");
+  REQUIRE(again);
+  CHECK(list.document("a.wrl") == before);  // until it is read
+  list.reload("a.wrl");                     // once more while it is being read
+  CHECK_FALSE(list.begin("a.wrl"));
+  list.deliver(again->number, empty_document("a.wrl"));
+  CHECK(list.document("a.wrl") != before);
+  CHECK(list.begin("a.wrl"));
 }
 
-TEST_CASE("A path that is opened again is read again") {
+TEST_CASE("Several files are read at a time, and end in any order") {
   DocumentList list;
-  const std::string paths[] = {"a.wrl", "b.wrl", "a.wrl"};
-  list.open(paths);
-  CHECK(list.entries().size() == 2);
-  CHECK(list.begin_loading() == "a.wrl");
-  list.deliver(empty_document("a.wrl"));
-  const Document* before = list.shown();
-  list.open(std::span(paths, 1));
-  CHECK(list.begin_loading() == "a.wrl");
-  list.deliver(empty_document("a.wrl"));
-  CHECK(list.shown() != before);
-  list.reload();
-  CHECK(list.begin_loading() == "a.wrl");
-  list.fail();
-  CHECK(list.entries().size() == 2);  // what was there stays
-  CHECK(list.shown());
+  list.add("a");
+  list.add("b");
+  const auto a = list.begin("a"), b = list.begin("b");
+  REQUIRE((a && b));
+  CHECK(list.deliver(b->number, empty_document("b")) == "b");
+  CHECK(list.document("a") == nullptr);
+  CHECK(list.deliver(a->number, empty_document("a")) == "a");
+  CHECK(list.document("a")->world.path == "a");
 }
 
-TEST_CASE("A file that cannot be opened leaves the list") {
+TEST_CASE("A file that cannot be opened leaves the list, unless it was open") {
   DocumentList list;
-  const std::string paths[] = {"bad1", "bad2", "good"};
-  list.open(paths);
-  CHECK(list.begin_loading() == "bad1");
-  list.fail();
-  CHECK(list.begin_loading() == "bad2");
-  list.fail();
-  CHECK(list.begin_loading() == "good");
-  list.deliver(empty_document("good"));
-  CHECK(list.shown()->world.path == "good");
-  const std::string later[] = {"bad3"};
-  list.open(later);
-  CHECK(list.begin_loading() == "bad3");
-  list.fail();
+  list.add("bad");
+  list.add("good");
+  auto reading = list.begin("bad");
+  CHECK(list.fail(reading->number) == "bad");
   CHECK(list.entries().size() == 1);
-  CHECK(list.selected() == 0);
-  CHECK(list.shown()->world.path == "good");
-  CHECK_FALSE(list.begin_loading());
-  list.fail();  // nothing is being read
-  CHECK(list.entries().size() == 1);
+  CHECK_FALSE(list.fail(reading->number));
+  reading = list.begin("good");
+  list.deliver(reading->number, empty_document("good"));
+  list.reload("good");
+  reading = list.begin("good");
+  CHECK(list.fail(reading->number) == "good");
+  CHECK(list.document("good"));
+  CHECK_FALSE(list.awaited("good"));
+}
+
+TEST_CASE("What was cancelled does not arrive") {
+  DocumentList list;
+  list.add("a");
+  list.cancel("a");  // nothing is being read yet
+  const auto reading = list.begin("a");
+  list.cancel("a");
+  CHECK(*reading->cancelled);
+  CHECK(list.awaited("a"));  // from the beginning
+  CHECK_FALSE(list.deliver(reading->number, empty_document("a")));
+  CHECK_FALSE(list.document("a"));
+  const auto again = list.begin("a");
+  REQUIRE(again);
+  CHECK(again->number != reading->number);
+  CHECK_FALSE(list.fail(reading->number));
+  list.give_up(list.entries()[0].path);
+  CHECK(*again->cancelled);
+  CHECK(list.entries().empty());
 }
 
 TEST_CASE("Where a world is entered") {
+  const auto entered = [](std::initializer_list<const char*> types, const char* viewpoint, bool& found) {
+    return view_of(make_document(world_with(types)), {800, 600}, viewpoint, &found);
+  };
+  bool found = false;
   SECTION("nothing in it says anything") {
-    const auto document = make_document(world_with({"Group"}));
-    CHECK(enter(*document, {800, 600}, ""));
-    CHECK(document->navigation.mode == NavigationMode::examine);
-    CHECK_FALSE(document->viewpoint);
-    CHECK(document->headlight);
-    CHECK_FALSE(enter(*document, {800, 600}, "Front"));
+    const View view = entered({"Group"}, "", found);
+    CHECK(found);
+    CHECK(view.navigation.mode == NavigationMode::examine);
+    CHECK_FALSE(view.viewpoint);
+    CHECK(view.headlight);
+    (void)entered({"Group"}, "Front", found);
+    CHECK_FALSE(found);
   }
   SECTION("a Viewpoint and a NavigationInfo") {
-    const auto document = make_document(world_with({"Viewpoint", "NavigationInfo"}));
-    CHECK(document->has_navigation_info);
-    CHECK(enter(*document, {800, 600}, ""));
-    CHECK(document->viewpoint == 0u);
-    CHECK(document->navigation.mode == NavigationMode::walk);
-    CHECK(document->navigation.pose.position == glm::vec3(0, 0, 10));  // the default of 6.53
-    CHECK(document->navigation.speed == 1);
-  }
-  SECTION("levels of detail follow the viewer") {
-    const auto document = make_document(world_with({"LOD"}));
-    CHECK(document->viewer_dependent);
-    enter(*document, {800, 600}, "");
-    follow_viewer(*document);
-    CHECK_FALSE(follow_viewer(*document));
-    document->navigation.pose.position.x += 1;
-    CHECK(follow_viewer(*document));
+    const View view = entered({"Viewpoint", "NavigationInfo"}, "", found);
+    CHECK(view.document->has_navigation_info);
+    CHECK(found);
+    CHECK(view.viewpoint == 0u);
+    CHECK(view.navigation.mode == NavigationMode::walk);
+    CHECK(view.navigation.pose.position == glm::vec3(0, 0, 10));  // the default of 6.53
+    CHECK(view.navigation.speed == 1);
   }
   SECTION("nothing at all") {
     const auto document = make_document(OpenedWorld());
-    CHECK(document->list.items.empty());
-    CHECK_FALSE(follow_viewer(*document));
+    REQUIRE(document->list);
+    CHECK(document->list->items.empty());
+    View view = view_of(std::shared_ptr<Document>(make_document(OpenedWorld())), {800, 600}, "");
+    CHECK_FALSE(follow_viewer(view));
   }
+}
+
+TEST_CASE("A document knows of its clouds") {
+  qnv::Cloud cloud;
+  cloud.positions = {{0, 0, 0}, {1, 1, 1}};
+  cloud.normals = {{0, 0, 1}, {0, 1, 0}};
+  cloud.weights = {3, 8};
+  cloud.description.box.add({0, 0, 0});
+  cloud.description.box.add({1, 1, 1});
+  SECTION("a surface") {
+    const auto document = make_document(world_of(cloud));
+    CHECK(document->has_surface_clouds);
+    CHECK_FALSE(document->has_volumes);
+    CHECK(document->has_clouds());
+    CHECK(document->largest_magnitude == 0);
+  }
+  SECTION("a volume") {
+    cloud.description.kind = qnv::Kind::volume;
+    cloud.description.value_range = {-1000, 3000};
+    cloud.description.metadata = {{"title", "head"}};
+    cloud.classes = {1, 2};
+    const auto document = make_document(world_of(cloud));
+    CHECK_FALSE(document->has_surface_clouds);
+    CHECK(document->has_volumes);
+    CHECK(document->volume.value_range == std::pair<float, float>(-1000, 3000));
+    CHECK(document->volume.metadata.empty());
+    CHECK(document->largest_magnitude == 8);
+  }
+  CHECK_FALSE(make_document(world_with({"Group"}))->has_clouds());
 }
 
 TEST_CASE("The label of a file is the last part of its path") {
