@@ -14,10 +14,12 @@ packages=(
   libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
   # volumes
   libnifti2-dev libznz-dev libcfitsio-dev libexpat1-dev
+  # network
+  libcurl4-openssl-dev libisal-dev
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests
-  catch2
+  catch2 nginx-light
 )
 
 fail() {

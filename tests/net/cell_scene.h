@@ -1,0 +1,217 @@
+#pragma once
+
+#include "net/cell_receiver.h"
+#include "net/cell_sender.h"
+#include "tests/net/link.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::net {
+
+/// A source whose every byte follows from its place, so that a reader can check
+/// all that it gets.
+class PatternSource : public CellSource {
+ public:
+  struct Stream {
+    bool records = true;
+    std::uint32_t chunks = 0, bytes = 0;  // of a chunk's body
+  };
+  PatternSource(std::size_t base, std::vector<Stream> streams, std::uint32_t version = 7)
+      : base_(base), streams_(std::move(streams)), version_(version) {
+    for (std::size_t i = 0; i < base; ++i) base_[i] = static_cast<std::byte>(i * 7 + (i >> 8));
+  }
+  static std::byte at(std::size_t stream, std::uint32_t chunk, std::size_t offset) {
+    std::uint64_t state = stream << 56 | std::uint64_t{chunk} << 24 | offset / 8;
+    return static_cast<std::byte>(Link::next_random(state) >> (8 * (offset % 8)));
+  }
+  static std::byte head_at(std::uint32_t chunk, std::size_t offset) {
+    return static_cast<std::byte>(chunk * 3 + offset);
+  }
+  std::uint32_t version() const override { return version_; }
+  std::span<const std::byte> base() const override { return base_; }
+  std::size_t streams() const override { return streams_.size(); }
+  bool records(std::size_t stream) const override { return streams_[stream].records; }
+  std::uint32_t chunks(std::size_t stream) const override { return streams_[stream].chunks; }
+  /// The x axis is divided among the chunks of a stream.
+  std::optional<CellBox> box(std::size_t stream, std::uint32_t chunk) const override {
+    const std::uint32_t step = 65536 / std::max(streams_[stream].chunks, 1U);
+    return CellBox{static_cast<std::uint16_t>(chunk * step),
+                   0,
+                   0,
+                   static_cast<std::uint16_t>(chunk * step + step - 1),
+                   65535,
+                   65535};
+  }
+  std::optional<CellChunk> chunk(std::size_t stream, std::uint32_t number) override {
+    ++read_;
+    CellChunk chunk;
+    if (streams_[stream].records) chunk.head.resize(58);
+    for (std::size_t i = 0; i < chunk.head.size(); ++i) chunk.head[i] = head_at(number, i);
+    chunk.body.resize(streams_[stream].bytes);
+    for (std::size_t i = 0; i < chunk.body.size(); ++i) chunk.body[i] = at(stream, number, i);
+    return chunk;
+  }
+  std::uint64_t total() const {
+    std::uint64_t sum = 0;
+    for (const Stream& stream : streams_) sum += std::uint64_t{stream.chunks} * stream.bytes;
+    return sum;
+  }
+  std::size_t read() const { return read_; }
+
+ private:
+  std::vector<std::byte> base_;
+  std::vector<Stream> streams_;
+  std::uint32_t version_;
+  std::size_t read_ = 0;
+};
+
+class PatternLibrary : public CellLibrary {
+ public:
+  std::map<std::string, std::shared_ptr<CellSource>> sources;
+  std::variant<std::shared_ptr<CellSource>, std::string> open(const std::string& path) override {
+    const auto found = sources.find(path);
+    if (found == sources.end()) return "there is no " + path;
+    return found->second;
+  }
+};
+
+/// What one client got, checked byte by byte.
+struct Got {
+  bool ok = true, base = false, ended = false, failed = false, refused = false;
+  Instant base_at{}, ended_at{}, first_piece_at{};
+  std::uint64_t bytes = 0, pieces = 0;
+  std::vector<ChunkName> order;
+  std::string text;
+  std::map<int, std::uint64_t> slot_bytes;
+
+  void take(const std::vector<CellEvent>& events, const CellSource& source, Instant now) {
+    for (const CellEvent& event : events) switch (event.kind) {
+        case CellEvent::Kind::base:
+          ok = ok && std::equal(event.bytes.begin(), event.bytes.end(), source.base().begin(), source.base().end());
+          if (!base) base_at = now;
+          base = true;
+          break;
+        case CellEvent::Kind::piece:
+          check(event);
+          if (pieces++ == 0) first_piece_at = now;
+          bytes += event.bytes.size();
+          slot_bytes[event.slot] += event.bytes.size();
+          if (order.empty() || order.back() != event.name) order.push_back(event.name);
+          break;
+        case CellEvent::Kind::ended:
+          if (!ended) ended_at = now;
+          ended = true;
+          break;
+        case CellEvent::Kind::failed:
+          failed = true;
+          text = event.text;
+          break;
+        case CellEvent::Kind::refused:
+          refused = true;
+          text = event.text;
+          break;
+        default:
+          break;
+      }
+  }
+  void check(const CellEvent& event) {
+    ok = ok && event.offset + event.bytes.size() <= event.total;
+    for (std::size_t i = 0; i < event.bytes.size(); ++i)
+      ok = ok && event.bytes[i] == PatternSource::at(event.name.stream, event.name.chunk, event.offset + i);
+    for (std::size_t i = 0; i < event.head.size(); ++i)
+      ok = ok && event.head[i] == PatternSource::head_at(event.name.chunk, i);
+    ok = ok && (event.records ? event.head.size() == 58 && event.offset % 8 == 0 && event.bytes.size() % 8 == 0
+                              : event.bytes.size() == event.total);
+  }
+};
+
+/// A server and its clients, each with a link of its own, in a time that is
+/// counted.
+class Scene {
+ public:
+  struct Client {
+    Client(const CellClientOptions& options, const Link::Options& link, std::uint64_t seed)
+        : client(options),
+          up(Link::Options{link.latency, link.bandwidth, link.queue, link.loss, link.duplicated, link.reordered,
+                           link.reordered_by, link.cut},
+             seed),
+          down(link, seed + 1000) {}
+    CellClient client;
+    Link up, down;
+    Got got;
+    std::shared_ptr<CellSource> source;
+  };
+  Scene(const CellServerOptions& options, std::shared_ptr<PatternLibrary> library)
+      : server(options, std::move(library)) {}
+
+  std::size_t add(const Link::Options& link, std::shared_ptr<CellSource> source, std::uint64_t rate = 10'000'000,
+                  std::uint64_t seed = 1) {
+    CellClientOptions options;
+    options.nonce = 1000 + clients.size() * 7919 + seed;
+    options.rate = rate;
+    clients.push_back(std::make_unique<Client>(options, link, seed + clients.size() * 17));
+    clients.back()->source = std::move(source);
+    return clients.size() - 1;
+  }
+  static Endpoint endpoint(std::size_t client) {
+    Endpoint result;
+    result.address[15] = static_cast<std::uint8_t>(client + 1);
+    result.address[14] = static_cast<std::uint8_t>((client + 1) >> 8);
+    result.port = 4000;
+    return result;
+  }
+  /// Lets everything happen until then, or until `until` is true.
+  template <class Until>
+  void run(Instant end, Until until) {
+    while (now <= end && !until()) {
+      step();
+      Instant next = server.deadline(now);
+      for (auto& client : clients)
+        next = std::min({next, client->client.deadline(now), client->up.deadline(), client->down.deadline()});
+      if (shared) next = std::min(next, shared->deadline());
+      if (next == Instant::max()) break;
+      now = std::max(next, now + Instant(1));
+    }
+  }
+  void run(Instant end) {
+    run(end, [] { return false; });
+  }
+  /// All that the server sends goes through one link before the clients' own.
+  void share_link(const Link::Options& link) { shared.emplace(link, 99); }
+  void step() {
+    while (auto bytes = shared ? shared->take(now) : std::nullopt) {
+      const std::size_t index = std::to_integer<std::size_t>(bytes->back());
+      bytes->pop_back();
+      clients[index]->down.send(*bytes, now);
+    }
+    for (std::size_t i = 0; i < clients.size(); ++i) {
+      Client& client = *clients[i];
+      while (auto bytes = client.up.take(now)) server.receive(endpoint(i), *bytes, now);
+      while (auto bytes = client.down.take(now)) client.client.receive(*bytes, now);
+      while (auto bytes = client.client.next(now)) client.up.send(*bytes, now);
+      client.got.take(client.client.take_events(), *client.source, now);
+    }
+    while (auto out = server.next(now)) {
+      const std::size_t index = std::size_t{out->to.address[14]} * 256 + out->to.address[15] - 1;
+      if (index >= clients.size()) continue;
+      if (shared) {
+        out->bytes.push_back(static_cast<std::byte>(index));
+        shared->send(out->bytes, now);
+      } else {
+        clients[index]->down.send(out->bytes, now);
+      }
+    }
+  }
+
+  CellServer server;
+  std::optional<Link> shared;
+  std::vector<std::unique_ptr<Client>> clients;
+  Instant now{1'000'000};
+};
+
+}  // namespace gs::net
