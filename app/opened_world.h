@@ -8,8 +8,11 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace gs::app {
+
+class StreamFeed;
 
 /// A world that was read, with everything a picture of it needs.
 struct OpenedWorld {
@@ -18,6 +21,7 @@ struct OpenedWorld {
   std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
   render::Images images;
   render::Clouds clouds;
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
   vrml::Diagnostics diagnostics;
   bool truncated = false;    // the file ends before the world does
   std::size_t bytes = 0;     // of the file itself, as it lies on disk

@@ -2,7 +2,6 @@
 
 #include "app/content_types.h"
 #include "app/gunzip.h"
-#include "app/references.h"
 #include "tests/app/scratch_folder.h"
 
 #include <zlib.h>
@@ -145,7 +144,7 @@ TEST_CASE("what can't be opened says why in one line") {
   refused(folder.write("empty.stl", ""), "the file is empty");
   refused(folder.write("binary.wrl", std::string(100, '\0') + "abc"), "a binary file");
   refused(folder.write("one.wrl", "#VRML V1.0 ascii\n"), "VRML 1.0");
-  refused("http://example.org/a.wrl", "cannot load 'http:' URLs");
+  refused("gopher://example.org/a.wrl", "gopher");
 }
 
 TEST_CASE("the type of a file: first bytes before its name") {
@@ -213,14 +212,15 @@ TEST_CASE("only the first bytes, where that is asked for, and no complaint about
   CHECK(world.scene->roots().size() == 2);
 }
 
-TEST_CASE("data: URLs") {
-  CHECK(text_of(*data_of_url("data:text/plain;base64,aGVsbG8=")) == "hello");
-  CHECK(text_of(*data_of_url("data:text/plain;base64,aGVsbG8h")) == "hello!");
-  CHECK(text_of(*data_of_url("data:,a%20b")) == "a b");
-  CHECK(data_of_url("data:,")->empty());
-  CHECK_FALSE(data_of_url("data:;base64,a"));
-  CHECK_FALSE(data_of_url("data:;base64,a*bc"));
-  CHECK_FALSE(data_of_url("data:,%2"));
-  CHECK_FALSE(data_of_url("file:x,y"));
-  CHECK_FALSE(data_of_url("data:nothing"));
+TEST_CASE("data: URLs hold worlds, textures and libraries") {
+  const ScratchFolder folder;
+  const OpenedWorld world = load_world(
+      folder.write("a.wrl",
+                   "#VRML V2.0 utf8\nInline { url \"data:model/vrml,%23VRML%20V2.0%20utf8%0AShape%20%7B%20%7D\" }\n"
+                   "Inline { url \"data:;base64,a*bc\" }\n"));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  REQUIRE(world.scene->inlined(world.scene->roots()[0]));
+  CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
+  CHECK(world.diagnostics.warnings() == 1);
 }

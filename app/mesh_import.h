@@ -1,0 +1,21 @@
+#pragma once
+
+#include "app/content_types.h"
+#include "vrml/diagnostic.h"
+#include "vrml/scene_graph.h"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace gs::app {
+
+/// The scene that a mesh's file becomes, gzip'd or not; `type` is a ContentClass::mesh. `path` is what diagnostics call
+/// it; `read_file` gets the materials and buffers that belong to the format. Null when there is nothing to show; the
+/// diagnostics say why. Safe for untrusted bytes.
+[[nodiscard]] std::unique_ptr<vrml::SceneGraph> import_mesh(const ContentType& type, const std::string& path,
+                                                            std::span<const std::byte> bytes,
+                                                            vrml::Diagnostics& diagnostics, const ReadFile& read_file);
+
+}  // namespace gs::app

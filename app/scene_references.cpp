@@ -1,0 +1,294 @@
+#include "app/world_loading_state.h"
+#include "net/schemes.h"
+#include "render/image.h"
+#include "vrml/prototype.h"
+
+#include <algorithm>
+#include <utility>
+
+// What the nodes of a scene refer to.
+namespace gs::app {
+namespace {
+
+using vrml::NodeId;
+using vrml::Severity;
+
+constexpr std::size_t kMaxCopied = std::size_t{1} << 26;  // vectors of nodes that change what a stream says
+
+std::string key_of(const std::vector<net::Url>& candidates) {
+  std::string key;
+  for (const net::Url& url : candidates) key += url.text() + "\n";
+  return key;
+}
+
+}  // namespace
+
+std::string why_missing(const vrml::MFString& urls, const std::string& why) {
+  if (urls.empty()) return "has no url";
+  std::string text = "cannot find '" + std::string(urls.front().view().substr(0, 200)) + "'";
+  if (urls.size() > 1) text += " or the " + std::to_string(urls.size() - 1) + " others of its url list";
+  return why.empty() ? text : text + " (" + why.substr(0, 300) + ")";
+}
+
+/// A picture that textures show.
+struct WorldLoading::State::SharedImage final : Taker {
+  SharedImage(State& state, SceneTaker& scene_taker, vrml::SourceLocation at, vrml::MFString list)
+      : world(state), file(scene_taker.scene->file_name()), place(at), urls(std::move(list)) {}
+
+  bool begin(const Found& where) override {
+    name = where.path;
+    return true;
+  }
+  void more(std::span<const std::byte> piece) override { bytes.insert(bytes.end(), piece.begin(), piece.end()); }
+  void end(const std::optional<std::string>& problem) override {
+    if (problem) world.report(Severity::warning, file, place, "ImageTexture: " + *problem);
+    auto decoded = render::decode_image(bytes);
+    bytes = {};
+    over = true;
+    if (auto* error = std::get_if<render::ImageError>(&decoded)) {
+      world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + error->message);
+      return;
+    }
+    image = std::make_shared<const render::Image>(std::move(std::get<render::Image>(decoded)));
+    for (const vrml::Node* node : nodes) world.world.images[node] = image;
+    world.changed = true;
+  }
+  void missing(const std::string& why) override {
+    over = true;
+    world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
+  }
+  void add(const vrml::Node* node) {
+    if (image)
+      world.world.images[node] = image;
+    else if (!over)
+      nodes.push_back(node);
+  }
+
+  State& world;
+  std::string file, name;
+  vrml::SourceLocation place;
+  vrml::MFString urls;
+  std::vector<std::byte> bytes;
+  std::vector<const vrml::Node*> nodes;
+  std::shared_ptr<const render::Image> image;
+  bool over = false;
+};
+
+/// Vectors that QNV nodes show.
+struct WorldLoading::State::SharedCloud {
+  std::shared_ptr<const qnv::Cloud> cloud;
+  std::vector<std::pair<std::shared_ptr<SceneTaker>, NodeId>> nodes;
+};
+
+void SceneTaker::look_for_references() {
+  if (!scene || refused || !world_.options.references) return;
+  if (parser_) {
+    open_.clear();
+    for (const NodeId id : parser_->open_nodes()) open_.insert(id.index);
+  } else {
+    open_.clear();
+  }
+  for (const NodeId id : std::exchange(later_, {})) visit(id);
+  // Looking may make nodes: those of PROTO instances.
+  while (looked_at_ < scene->node_count()) visit(scene->id_at(++looked_at_));
+  look_for_prototypes();
+}
+
+void SceneTaker::visit(NodeId id) {
+  const vrml::Node& node = scene->node(id);
+  if (node.in_prototype_body) return;
+  if (open_.contains(id.index)) {
+    later_.push_back(id);
+    return;
+  }
+  if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
+    used_types_.insert(node.type);
+    if (node.type->name == "QNV") replace_fallback(id);
+    return;
+  }
+  if (node.type->kind != vrml::NodeType::Kind::built_in) return;
+  if (node.type->name == "Inline") visit_inline(id);
+  if (node.type->name == "ImageTexture") visit_image(id);
+  if (node.type->name == "QNV") visit_cloud(id);
+}
+
+void SceneTaker::look_for_prototypes() {
+  std::unordered_map<std::string, SceneTaker*> fresh;  // EXTERNPROTOs of one file are one library
+  for (const auto& type : scene->types()) {
+    if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
+        !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
+      continue;
+    auto places = world_.candidates(type->url, {bases_.front()});
+    std::vector<net::Url> files = places;
+    for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
+    const std::string fragment = places.empty() ? std::string() : places.front().fragment;
+    SceneTaker*& known = fresh[key_of(files)];
+    if (known) {
+      known->types.push_back(type.get());
+      known->fragments.push_back(fragment);
+      continue;
+    }
+    auto library = std::make_shared<SceneTaker>(world_, Role::library, this);
+    known = library.get();
+    library->what = "EXTERNPROTO " + type->name;
+    library->urls = type->url;
+    library->types = {type.get()};
+    library->fragments = {fragment};
+    libraries_.push_back(library);
+    ++awaited_libraries_;
+    auto fetch = std::make_unique<Fetch>();
+    fetch->candidates = std::move(places);
+    fetch->from = bases_.front().text();
+    fetch->taker = std::move(library);
+    world_.fetch(std::move(fetch), Urgency::prototypes);
+  }
+}
+
+void SceneTaker::take_library(SceneTaker& library) {
+  if (library.scene && !library.refused) {
+    bases_.push_back(library.bases_.front());
+    vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
+    const std::string& file = attached.file_name();
+    for (std::size_t i = 0; i < library.types.size(); ++i) {
+      vrml::NodeType& type = *library.types[i];
+      const std::string& name = library.fragments[i];
+      const vrml::NodeType* source = vrml::find_prototype(attached, name);
+      if (!source || !source->prototype)
+        report(Severity::error, {},
+               file + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " + type.name);
+      else
+        to_resolve_.emplace_back(&type, source);
+    }
+  }
+  --awaited_libraries_;
+  resolve_types();
+  look_for_references();
+  settle();
+}
+
+// Instances whose own fields are still being read must wait for them.
+void SceneTaker::resolve_types() {
+  std::unordered_set<const vrml::NodeType*> open_types;
+  if (parser_)
+    for (const NodeId id : parser_->open_nodes()) open_types.insert(scene->node(id).type);
+  std::erase_if(to_resolve_, [&](const auto& one) {
+    if (open_types.contains(one.first)) return false;
+    if (!vrml::resolve_external(*scene, *one.first, *one.second))
+      report(Severity::error, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
+    world_.changed = true;
+    return true;
+  });
+}
+
+void SceneTaker::visit_inline(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (scene->inlined(id) || list.empty()) return;
+  auto inner = std::make_shared<SceneTaker>(world_, Role::inlined, this);
+  inner->what = "Inline";
+  inner->urls = list;
+  inner->inline_node = id;
+  inner->place = scene->node(id).location;
+  inner_.push_back(inner);
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = world_.candidates(list, bases_);
+  fetch->from = bases_.front().text();
+  fetch->node = &scene->node(id);
+  fetch->taker = std::move(inner);
+  world_.fetch(std::move(fetch), Urgency::inline_scene);
+}
+
+void SceneTaker::visit_image(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  auto places = world_.candidates(list, bases_);
+  auto& shared = world_.shared_images[key_of(places)];
+  const bool fresh = !shared;
+  if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, *this, scene->node(id).location, list);
+  shared->add(&scene->node(id));
+  if (!fresh) return;
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = std::move(places);
+  fetch->from = bases_.front().text();
+  fetch->node = &scene->node(id);
+  fetch->taker = shared;
+  world_.fetch(std::move(fetch), Urgency::texture);
+}
+
+// From its own records, else from the first file of its url list; the node's transfer function goes before the
+// stream's.
+void SceneTaker::visit_cloud(NodeId id) {
+  const vrml::Node& node = scene->node(id);
+  if (world_.world.clouds.contains(&node)) return;
+  if (!scene->get<vrml::MFInt32>(id, "vectors").empty()) {
+    auto made = inline_cloud(*scene, id);
+    if (const auto* problem = std::get_if<std::string>(&made))
+      report(Severity::warning, node.location, "QNV: " + *problem);
+    else
+      world_.world.clouds[&node] = std::make_shared<const qnv::Cloud>(std::move(std::get<qnv::Cloud>(made)));
+    return;
+  }
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  auto places = world_.candidates(list, bases_);
+  auto& shared = world_.shared_clouds[key_of(places)];
+  if (shared) {
+    shared->nodes.emplace_back(shared_from_this(), id);
+    if (shared->cloud) set_cloud(id, shared->cloud);
+    return;
+  }
+  shared = std::make_shared<WorldLoading::State::SharedCloud>();
+  shared->nodes.emplace_back(shared_from_this(), id);
+  auto taker = std::make_shared<CloudTaker>(world_, CloudTaker::Place{scene->file_name(), node.location, list, true},
+                                            [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                              shared->cloud = cloud;
+                                              for (const auto& [scene_taker, of] : shared->nodes)
+                                                scene_taker->set_cloud(of, cloud);
+                                            });
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = std::move(places);
+  fetch->from = bases_.front().text();
+  fetch->node = &node;
+  fetch->taker = std::move(taker);
+  world_.fetch(std::move(fetch), Urgency::vectors);
+}
+
+void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
+  const vrml::Node* node = &scene->node(id);
+  world_.changed = true;
+  auto& held = world_.world.clouds[node];
+  auto transfer = transfer_of(scene->get<vrml::MFFloat>(id, "transfer"));
+  if (transfer.empty()) {
+    held = cloud;
+  } else if (cloud->size() > kMaxCopied - world_.copied_vectors) {
+    held = cloud;
+    report(Severity::warning, node->location, "QNV: too many vectors with a transfer of their own; left out");
+  } else {
+    world_.copied_vectors += cloud->size();
+    qnv::Cloud own = *cloud;
+    own.description.transfer = std::move(transfer);
+    held = std::make_shared<const qnv::Cloud>(std::move(own));
+  }
+  const auto fallback = fallbacks_.find(id.index);
+  if (fallback == fallbacks_.end()) return;
+  vrml::Node& instance = scene->node(fallback->second);
+  instance.expansion = {};
+  instance.expansion.push_back(id);
+}
+
+// A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
+// there, they are shown in the place of its body.
+void SceneTaker::replace_fallback(NodeId id) {
+  const vrml::NodeType& native = *vrml::built_in_node_type("QNV");
+  const NodeId made = scene->create(native, scene->node(id).location);
+  if (!made) return;
+  const vrml::Node& instance = scene->node(id);
+  vrml::Node& node = scene->node(made);
+  for (const vrml::InterfaceDeclaration& declaration : native.interfaces) {
+    const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
+    if (declaration.slot >= 0 && own && own->type == declaration.type)
+      node.values[declaration.slot] = instance.values[own->slot];
+  }
+  fallbacks_[made.index] = id;  // the new node is looked at like any other
+}
+
+}  // namespace gs::app
