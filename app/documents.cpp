@@ -1,6 +1,7 @@
 #include "app/documents.h"
 
 #include "app/navigation.h"
+#include "app/world_loading.h"
 
 #include <algorithm>
 #include <utility>
@@ -51,9 +52,23 @@ std::shared_ptr<const render::RenderList> collected(Document& document) {
 
 }  // namespace
 
-std::unique_ptr<Document> make_document(OpenedWorld world) {
-  auto document = std::make_unique<Document>();
+std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
+                                           render::RenderList list) {
+  auto document = std::make_shared<Document>();
+  document->is_preview = true;
+  document->world.path = path;
+  document->world.title = loading.title();
+  document->world.feeds = loading.feeds();
+  document->world.diagnostics = loading.diagnostics();
+  document->list = std::make_shared<const render::RenderList>(std::move(list));
+  inspect_clouds(*document);
+  return document;
+}
+
+std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
+  auto document = std::make_shared<Document>();
   document->world = std::move(world);
+  document->meshes = std::move(meshes);
   document->list = std::make_shared<const render::RenderList>();
   if (!document->world.scene) return document;
   inspect(*document);
@@ -99,12 +114,20 @@ std::optional<std::string> DocumentList::deliver(std::uint64_t reading, std::sha
   return known->path;
 }
 
+std::optional<std::string> DocumentList::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
+  Entry* known = entry_of(reading);
+  if (!known || (known->document && !known->document->is_preview)) return std::nullopt;
+  known->document = std::move(document);
+  return known->path;
+}
+
 std::optional<std::string> DocumentList::fail(std::uint64_t reading) {
   Entry* known = entry_of(reading);
   if (!known) return std::nullopt;
   known->reading = 0;
   known->cancelled.reset();
   const std::string path = known->path;
+  if (known->document && known->document->is_preview) known->document.reset();
   if (!known->document && !known->stale) give_up(path);
   return path;
 }
@@ -137,6 +160,12 @@ const DocumentList::Entry* DocumentList::find(std::string_view path) const {
 std::shared_ptr<Document> DocumentList::document(std::string_view path) const {
   const Entry* known = find(path);
   return known ? known->document : nullptr;
+}
+
+std::shared_ptr<Document> DocumentList::document_of(std::uint64_t reading) const {
+  for (const Entry& one : entries_)
+    if (reading != 0 && one.reading == reading) return one.document;
+  return nullptr;
 }
 
 bool DocumentList::awaited(std::string_view path) const {

@@ -17,23 +17,32 @@
 
 namespace gs::app {
 
+class WorldLoading;
+class WorldReader;
+
 /// An opened world: what all that look at it share.
 struct Document {
   OpenedWorld world;
   render::MeshCache meshes;
   std::shared_ptr<const render::RenderList> list;  // as seen from `collected_for`; never null
   glm::vec3 collected_for{0, 0, 10};
+  bool is_preview = false;        // more of it comes, and it has no scene yet
   bool viewer_dependent = false;  // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;
   bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
   qnv::Description volume;                               // of the first volume, without what is of its source
+  std::shared_ptr<WorldReader> reader;                   // that still reads of its streams what views want; null: none
   float largest_magnitude = 0;                           // of the gradients of all volumes
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
-/// Gathers what is visible in a world that was opened. Any thread that owns it.
-[[nodiscard]] std::unique_ptr<Document> make_document(OpenedWorld world);
+/// Gathers what is visible in a world that was opened. `meshes`: what was made of its nodes before. Any thread that
+/// owns it.
+[[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
+/// A world that is still being read: what there is to see, without its scene.
+[[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
+                                                         render::RenderList list);
 
 /// The files of the session. Plain bookkeeping: it neither reads nor draws.
 class DocumentList {
@@ -61,6 +70,8 @@ class DocumentList {
   [[nodiscard]] std::optional<Reading> begin(std::string_view path);
   /// A reading has become this. The path, or nothing when it was cancelled meanwhile: then it is dropped.
   std::optional<std::string> deliver(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// So much of it has come. Does nothing where an older state of the file is open. The path, or nothing.
+  std::optional<std::string> preview(std::uint64_t reading, std::shared_ptr<Document> document);
   /// A reading came to nothing: its file leaves the list, unless an older state of it is open. The path, or nothing
   /// when it was cancelled meanwhile.
   std::optional<std::string> fail(std::uint64_t reading);
@@ -74,6 +85,8 @@ class DocumentList {
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
   [[nodiscard]] const Entry* find(std::string_view path) const;
   [[nodiscard]] std::shared_ptr<Document> document(std::string_view path) const;
+  /// What is there of the file that a reading is of.
+  [[nodiscard]] std::shared_ptr<Document> document_of(std::uint64_t reading) const;
   /// True when a file is being read or waits for it.
   [[nodiscard]] bool awaited(std::string_view path) const;
 

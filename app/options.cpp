@@ -104,6 +104,7 @@ Problem set_loss(Options& options, const std::string& value) {
 }
 
 Problem set_timeout(Options& options, const std::string& value) {
+  options.timeout_given = true;
   return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{}
                                                                              : "expected seconds, more than 0";
 }
@@ -208,8 +209,14 @@ constexpr OptionRow kOptions[] = {
        return Problem{};
      }},
     {"--timeout", "SECONDS", "30",
-     "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long",
+     "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long. A window "
+     "waits for ever unless this is given",
      "open check print info encode export ", set_timeout},
+    {"--offline", "", "", "read nothing over the network", "open check print info encode export ",
+     [](Options& o, const std::string&) {
+       o.offline = true;
+       return Problem{};
+     }},
     {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;

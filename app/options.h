@@ -32,6 +32,8 @@ struct Options {
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
   double timeout_seconds = 30;
+  bool timeout_given = false;
+  bool offline = false;
   bool markdown = false, wrl = false, json = false, vrml97 = false;
   std::size_t vectors = 0;       // 0: not asked for
   double fraction = 0;           // 0: not asked for

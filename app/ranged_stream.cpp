@@ -15,6 +15,7 @@ constexpr std::uint64_t kJoin = 16384;
 constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes that are asked for at a time
 constexpr std::size_t kMostOpen = 3;                        // such batches, so that the line never falls silent
 constexpr unsigned kMostFailures = 5;
+constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
 constexpr std::uint64_t kMostDirectory = std::uint64_t{256} << 20;
 constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // of vectors; see Urgency
 
@@ -30,6 +31,9 @@ RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed
     give_up("its directory is too long");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
+  // The order of the stream is a good one as long as views cannot choose.
+  if (!over_ && place_.total - place_.directory > kLongDirectory)
+    front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
 }
 
 net::RequestId RangedStream::request(std::vector<net::ByteRange> ranges, int priority) {
@@ -66,6 +70,12 @@ bool RangedStream::ask_for_more() {
 }
 
 bool RangedStream::take(net::LoadEvent& event) {
+  if (front_request_ && event.id == *front_request_) {
+    if (const auto* data = std::get_if<net::LoadData>(&event.what)) feed_->push(data->bytes);
+    if (!std::holds_alternative<net::LoadHead>(event.what) && !std::holds_alternative<net::LoadData>(event.what))
+      stop_front();
+    return true;
+  }
   const bool of_directory = directory_request_ && event.id == *directory_request_;
   const auto batch = open_.find(event.id.value);
   if (!of_directory && batch == open_.end()) return false;
@@ -81,6 +91,7 @@ bool RangedStream::take(net::LoadEvent& event) {
     failures_ = 0;
     if (of_directory) {
       directory_request_.reset();
+      stop_front();
       feed_->set_directory(std::exchange(directory_, {}));
     } else {
       open_.erase(batch);
@@ -117,10 +128,16 @@ void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
   if (!rest.empty()) batch.runs[at + rest.size()] = {rest.begin(), rest.end()};
 }
 
+void RangedStream::stop_front() {
+  if (front_request_) loader_.cancel(*front_request_);
+  front_request_.reset();
+}
+
 void RangedStream::give_up(const std::string& why) {
   over_ = true;
   for (const auto& [id, batch] : open_) loader_.cancel({id});
   if (directory_request_) loader_.cancel(*directory_request_);
+  stop_front();
   open_.clear();
   directory_request_.reset();
   feed_->fail("no finer vectors of " + place_.url + " can be read: " + why);

@@ -14,8 +14,8 @@
 
 namespace gs::app {
 
-/// Reads a long packed stream from a server that can seek: first its directory, then chunk by chunk what views want,
-/// as long as anyone looks. Belongs to the reading thread.
+/// Reads a long packed stream from a server that can seek: first its directory, and beside a long one what follows the
+/// front; then chunk by chunk what views want, as long as anyone looks. Belongs to the reading thread.
 class RangedStream {
  public:
   struct Place {
@@ -42,12 +42,13 @@ class RangedStream {
   };
   net::RequestId request(std::vector<net::ByteRange> ranges, int priority);
   void take_data(Batch& batch, const net::LoadData& data);
+  void stop_front();
   void give_up(const std::string& why);
 
   net::Loader& loader_;
   std::shared_ptr<StreamFeed> feed_;
   Place place_;
-  std::optional<net::RequestId> directory_request_;
+  std::optional<net::RequestId> directory_request_, front_request_;
   std::vector<std::byte> directory_;
   std::vector<qnv::ChunkRange> wanted_;
   std::unordered_set<std::uint64_t> asked_;  // offsets of chunks

@@ -1,5 +1,6 @@
 #include "app/viewer.h"
 
+#include "app/stream_feed.h"
 #include "app/viewer_session.h"
 
 #include <algorithm>
@@ -8,32 +9,36 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;     // the interface needs a second look after a change
-constexpr double kIdleWait = 30;       // seconds; any event ends it
-constexpr double kLoadingWait = 0.04;  // between pictures of the progress line
+constexpr int kSettlingFrames = 3;       // the interface needs a second look after a change
+constexpr double kIdleWait = 30;         // seconds; any event ends it
+constexpr double kLoadingWait = 0.25;    // between pictures of the progress line
+constexpr std::size_t kMostReaders = 2;  // files that are read at a time
 
 }  // namespace
 
-Viewer::Viewer(const ViewerOptions& options, const OpenFunction& open, std::unique_ptr<Window> window,
+Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
                std::unique_ptr<render::Renderer> renderer)
     : options_(options),
-      open_(open),
+      load_(load),
       window_(std::move(window)),
       renderer_(std::move(renderer)),
       ui_(window_->handle(), window_->content_scale()),
-      frames_wanted_(kSettlingFrames),
-      workers_{{Worker(&Window::wake), Worker(&Window::wake)}} {
+      frames_wanted_(kSettlingFrames) {
   panes_.start(options_.files);
 }
 
-Viewer::~Viewer() { panes_.cancel_all(); }
+Viewer::~Viewer() {
+  // All at once, so that none is waited for while another has not been told.
+  for (const Reader& one : readers_) one.reader->cancel();
+  panes_.cancel_all();
+}
 
 void Viewer::run() {
   while (!window_->should_close()) {
     load_next();
     wait_for_something();
-    for (Worker& worker : workers_)
-      if (worker.poll()) frames_wanted_ = kSettlingFrames;
+    if (take_news()) frames_wanted_ = kSettlingFrames;
+    if (feed_streams()) frames_wanted_ = kSettlingFrames;
     const glm::ivec2 size = window_->framebuffer_size();
     if (size.x <= 0 || size.y <= 0) continue;  // minimised
     const std::vector<WindowEvent> events = window_->take_events();
@@ -70,6 +75,7 @@ void Viewer::frame(double now, const std::vector<WindowEvent>& events) {
   for (const WindowEvent& event : events) handle(event);
   move_views(continuous ? static_cast<float>(now - last_frame_) : 0.0f);
   draw_viewports();
+  ask_for_streams();
   apply(ui_.build(model()));
   ui_.draw();
   window_->present();
@@ -127,33 +133,72 @@ bool Viewer::loading() const {
 }
 
 void Viewer::load_next() {
-  for (Worker& worker : workers_) {
-    if (worker.busy()) continue;
-    const std::optional<DocumentList::Reading> reading = panes_.begin_loading();
+  while (readers_.size() < kMostReaders) {
+    std::optional<DocumentList::Reading> reading = panes_.begin_loading();
     if (!reading) return;
     frames_wanted_ = kSettlingFrames;
-    load(worker, *reading);
+    auto reader = std::make_shared<WorldReader>(reading->path, load_, &Window::wake);
+    readers_.push_back({std::move(*reading), std::move(reader), {}});
   }
 }
 
-void Viewer::load(Worker& worker, const DocumentList::Reading& reading) {
-  auto job = [this, reading]() -> Worker::Delivery {
-    OpenedWorld world = open_(reading.path, *reading.cancelled);
-    if (*reading.cancelled) return {};
-    std::shared_ptr<Document> document = make_document(std::move(world));
-    return [this, reading, document] {
-      if (document->world.scene)
-        panes_.deliver(reading.number, document, area().size());
-      else
-        show_failed(reading.number, reading.path, document->world.diagnostics);
-    };
-  };
-  auto failed = [this, reading] {
-    vrml::Diagnostics diagnostics;
-    diagnostics.add({vrml::Severity::error, reading.path, {}, "there is not enough memory to open it"});
-    show_failed(reading.number, reading.path, diagnostics);
-  };
-  worker.start(std::move(job), std::move(failed));
+// True when something that shows has changed.
+bool Viewer::take_news() {
+  bool any = false;
+  for (std::size_t i = 0; i < readers_.size();) {
+    Reader& one = readers_[i];
+    if (*one.reading.cancelled) {
+      one.reader->cancel();
+      retired_.push_back(std::move(one.reader));
+    } else {
+      WorldReader::News news = one.reader->take();
+      any = any || news.document || news.fed || !(news.state == one.state);
+      one.state = news.state;
+      if (!news.document || !take_news(one, news)) {
+        ++i;
+        continue;
+      }
+    }
+    readers_.erase(readers_.begin() + static_cast<std::ptrdiff_t>(i));
+    any = true;
+  }
+  std::erase_if(retired_, [](const auto& reader) { return reader->ended(); });
+  for (const DocumentList::Entry& entry : panes_.documents().entries())
+    if (entry.document && entry.document->reader) any = entry.document->reader->take().fed || any;
+  return any;
+}
+
+// True when nothing more comes of it.
+bool Viewer::take_news(const Reader& from, const WorldReader::News& news) {
+  if (!news.over) {
+    panes_.preview(from.reading.number, news.document);
+    return false;
+  }
+  if (!news.document->world.scene) {
+    show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
+    return true;
+  }
+  news.document->reader = from.reader;
+  panes_.deliver(from.reading.number, news.document, area().size());
+  return true;
+}
+
+// What has come of streams becomes finer vectors, what views lack is asked for.
+bool Viewer::feed_streams() {
+  bool any = false;
+  for (const std::size_t i : panes_.visible())
+    if (const View* seen = panes_.at(i).view())
+      for (const auto& feed : seen->document->world.feeds) {
+        any = feed->apply() || any;
+        if (const std::string problem = feed->take_problem(); !problem.empty()) ui_.show_notice(problem, true);
+      }
+  return any;
+}
+
+void Viewer::ask_for_streams() {
+  for (const std::size_t i : panes_.visible())
+    if (const View* seen = panes_.at(i).view())
+      for (const auto& feed : seen->document->world.feeds) feed->ask();
 }
 
 void Viewer::show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics) {
@@ -196,7 +241,7 @@ void Viewer::show_title() {
   window_->set_title(title_);
 }
 
-int run_viewer(const ViewerOptions& options, const OpenFunction& open, std::string& error) {
+int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error) {
   auto window = Window::open("GhostSpace", options.width, options.height, options.samples);
   if (const auto* problem = std::get_if<render::ContextError>(&window)) {
     error = "cannot open a window: " + problem->message;
@@ -208,7 +253,7 @@ int run_viewer(const ViewerOptions& options, const OpenFunction& open, std::stri
     error = "cannot draw in a window: " + problem->message;
     return 1;
   }
-  Viewer viewer(options, open, std::move(context), std::move(std::get<std::unique_ptr<render::Renderer>>(renderer)));
+  Viewer viewer(options, load, std::move(context), std::move(std::get<std::unique_ptr<render::Renderer>>(renderer)));
   viewer.run();
   return 0;
 }

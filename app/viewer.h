@@ -1,22 +1,16 @@
 #pragma once
 
-#include "app/opened_world.h"
+#include "app/world_loader.h"
 #include "render/renderer.h"
 
 #include <glm/vec3.hpp>
 
-#include <atomic>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace gs::app {
-
-/// Reads a world. Called on worker threads, several at a time; must not touch anything that the main thread owns.
-/// Ends early where it can once `cancelled` is set; what it returns is dropped then.
-using OpenFunction = std::function<OpenedWorld(const std::string& path, const std::atomic<bool>& cancelled)>;
 
 /// Discs that a window draws when nobody says how many.
 inline constexpr std::size_t kWindowBudget = 2'000'000;
@@ -32,8 +26,8 @@ struct ViewerOptions {
   render::SplatPath splats = render::SplatPath::automatic;
 };
 
-/// Opens a window and runs until the user quits. Main thread. Returns the exit status: 0, or 1 with the
-/// reason in `error` when there is no window system or no OpenGL 3.3.
-[[nodiscard]] int run_viewer(const ViewerOptions& options, const OpenFunction& open, std::string& error);
+/// Opens a window and runs until the user quits. `load`: how worlds are read. Main thread. Returns the exit status: 0,
+/// or 1 with the reason in `error` when there is no window system or no OpenGL 3.3.
+[[nodiscard]] int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error);
 
 }  // namespace gs::app

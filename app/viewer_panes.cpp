@@ -91,13 +91,27 @@ std::optional<DocumentList::Reading> Panes::begin_loading() {
   return std::nullopt;
 }
 
+void Panes::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
+  const std::optional<std::string> path = documents_.preview(reading, document);
+  if (!path) return;
+  for (Pane& pane : panes_) {
+    const auto place = pane.views.find(*path);
+    if (place == pane.views.end()) continue;
+    place->second = grown(place->second, document, place->second.home_size);
+    if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
+  }
+}
+
 void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport) {
+  const std::shared_ptr<Document> before = documents_.document_of(reading);
+  const bool grows = before && before->is_preview;
   const std::optional<std::string> path = documents_.deliver(reading, document);
   if (!path) return;
   for (Pane& pane : panes_) {
     const auto place = pane.views.find(*path);
     if (place == pane.views.end()) continue;
-    place->second = renewed(place->second, document, viewport);
+    place->second =
+        grows ? grown(place->second, document, place->second.home_size) : renewed(place->second, document, viewport);
     if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
   }
 }

@@ -69,6 +69,8 @@ class Panes {
   [[nodiscard]] bool loading(std::size_t pane) const { return documents_.awaited(panes_[pane].wanted); }
   /// A reading has become this. Views of an older state of the file are renewed.
   void deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport);
+  /// So much of a reading has come; it shows already.
+  void preview(std::uint64_t reading, std::shared_ptr<Document> document);
   /// A reading came to nothing. The viewports that waited for it go back to what they showed, or on to a file that
   /// no other shows; their numbers. Empty when nobody waits any more.
   std::vector<std::size_t> fail(std::uint64_t reading);

@@ -78,6 +78,22 @@ void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
 
 // The user interface ------------------------------------------------------------------------------
 
+// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
+std::string Viewer::progress_of(const std::string& path) const {
+  std::string text = file_label(path);
+  for (const Reader& one : readers_) {
+    if (one.reading.path != path || one.state.received == 0) continue;
+    const auto megabytes = [](std::uint64_t bytes) {
+      const std::uint64_t tenths = (bytes + 50'000) / 100'000;
+      return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
+    };
+    text +=
+        ": " + megabytes(one.state.received) + (one.state.total ? " of " + megabytes(*one.state.total) : "") + " MB";
+    if (one.state.waiting > 1) text += ", " + std::to_string(one.state.waiting) + " files to come";
+  }
+  return text;
+}
+
 void Viewer::describe_viewports(UiModel& model) const {
   const std::vector<std::size_t> sight = panes_.visible();
   const std::vector<Viewport> rectangles = places();
@@ -86,7 +102,7 @@ void Viewer::describe_viewports(UiModel& model) const {
     UiViewport viewport;
     viewport.place = rectangles[i];
     if (pane.view()) viewport.label = file_label(pane.shown);
-    if (panes_.loading(sight[i])) viewport.loading = file_label(pane.wanted);
+    if (panes_.loading(sight[i])) viewport.loading = progress_of(pane.wanted);
     viewport.active = sight[i] == panes_.active();
     model.viewports.push_back(std::move(viewport));
   }

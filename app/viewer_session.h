@@ -6,7 +6,7 @@
 #include "app/viewer_panes.h"
 #include "app/viewports.h"
 #include "app/window.h"
-#include "app/worker.h"
+#include "app/world_reader.h"
 #include "render/renderer.h"
 
 #include <array>
@@ -22,7 +22,7 @@ namespace gs::app {
 /// viewer.cpp: the loop and the files; viewer_input.cpp: what the user does; viewer_picture.cpp: what he sees.
 class Viewer {
  public:
-  Viewer(const ViewerOptions& options, const OpenFunction& open, std::unique_ptr<Window> window,
+  Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
   ~Viewer();
   Viewer(const Viewer&) = delete;
@@ -31,6 +31,13 @@ class Viewer {
   void run();
 
  private:
+  /// A file that is being read.
+  struct Reader {
+    DocumentList::Reading reading;
+    std::shared_ptr<WorldReader> reader;
+    LoadingState state;
+  };
+
   void wait_for_something();
   void wait_idle();
   void frame(double now, const std::vector<WindowEvent>& events);
@@ -38,7 +45,10 @@ class Viewer {
   void measure(double started, double now, bool continuous);
 
   void load_next();
-  void load(Worker& worker, const DocumentList::Reading& reading);
+  bool take_news();
+  bool take_news(const Reader& from, const WorldReader::News& news);
+  bool feed_streams();
+  void ask_for_streams();
   void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
   void show_loaded();
   void show_title();
@@ -75,12 +85,13 @@ class Viewer {
   [[nodiscard]] bool loading() const;
   [[nodiscard]] UiModel model();
   void describe_viewports(UiModel& model) const;
+  [[nodiscard]] std::string progress_of(const std::string& path) const;
   void apply(const UiActions& actions);
   void draw_viewports();
   void draw_viewport(std::size_t pane, render::DrawOptions draw);
 
   const ViewerOptions& options_;
-  const OpenFunction& open_;
+  const LoadOptions& load_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Renderer> renderer_;
   UiOverlay ui_;
@@ -94,7 +105,8 @@ class Viewer {
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;
   bool was_continuous_ = false;
-  std::array<Worker, 2> workers_;  // last: they end before what their deliveries speak of
+  std::vector<Reader> readers_;
+  std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
 };
 
 }  // namespace gs::app

@@ -54,6 +54,22 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   return view;
 }
 
+View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
+  const Pose& pose = before.navigation.pose;
+  const bool unmoved = pose.position == before.home.position && pose.orientation == before.home.orientation &&
+                       !before.navigation.moving();
+  if (!unmoved) return renewed(before, std::move(document), viewport);
+  View view = view_of(std::move(document), viewport, {});
+  view.look = before.look;
+  view.headlight = before.headlight;
+  if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
+    view.viewpoint = before.viewpoint;
+    view.home = before.home;
+    view.navigation.pose = before.home;
+  }
+  return view;
+}
+
 void fit_home(View& view, const glm::vec2& viewport) {
   if (view.viewpoint || !view.list || view.home_size == viewport) return;
   const Pose& pose = view.navigation.pose;

@@ -41,6 +41,9 @@ struct View {
 /// Does nothing where a Viewpoint is bound.
 void fit_home(View& view, const glm::vec2& viewport);
 
+/// The view of a document of which more has come: as `before`; who has not moved sees all of it.
+[[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
+
 /// Gathers again when the viewer has come so far that other levels of detail may be due. True when the list was made
 /// anew. Views of one document are to be followed on one thread.
 bool follow_viewer(View& view);

@@ -14,6 +14,8 @@ int run_check(const Options& options) {
     LoadOptions load;
     load.max_bytes = options.max_bytes;
     load.timeout_seconds = options.timeout_seconds;
+    load.offline = options.offline;
+    load.cache_folder = http_cache_folder();
     load.references = false;
     const OpenedWorld world = load_world(file, load);
     for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries())

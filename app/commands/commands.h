@@ -38,6 +38,8 @@ int fail(const std::string& what);
                                                            std::span<const std::byte> bytes);
 /// ".ply (PLY points), .glb (...), ...": what export writes.
 [[nodiscard]] std::string export_format_list();
+/// Where answers of servers are kept between runs: in $XDG_CACHE_HOME, else ~/.cache; empty when there is neither.
+[[nodiscard]] std::string http_cache_folder();
 /// The largest memory this process has held, in bytes.
 [[nodiscard]] std::size_t peak_memory();
 /// The demo world: beside the program where it was installed, else in the source tree.

@@ -12,6 +12,8 @@ render::SplatPath splat_path(const std::string& name) {
   return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
 }
 
+constexpr double kNoTimeout = 1e6;  // seconds
+
 }  // namespace
 
 int run_open(const Options& options) {
@@ -31,14 +33,13 @@ int run_open(const Options& options) {
   load.max_bytes = options.max_bytes;
   load.loss = options.loss;
   load.loss_seed = options.loss_seed;
-  load.timeout_seconds = options.timeout_seconds;
-  const OpenFunction open = [load](const std::string& path, const std::atomic<bool>& cancelled) {
-    LoadOptions one = load;
-    one.cancelled = &cancelled;
-    return load_world(path, one);
-  };
+  // Who looks at a window sees how far it is, and can cancel.
+  load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
+  load.offline = options.offline;
+  load.by_view = true;
+  load.cache_folder = http_cache_folder();
   std::string error;
-  const int status = run_viewer(viewer, open, error);
+  const int status = run_viewer(viewer, load, error);
   if (status != 0)
     std::fprintf(stderr, "ghostspace: error: %s\nA picture without a window: ghostspace --snapshot OUT.png FILE\n",
                  error.c_str());

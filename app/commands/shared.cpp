@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 
 namespace gs::app {
@@ -64,6 +65,13 @@ std::string export_format_list() {
   for (const ExportFormat& format : export_formats())
     text += (text.empty() ? "" : ", ") + std::string(format.extension) + " (" + std::string(format.description) + ")";
   return text;
+}
+
+std::string http_cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache && cache[0] == '/') return std::string(cache) + "/ghostspace/http";
+  const char* home = std::getenv("HOME");
+  return home && home[0] == '/' ? std::string(home) + "/.cache/ghostspace/http" : std::string();
 }
 
 std::size_t peak_memory() {

@@ -52,6 +52,8 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   auto surface = std::make_unique<OpenedSurface>();
   LoadOptions load;
   load.timeout_seconds = options.timeout_seconds;
+  load.offline = options.offline;
+  load.cache_folder = http_cache_folder();
   surface->world = load_world(path, load);
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;
