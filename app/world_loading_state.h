@@ -27,8 +27,8 @@
 #include <unordered_set>
 #include <vector>
 
-// The inside of WorldLoading, in three files: world_loading.cpp finds the bytes, scene_taker.cpp makes scenes of them,
-// cloud_taker.cpp vectors.
+// The inside of WorldLoading: world_loading.cpp and world_network.cpp find the bytes, scene_taker.cpp and
+// scene_references.cpp make scenes of them, cloud_taker.cpp vectors.
 
 namespace gs::app {
 
@@ -96,6 +96,10 @@ class Fetch {
 
 /// Whose turn it is.
 enum class Urgency : int { texture = 0, vectors = 1, inline_scene = 2, prototypes = 3, world = 4 };
+/// Of the loader's priorities between two urgencies; in between, how large something is seen.
+inline constexpr int kUrgencyStep = 1000;
+/// Of a long stream on a server, before views choose.
+inline constexpr std::uint64_t kFrontBytes = std::uint64_t{1} << 16;
 
 class SceneTaker;
 class CloudTaker;
