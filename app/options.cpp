@@ -151,6 +151,17 @@ Problem set_offset(Options& options, const std::string& value) {
   return read(value, options.raw.offset) ? Problem{} : "expected a number of bytes";
 }
 
+Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
+  std::uint16_t number = 0;
+  if (!read(value, number)) return "expected a port, 0 (any free one) to 65535";
+  port = number;
+  return {};
+}
+
+Problem set_rate(Options& options, const std::string& value) {
+  return read(value, options.rate) && options.rate > 0 ? Problem{} : "expected bits a second, more than 0";
+}
+
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
      [](Options& o, const std::string& v) {
@@ -217,6 +228,26 @@ constexpr OptionRow kOptions[] = {
        o.offline = true;
        return Problem{};
      }},
+    {"--http", "PORT", "8080", "serve by HTTP on this port; 0: any free one. Not if only --cells is given", "serve ",
+     [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
+    {"--cells", "PORT", "", "serve streams as ATM cells in UDP on this port", "serve ",
+     [](Options& o, const std::string& v) { return set_port(o.cells_port, v); }},
+    {"--bind", "ADDRESS|*", "127.0.0.1", "which of this machine's addresses to listen at; *: all", "serve ",
+     [](Options& o, const std::string& v) {
+       o.bind = v;
+       return Problem{};
+     }},
+    {"--rate", "BIT/S", "", "all clients together get no more than this", "serve ", set_rate},
+    {"--cache", "FOLDER", "", "where thumbnails and streams that were made are kept", "serve ",
+     [](Options& o, const std::string& v) {
+       o.cache = v;
+       return Problem{};
+     }},
+    {"--log", "FILE", "-", "the access log; - is standard output", "serve ",
+     [](Options& o, const std::string& v) {
+       o.log = v;
+       return Problem{};
+     }},
     {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;
@@ -245,6 +276,8 @@ constexpr CommandRow kCommands[] = {
     {"encode", "IN OUT.qnv", "turn a world, mesh, volume or splats into a QNV stream", 2, 2, run_encode, check_encode},
     {"export", "IN OUT", "write the vectors of a stream, volume, splats or mesh in another program's format", 2, 2,
      run_export, check_export},
+    {"serve", "FOLDER", "serve an archive: worlds and streams, with an index, thumbnails and encoding on demand", 1, 1,
+     run_serve},
     {"nodes", "", "print the table of node types", 0, 0, run_nodes},
     {"man", "", "print the manual page (roff)", 0, 0, run_man},
 };

@@ -33,6 +33,10 @@ struct Options {
   std::optional<glm::vec3> background;
   double timeout_seconds = 30;
   bool timeout_given = false;
+  // serve
+  std::optional<std::uint16_t> http_port, cells_port;
+  std::string bind = "127.0.0.1", cache, log = "-";
+  std::uint64_t rate = 0;  // bits a second; 0: no limit
   bool offline = false;
   bool markdown = false, wrl = false, json = false, vrml97 = false;
   std::size_t vectors = 0;       // 0: not asked for

@@ -15,7 +15,7 @@ packages=(
   # volumes
   libnifti2-dev libznz-dev libcfitsio-dev libexpat1-dev
   # network
-  libcurl4-openssl-dev libisal-dev
+  libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests

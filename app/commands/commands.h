@@ -19,6 +19,7 @@ int run_man(const Options& options);
 int run_info(const Options& options);
 int run_encode(const Options& options);
 int run_export(const Options& options);
+int run_serve(const Options& options);
 std::optional<std::string> check_encode(const Options& options);
 std::optional<std::string> check_export(const Options& options);
 

@@ -115,16 +115,16 @@ TEST_CASE("The picture of a volume is the same for every number of threads") {
 TEST_CASE("So is that of several volumes with stops, which is their exact one") {
   const qnv::Cloud first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
   const render::VolumeModel models[2] = {render::volume_model(first), render::volume_model(second)};
-  SplatView view = view_from({1, 1, 2}, 100, 75);
+  SplatView view = view_from({1, 1, 2}, 48, 36);
   std::array<render::VolumeItem, 2> items{
       render::VolumeItem{&first, &models[0], view.camera_from_node, first.size(), {}},
       render::VolumeItem{&second, &models[1], glm::translate(view.camera_from_node, {0.5f, 0, 0}), 500, {}}};
   items[0].options.opacity = 0.2f;
-  std::vector<float> near(100 * 75, kInfinity), far(100 * 75, kInfinity);
+  std::vector<float> near(48 * 36, kInfinity), far(48 * 36, kInfinity);
   for (std::size_t i = 0; i < near.size(); ++i) {
-    if (i % 100 > 50) near[i] = far[i] = 2.5f;
-    if (i % 100 == 50) near[i] = 2.5f;
-    if (i % 100 > 90) near[i] = far[i] = 0.5f;
+    if (i % 48 > 24) near[i] = far[i] = 2.5f;
+    if (i % 48 == 24) near[i] = 2.5f;
+    if (i % 48 > 43) near[i] = far[i] = 0.5f;
   }
   view.threads = 1;
   const VolumeLayer one = render::rasterize_volumes(items, view, {near, far});
@@ -146,12 +146,12 @@ TEST_CASE("So is that of several volumes with stops, which is their exact one") 
   CHECK(decibels(one.pixels, far) >= 40);
   CHECK(decibels(one.edge_pixels, near) >= 40);
   // Stops that nothing reaches, and those of another size, change nothing.
-  const std::vector<float> none(100 * 75, kInfinity);
+  const std::vector<float> none(48 * 36, kInfinity);
   const VolumeLayer free = render::rasterize_volumes(items, view);
   CHECK(same(free, render::rasterize_volumes(items, view, {none, none})));
   CHECK(same(free, render::rasterize_volumes(items, view, {std::span(near).first(9), {}})));
   CHECK(!same(free, one));
-  const std::vector<float> before(100 * 75, 0.1f);
+  const std::vector<float> before(48 * 36, 0.1f);
   const VolumeLayer hidden = render::rasterize_volumes(items, view, {before, {}});
   CHECK(std::all_of(hidden.pixels.begin(), hidden.pixels.end(), [](std::uint8_t p) { return p == 0; }));
 }

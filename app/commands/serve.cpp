@@ -1,0 +1,68 @@
+#include "app/commands/serve.h"
+
+#include "app/commands/commands.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+namespace gs::app {
+namespace {
+
+constexpr std::chrono::seconds kGrace{10};
+constexpr std::uint16_t kStandardPort = 8080;
+
+std::string place(const ArchiveOptions& options, std::uint16_t port) {
+  const bool six = options.bind.find(':') != std::string::npos;
+  const std::string host = options.bind == "*" ? "localhost" : six ? "[" + options.bind + "]" : options.bind;
+  return host + ":" + std::to_string(port) + "/";
+}
+
+}  // namespace
+
+int serve(const ArchiveOptions& options) {
+  // Before any thread is there, so that all have it: the signals come to
+  // sigwait below.
+  sigset_t signals, before;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, &before);
+  std::signal(SIGPIPE, SIG_IGN);
+  auto started = Archive::start(options);
+  if (const auto* problem = std::get_if<std::string>(&started)) {
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    return fail(*problem);
+  }
+  Archive& archive = *std::get<std::unique_ptr<Archive>>(started);
+  if (const auto port = archive.http_port())
+    std::fprintf(stderr, "ghostspace: serving %s on http://%s\n", options.folder.c_str(),
+                 place(options, *port).c_str());
+  if (const auto port = archive.cells_port())
+    std::fprintf(stderr, "ghostspace: serving %s on cells://%s\n", options.folder.c_str(),
+                 place(options, *port).c_str());
+  int signal = 0;
+  while (sigwait(&signals, &signal) != 0) {
+  }
+  // A second signal ends it at once, as it would any program.
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  std::fprintf(stderr, "ghostspace: stopping; transfers have %d s to end\n", static_cast<int>(kGrace.count()));
+  archive.stop(kGrace);
+  return kDone;
+}
+
+int run_serve(const Options& options) {
+  ArchiveOptions archive;
+  archive.folder = options.files.front();
+  archive.http_port = options.http_port;
+  archive.cells_port = options.cells_port;
+  if (!archive.http_port && !archive.cells_port) archive.http_port = kStandardPort;
+  archive.bind = options.bind;
+  archive.rate = options.rate;
+  archive.cache = options.cache;
+  archive.log = options.log;
+  return serve(archive);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "app/archive.h"
+
+namespace gs::app {
+
+/// Serves a folder until SIGINT or SIGTERM, then lets running transfers end for
+/// up to ten seconds (a second signal: at once). Prints where; returns the exit
+/// status.
+int serve(const ArchiveOptions& options);
+
+}  // namespace gs::app

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <curl/curl.h>
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace gs::net::test {
+
+/// An answer, as libcurl got it.
+struct Got {
+  CURLcode code = CURLE_OK;
+  long status = 0;
+  std::map<std::string, std::string> headers;  // names in lower case
+  std::string body;                            // as it came: not decompressed
+};
+
+/// Asks with libcurl, a connection of its own each time. `method` empty: GET.
+inline Got fetch(std::uint16_t port, const std::string& target, const std::vector<std::string>& headers = {},
+                 const std::string& method = {}) {
+  Got got;
+  CURL* curl = curl_easy_init();
+  REQUIRE(curl);
+  const std::string url = "http://127.0.0.1:" + std::to_string(port) + target;
+  curl_slist* list = nullptr;
+  for (const std::string& header : headers) list = curl_slist_append(list, header.c_str());
+  curl_easy_setopt(curl, CURLOPT_URL, url.c_str());
+  curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
+  curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(curl, CURLOPT_TIMEOUT, 120L);
+  curl_easy_setopt(curl, CURLOPT_HTTPHEADER, list);
+  if (method == "HEAD") curl_easy_setopt(curl, CURLOPT_NOBODY, 1L);
+  if (!method.empty()) curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, method.c_str());
+  curl_easy_setopt(curl, CURLOPT_WRITEDATA, &got);
+  curl_easy_setopt(
+      curl, CURLOPT_WRITEFUNCTION, +[](char* bytes, std::size_t size, std::size_t count, void* to) {
+        static_cast<Got*>(to)->body.append(bytes, size * count);
+        return size * count;
+      });
+  curl_easy_setopt(curl, CURLOPT_HEADERDATA, &got);
+  curl_easy_setopt(
+      curl, CURLOPT_HEADERFUNCTION, +[](char* bytes, std::size_t size, std::size_t count, void* to) {
+        std::string line(bytes, size * count);
+        while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
+        if (const std::size_t colon = line.find(": "); colon != std::string::npos) {
+          std::string name = line.substr(0, colon);
+          std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+          static_cast<Got*>(to)->headers[name] = line.substr(colon + 2);
+        }
+        return size * count;
+      });
+  got.code = curl_easy_perform(curl);
+  curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &got.status);
+  curl_slist_free_all(list);
+  curl_easy_cleanup(curl);
+  return got;
+}
+
+/// A connection without a library. `from`: the address of the client, one of
+/// 127.0.0.0/8.
+class RawClient {
+ public:
+  explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0) {
+    socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    REQUIRE(socket_ >= 0);
+    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from, &address.sin_addr);
+    REQUIRE(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(port);
+    REQUIRE(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  }
+  ~RawClient() { ::close(socket_); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  [[nodiscard]] int socket() const { return socket_; }
+  void send(const std::string& text) const {
+    std::size_t at = 0;
+    while (at < text.size()) {
+      const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
+      if (sent <= 0) return;
+      at += static_cast<std::size_t>(sent);
+    }
+  }
+  /// What comes next; empty at the end of the connection.
+  [[nodiscard]] std::string receive(std::size_t most = 65536) const {
+    std::string text(most, '\0');
+    const ssize_t got = ::recv(socket_, text.data(), most, 0);
+    text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return text;
+  }
+  /// Until the other side closes.
+  [[nodiscard]] std::string receive_all() const {
+    std::string all;
+    for (std::string piece = receive(); !piece.empty(); piece = receive()) all += piece;
+    return all;
+  }
+
+ private:
+  int socket_ = -1;
+};
+
+}  // namespace gs::net::test
