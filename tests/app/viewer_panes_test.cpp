@@ -396,3 +396,56 @@ TEST_CASE("Linked viewports follow, but not in worlds where nobody moves") {
   CHECK(leader.pose.position == glm::vec3(0, 3, 5));
   panes.link(3);  // nothing is shown there
 }
+
+TEST_CASE("What has come of a file shows, and who has not moved sees all of it") {
+  const auto preview = [](const glm::vec3& upper) {
+    auto result = document_of({0, 0, 0}, upper);
+    result->is_preview = true;
+    return result;
+  };
+  Panes panes;
+  panes.start(std::vector<std::string>{"a"});
+  const auto reading = panes.begin_loading();
+  REQUIRE(reading);
+  panes.preview(reading->number, preview({1, 1, 1}));
+  settle(panes);
+  REQUIRE(panes.at(0).view());
+  CHECK(panes.loading(0));
+  const glm::vec3 first = panes.at(0).view()->navigation.pose.position;
+  panes.preview(reading->number, preview({9, 9, 9}));
+  settle(panes);
+  const glm::vec3 second = panes.at(0).view()->navigation.pose.position;
+  CHECK(glm::length(second) > 2 * glm::length(first));
+  CHECK(panes.at(0).view()->list->bounds.upper == glm::vec3(9));
+  // Who has moved stays.
+  panes.at(0).view()->navigation.pose.position = {5, 6, 7};
+  panes.at(0).view()->look.opacity = 3;
+  panes.preview(reading->number, preview({20, 20, 20}));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  const auto whole = document_of({0, 0, 0}, {30, 30, 30});
+  panes.deliver(reading->number, whole, kSize);
+  settle(panes);
+  CHECK_FALSE(panes.loading(0));
+  CHECK(panes.at(0).view()->document == whole);
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  CHECK(panes.at(0).view()->look.opacity == 3);
+}
+
+TEST_CASE("A file that is read again shows its old state until the new one is whole") {
+  Panes panes;
+  panes.start(std::vector<std::string>{"a"});
+  load_all(panes);
+  const auto before = panes.at(0).view()->document;
+  panes.reload();
+  const auto reading = panes.begin_loading();
+  REQUIRE(reading);
+  auto part = document();
+  part->is_preview = true;
+  panes.preview(reading->number, part);
+  settle(panes);
+  CHECK(panes.at(0).view()->document == before);
+  // A reading that fails after a first part leaves what was there before.
+  (void)panes.fail(reading->number);
+  settle(panes);
+  CHECK(panes.at(0).view()->document == before);
+}
