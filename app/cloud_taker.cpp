@@ -1,7 +1,6 @@
 #include "app/temporary_file.h"
 #include "app/world_loading_state.h"
 #include "qnv/container.h"
-#include "qnv/loss.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -31,17 +31,8 @@ void inspect(Document& document) {
 void inspect_clouds(Document& document) {
   for (const render::SplatItem& item : document.list->splats) {
     if (!item.cloud) continue;
-    const qnv::Cloud& cloud = *item.cloud;
-    if (cloud.description.kind == qnv::Kind::surface) {
-      document.has_surface_clouds = true;
-      continue;
-    }
-    if (!std::exchange(document.has_volumes, true)) {
-      document.volume = cloud.description;
-      document.volume.metadata.clear();
-    }
-    for (const float weight : cloud.weights)
-      if (weight > document.largest_magnitude) document.largest_magnitude = weight;
+    const bool surface = item.cloud->description.kind == qnv::Kind::surface;
+    (surface ? document.has_surface_clouds : document.has_volumes) = true;
   }
 }
 

@@ -30,9 +30,7 @@ struct Document {
   bool viewer_dependent = false;  // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;
   bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
-  qnv::Description volume;                               // of the first volume, without what is of its source
   std::shared_ptr<WorldReader> reader;                   // that still reads of its streams what views want; null: none
-  float largest_magnitude = 0;                           // of the gradients of all volumes
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };

@@ -138,8 +138,6 @@ UiModel Viewer::model() {
   model.look = seen->look;
   model.has_surface_clouds = seen->document->has_surface_clouds;
   model.has_volumes = seen->document->has_volumes;
-  model.volume = seen->document->volume;
-  model.largest_magnitude = seen->document->largest_magnitude;
   model.bounds = seen->list->bounds;
   model.looking = seen->navigation.pose.forward();
   for (const render::SplatItem& item : seen->list->splats)

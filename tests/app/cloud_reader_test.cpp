@@ -5,6 +5,7 @@
 #include "qnv/encode_surface.h"
 #include "qnv/lod.h"
 #include "tests/app/clouds.h"
+#include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -20,32 +21,6 @@ using namespace gs;
 using namespace gs::app;
 
 namespace {
-
-// More than a megabyte, so that the file would be mapped.
-const std::string& large_stream() {
-  static const std::string bytes = [] {
-    constexpr int kSteps = 400;
-    const auto at = [](int i, int j) {
-      const double a = std::numbers::pi * i / kSteps, b = std::numbers::pi * j / kSteps;
-      return glm::vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)) *
-             static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b));
-    };
-    std::vector<qnv::Triangle> triangles;
-    for (int i = 0; i < kSteps; ++i)
-      for (int j = 0; j < 2 * kSteps; ++j) {
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j), at(i + 1, j + 1)};
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j + 1), at(i, j + 1)};
-      }
-    qnv::EncodeOptions options;
-    options.vectors = 1'500'000;
-    auto encoded = qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(triangles); }, options);
-    REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
-    const auto& all = std::get<qnv::EncodedStream>(encoded).bytes;
-    return std::string(reinterpret_cast<const char*>(all.data()), all.size());
-  }();
-  REQUIRE(bytes.size() > (std::size_t{1} << 20));
-  return bytes;
-}
 
 qnv::LodStream& stream_of(const OpenedWorld& world) {
   REQUIRE(world.clouds.size() == 1);

@@ -3,19 +3,17 @@
 
 #include "app/stream_feed.h"
 #include "net/transport_memory.h"
-#include "qnv/encode_surface.h"
 #include "qnv/lod.h"
 #include "tests/app/clouds.h"
+#include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <memory>
-#include <numbers>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,31 +70,6 @@ std::string boxes(int count) {
   for (int i = 0; i < count; ++i)
     text += "Transform { translation " + std::to_string(i) + " 0 0 children Shape { geometry Box { } } }\n";
   return text;
-}
-
-const std::string& ball() {
-  static const std::string bytes = [] {
-    constexpr int kSteps = 300;
-    const auto at = [](int i, int j) {
-      const double a = std::numbers::pi * i / kSteps, b = std::numbers::pi * j / kSteps;
-      return glm::vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)) *
-             static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b));
-    };
-    std::vector<qnv::Triangle> triangles;
-    for (int i = 0; i < kSteps; ++i)
-      for (int j = 0; j < 2 * kSteps; ++j) {
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j), at(i + 1, j + 1)};
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j + 1), at(i, j + 1)};
-      }
-    qnv::EncodeOptions options;
-    options.vectors = 1'500'000;
-    auto encoded = qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(triangles); }, options);
-    REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
-    const auto& all = std::get<qnv::EncodedStream>(encoded).bytes;
-    REQUIRE(all.size() > (std::size_t{1} << 20));  // worth choosing from
-    return std::string(reinterpret_cast<const char*>(all.data()), all.size());
-  }();
-  return bytes;
 }
 
 }  // namespace
@@ -280,8 +253,8 @@ TEST_CASE("a stream shows from its front on, and grows") {
   Web web;
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
   web.put_script("memory://a/ball.qnv", [](const net::TransferRequest&, unsigned) {
-    net::MemoryAnswer answer = whole(ball());
-    answer.bytes_per_second = ball().size() * 2;
+    net::MemoryAnswer answer = whole(large_stream());
+    answer.bytes_per_second = large_stream().size() * 2;
     return answer;
   });
   WorldLoading loading("memory://a/world.wrl", web.options);
@@ -309,7 +282,7 @@ TEST_CASE("a stream shows from its front on, and grows") {
 TEST_CASE("of a long stream only what a view wants is read") {
   Web web;
   web.options.by_view = true;
-  web.put("memory://a/ball.qnv", ball());
+  web.put("memory://a/ball.qnv", large_stream());
   WorldLoading loading("memory://a/ball.qnv", web.options);
   while (!loading.done()) (void)loading.step(kWait);
   const OpenedWorld world = loading.take();
@@ -333,11 +306,11 @@ TEST_CASE("of a long stream only what a view wants is read") {
   std::uint64_t asked = 0;
   for (const net::TransferRequest& transfer : web.network->transfers()) {
     REQUIRE(transfer.range);
-    asked += std::min<std::uint64_t>(transfer.range->end, ball().size()) - transfer.range->begin;
+    asked += std::min<std::uint64_t>(transfer.range->end, large_stream().size()) - transfer.range->begin;
   }
-  CHECK(asked < ball().size() * 3 / 4);
+  CHECK(asked < large_stream().size() * 3 / 4);
   // All that it would have shown of the whole.
-  auto opened = qnv::LodStream::open(bytes_of(ball()));
+  auto opened = qnv::LodStream::open(bytes_of(large_stream()));
   auto& reference = *std::get<std::unique_ptr<qnv::LodStream>>(opened);
   std::size_t discs = 0, wanted = 0;
   for (const qnv::Piece& piece : stream.cut(view)) discs += piece.count;
