@@ -41,7 +41,9 @@ void limit(pid_t child, const ChildLimits& limits) {
     const rlimit both{most, most};
     (void)::prlimit(child, which, &both, nullptr);
   };
+#if !defined(__SANITIZE_ADDRESS__)  // whose shadow takes terabytes of addresses
   set(RLIMIT_AS, limits.memory);
+#endif
   set(RLIMIT_FSIZE, limits.file_bytes);
   set(RLIMIT_CORE, 0);
 }
