@@ -1,5 +1,6 @@
 #include "app/cell_archive.h"
 
+#include "app/cell_regions.h"
 #include "qnv/container.h"
 #include "qnv/records_payload.h"
 
@@ -71,25 +72,6 @@ std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count)
   }
   all.resize(have);
   return all;
-}
-
-net::CellBox cell_box(const qnv::Box& box, const qnv::Box& all) {
-  net::CellBox result{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double begin = all.lower[axis], extent = static_cast<double>(all.upper[axis]) - begin;
-    const auto part = [&](double value, bool up) {
-      if (!(extent > 0)) return up ? 65535.0 : 0.0;
-      const double scaled = (value - begin) / extent * 65535;
-      // The directory's own steps must not be rounded twice.
-      const double nearest = std::round(scaled);
-      const double exact = std::abs(scaled - nearest) < 1e-2 ? nearest : up ? std::ceil(scaled) : std::floor(scaled);
-      return std::clamp(exact, 0.0, 65535.0);
-    };
-    const auto at = static_cast<std::size_t>(axis);
-    result[at] = static_cast<std::uint16_t>(part(box.lower[axis], false));
-    result[at + 3] = static_cast<std::uint16_t>(part(box.upper[axis], true));
-  }
-  return result;
 }
 
 // Nothing where the directory is missing or damaged.

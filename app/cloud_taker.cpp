@@ -63,7 +63,8 @@ void CloudTaker::choose_way() {
     if (bytes_.size() >= kTelling) way_ = Way::whole;
     return;
   }
-  if (world_.options.loss > 0 && !place_.is_node) {
+  // Of cells the loss is that of the line.
+  if (world_.options.loss > 0 && !place_.is_node && found_.url.scheme != "cells") {
     way_ = Way::whole;
     return;
   }
@@ -155,6 +156,21 @@ bool CloudTaker::seek(RangedStream::Place place) {
   if (directory_ == 0 || directory_ >= place.total || directory_ < place.front) return false;
   world_.streams.push_back(std::make_unique<RangedStream>(*world_.network(), feed_, std::move(place)));
   return true;
+}
+
+void CloudTaker::piece(const net::CellEvent& event) {
+  if (way_ == Way::pushed) {
+    feed_->add_loose(event.name.chunk, event.bytes);
+  } else if (way_ == Way::decoded && event.records) {
+    // The records stand where they do in the chunk; what is before them comes another time, or never.
+    const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
+    std::vector<std::byte> payload(head.begin(), head.end());
+    payload.resize(head.size() + event.offset);
+    payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
+    const qnv::ByteRange missing{head.size(), head.size() + event.offset};
+    decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
+    show_records(false);
+  }
 }
 
 void CloudTaker::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {

@@ -183,10 +183,11 @@ constexpr OptionRow kOptions[] = {
     {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
     {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open ", set_splats},
     {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open ", set_budget},
-    {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open ", set_loss},
+    {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open fetch ",
+     set_loss},
     {"--max-bytes", "N", "",
      "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
-     "open check info encode ", set_max_bytes},
+     "open check info encode fetch ", set_max_bytes},
     {"--vectors", "N", "", "about so many vectors", "encode export ", set_vectors},
     {"--fraction", "F", "", "this part of a volume's voxels, of a cloud's vectors, of a surface's triangles (0 to 1)",
      "encode ", set_fraction},
@@ -214,7 +215,7 @@ constexpr OptionRow kOptions[] = {
        o.vrml97 = true;
        return Problem{};
      }},
-    {"--json", "", "", "machine-readable", "info encode ",
+    {"--json", "", "", "machine-readable", "info encode fetch ",
      [](Options& o, const std::string&) {
        o.json = true;
        return Problem{};
@@ -222,7 +223,7 @@ constexpr OptionRow kOptions[] = {
     {"--timeout", "SECONDS", "30",
      "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long. A window "
      "waits for ever unless this is given",
-     "open check print info encode export ", set_timeout},
+     "open check print info encode export fetch ", set_timeout},
     {"--offline", "", "", "read nothing over the network", "open check print info encode export ",
      [](Options& o, const std::string&) {
        o.offline = true;
@@ -237,7 +238,10 @@ constexpr OptionRow kOptions[] = {
        o.bind = v;
        return Problem{};
      }},
-    {"--rate", "BIT/S", "", "all clients together get no more than this", "serve ", set_rate},
+    {"--rate", "BIT/S", "",
+     "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
+     "others",
+     "serve open fetch ", set_rate},
     {"--cache", "FOLDER", "", "where thumbnails and streams that were made are kept", "serve ",
      [](Options& o, const std::string& v) {
        o.cache = v;
@@ -278,6 +282,8 @@ constexpr CommandRow kCommands[] = {
      run_export, check_export},
     {"serve", "FOLDER", "serve an archive: worlds and streams, with an index, thumbnails and encoding on demand", 1, 1,
      run_serve},
+    {"fetch", "URL", "read a world or stream and report: bytes, vectors, time to the first picture, what was lost", 1,
+     1, run_fetch, check_fetch},
     {"nodes", "", "print the table of node types", 0, 0, run_nodes},
     {"man", "", "print the manual page (roff)", 0, 0, run_man},
 };

@@ -182,6 +182,17 @@ bool SceneTaker::seek(RangedStream::Place place_in_stream) {
   return true;
 }
 
+void SceneTaker::piece(const net::CellEvent& event) {
+  bytes_ += event.bytes.size();
+  if (cloud_taker_) cloud_taker_->piece(event);
+}
+
+std::shared_ptr<StreamFeed> SceneTaker::follow() {
+  auto feed = cloud_taker_ ? cloud_taker_->follow() : nullptr;
+  if (feed) finished_reading();
+  return feed;
+}
+
 void SceneTaker::missing(const std::string& why) {
   refused = true;
   if (!outer)

@@ -22,6 +22,12 @@ void StreamFeed::add(std::uint64_t offset, std::vector<std::byte> chunk) {
   chunks_.push_back({offset, std::move(chunk)});
 }
 
+void StreamFeed::add_loose(std::uint32_t number, std::vector<std::byte> chunk) {
+  // Behind the end of any stream, so that it stands nowhere else.
+  constexpr std::uint64_t kNowhere = std::uint64_t{1} << 62;
+  add(kNowhere + number, std::move(chunk));
+}
+
 void StreamFeed::finish() {
   const std::lock_guard lock(mutex_);
   finished_ = true;
@@ -44,6 +50,13 @@ bool StreamFeed::take_wanted(std::vector<qnv::ChunkRange>& ranges) {
   return true;
 }
 
+bool StreamFeed::take_views(std::vector<qnv::LodView>& views) {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(views_are_new_, false)) return false;
+  views = views_;
+  return true;
+}
+
 bool StreamFeed::apply() {
   std::vector<std::byte> front, directory;
   std::vector<Chunk> chunks;
@@ -63,14 +76,18 @@ bool StreamFeed::apply() {
 }
 
 void StreamFeed::ask() {
-  const std::vector<qnv::ChunkRange>& wanted = stream_->wanted();
-  if (wanted == asked_) return;
-  asked_ = wanted;
+  std::vector<qnv::ChunkRange> wanted = stream_->wanted_by_all();
+  std::vector<qnv::LodView> views = stream_->views();
+  if (wanted == asked_ && views == told_) return;
   {
     const std::lock_guard lock(mutex_);
+    wanted_is_new_ = wanted_is_new_ || wanted != asked_;
+    views_are_new_ = views_are_new_ || views != told_;
     wanted_ = wanted;
-    wanted_is_new_ = true;
+    views_ = views;
   }
+  asked_ = std::move(wanted);
+  told_ = std::move(views);
   if (wake_) wake_();
 }
 

@@ -27,12 +27,16 @@ class StreamFeed {
   void set_directory(std::vector<std::byte> chunks);
   /// A whole chunk and its place in the stream.
   void add(std::uint64_t offset, std::vector<std::byte> chunk);
+  /// A whole chunk of which only its number is known.
+  void add_loose(std::uint32_t number, std::vector<std::byte> chunk);
   /// No more comes.
   void finish();
   /// Nothing more can be had.
   void fail(std::string why);
   /// What views want now, most wanted first; nothing when that is what it was the last time.
   [[nodiscard]] bool take_wanted(std::vector<qnv::ChunkRange>& ranges);
+  /// From where the stream is looked at now; nothing when that is what it was the last time.
+  [[nodiscard]] bool take_views(std::vector<qnv::LodView>& views);
 
   // The drawing thread.
   /// Gives the stream what has come. True when there was something.
@@ -52,13 +56,15 @@ class StreamFeed {
   std::shared_ptr<qnv::LodStream> stream_;
   std::function<void()> wake_;
   std::vector<qnv::ChunkRange> asked_;  // the drawing thread's
+  std::vector<qnv::LodView> told_;      // likewise
 
   std::mutex mutex_;  // guards all below
   std::vector<std::byte> front_, directory_;
   std::vector<Chunk> chunks_;
   std::vector<qnv::ChunkRange> wanted_;
   std::string problem_;
-  bool wanted_is_new_ = false, finished_ = false;
+  std::vector<qnv::LodView> views_;
+  bool wanted_is_new_ = false, views_are_new_ = false, finished_ = false;
 };
 
 }  // namespace gs::app

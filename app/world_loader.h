@@ -24,6 +24,7 @@ struct LoadOptions {
   bool references = true;                        // also Inlines, EXTERNPROTOs, textures and QNV streams
   bool offline = false;                          // nothing is read over the network
   bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
+  std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are
   std::string cache_folder;  // for what comes over the network; empty: none
   std::shared_ptr<net::MemoryNetwork> memory;  // for tests: what memory: URLs name
 };

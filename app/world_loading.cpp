@@ -107,6 +107,9 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
       failed(net::url_for_messages(url.text()) + ": the network is not used (--offline)");
       continue;
     }
+    if (const net::Scheme* scheme = net::find_scheme(url.scheme);
+        scheme && scheme->transport == net::TransportKind::cells)
+      return begin_cells(fetch, url);
     std::vector<net::ByteRange> ranges;
     if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
     fetch.front = options.by_view && ranges.empty() && url.path.ends_with(".qnv");
@@ -212,6 +215,7 @@ void WorldLoading::State::stop(const std::string& why) {
     Fetch& fetch = *fetches[i];
     if (std::find(ended.begin(), ended.end(), &fetch) != ended.end()) continue;
     fetch.taker->cut = true;
+    stop_cells(&fetch);
     if (fetch.begun && !fetch.refused) fetch.taker->end(std::nullopt);
     if (fetch.taker == root) root->whole = false;
   }
@@ -229,15 +233,16 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   }
   if (!is_done && !fetches.empty() && ended.size() < fetches.size() && limit.over())
     stop("the time for loading is over; what is missing is left out");
-  if (is_done && streams.empty()) return false;
+  if (is_done && streams.empty() && cells.empty()) return false;
   if (loader) busy = take_events() || busy;
+  busy = step_cells() || busy;
   for (const auto& stream : streams) busy = stream->ask_for_more() || busy;
   std::erase_if(streams, [](const auto& stream) { return stream->over(); });
   for (Fetch* fetch : std::exchange(ended, {}))
     std::erase_if(fetches, [fetch](const auto& one) { return one.get() == fetch; });
   if (!is_done && fetches.empty()) is_done = true;
   if (!busy && !is_done) set_priorities();
-  if (busy || (is_done && !taken)) return !is_done || !streams.empty();
+  if (busy || (is_done && !taken)) return !is_done || !streams.empty() || !cells.empty();
   waker->wait(std::min(wait, kLongestWait));
   return true;
 }
@@ -274,7 +279,8 @@ bool WorldLoading::step(std::chrono::milliseconds wait) { return state_->step(wa
 bool WorldLoading::done() const { return state_->is_done; }
 void WorldLoading::wake() { state_->waker->wake(); }
 bool WorldLoading::changed() const { return state_->changed; }
-bool WorldLoading::streaming() const { return !state_->streams.empty(); }
+bool WorldLoading::streaming() const { return !state_->streams.empty() || !state_->cells.empty(); }
+net::CellClientStatistics WorldLoading::cells() const { return state_->cell_statistics(); }
 bool WorldLoading::fed() { return std::exchange(state_->fed, false); }
 void WorldLoading::look_from(const glm::vec3& viewer) { state_->viewer = viewer; }
 

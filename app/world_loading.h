@@ -3,6 +3,7 @@
 #include "app/load_limit.h"
 #include "app/opened_world.h"
 #include "app/world_loader.h"
+#include "net/cell_receiver.h"
 #include "render/render_list.h"
 
 #include <glm/vec3.hpp>
@@ -62,6 +63,9 @@ class WorldLoading {
   [[nodiscard]] const std::string& title() const;
   /// The world as it is now; call once, when it is done. Meshes that `collect` made go along.
   [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);
+
+  /// Datagrams of cells that came, and that were lost.
+  [[nodiscard]] net::CellClientStatistics cells() const;
 
   /// After `take`: whether streams are left whose finer vectors still come, as views ask for them. Then `step` goes
   /// on being of use, and touches nothing of the world but the streams.

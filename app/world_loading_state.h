@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/cell_stream.h"
 #include "app/cloud_reader.h"
 #include "app/content_types.h"
 #include "app/gunzip.h"
@@ -27,8 +28,8 @@
 #include <unordered_set>
 #include <vector>
 
-// The inside of WorldLoading: world_loading.cpp and world_network.cpp find the bytes, scene_taker.cpp and
-// scene_references.cpp make scenes of them, cloud_taker.cpp vectors.
+// The inside of WorldLoading: world_loading.cpp, world_network.cpp and world_cells.cpp find the bytes, scene_taker.cpp
+// and scene_references.cpp make scenes of them, cloud_taker.cpp vectors.
 
 namespace gs::app {
 
@@ -61,6 +62,10 @@ class Taker {
   /// Whether the rest, behind the front that has come, is better read here and there, as `place` says. True: it is
   /// seen to, and neither more bytes nor an end come.
   virtual bool seek(RangedStream::Place) { return false; }
+  /// Of cells, behind the base: a chunk, or some of the records of one.
+  virtual void piece(const net::CellEvent&) {}
+  /// Whether what is there is enough, and views see to the rest by a feed. Null: no; else neither more nor an end come.
+  virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
 
   bool cut = false;  // bytes are left out that nobody misses (`--max-bytes`)
 };
@@ -145,6 +150,12 @@ struct WorldLoading::State {
   }
   void set_priorities();
   net::Loader* network();
+  // world_cells.cpp
+  void begin_cells(Fetch& fetch, const net::Url& url);
+  bool step_cells();
+  void stop_cells(const Fetch* fetch);
+  [[nodiscard]] net::CellClientStatistics cell_statistics() const;
+
   [[nodiscard]] ReadFile reader_beside(const net::Url& base);
   std::optional<std::vector<std::byte>> read_now(const std::string& url, const std::string& from);
 
@@ -162,7 +173,11 @@ struct WorldLoading::State {
   std::deque<Fetch*> local;                     // that are read here, one after the other
   std::vector<Fetch*> ended;
   std::vector<std::unique_ptr<RangedStream>> streams;
-  std::deque<net::LoadEvent> events;  // that were polled and not taken in yet
+  /// A resource that comes as cells.
+  struct Cells;
+  std::vector<std::shared_ptr<Cells>> cells;
+  net::CellClientStatistics ended_cells;  // of those that are over
+  std::deque<net::LoadEvent> events;      // that were polled and not taken in yet
   std::size_t files = 0, copied_vectors = 0;
   std::uint64_t received = 0;
   bool stopped = false, is_done = false, changed = false, fed = false, taken = false;
@@ -190,6 +205,8 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
   bool seek(RangedStream::Place place) override;
+  void piece(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> follow() override;
 
   /// Drops meshes of nodes that are still being read.
   void forget_open(render::MeshCache& meshes);
@@ -279,6 +296,8 @@ class CloudTaker final : public Taker {
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
   bool seek(RangedStream::Place place) override;
+  void piece(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> follow() override { return way_ == Way::pushed ? feed_ : nullptr; }
 
  private:
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };

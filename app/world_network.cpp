@@ -28,6 +28,7 @@ net::Loader* WorldLoading::State::network() {
   net::LoaderOptions settings;
   settings.cache_folder = options.cache_folder;
   settings.memory = options.memory;
+  settings.bytes_per_second = options.rate / 8;
   settings.wake = [waker = waker] { waker->wake(); };
   loader = net::Loader::create(std::move(settings));
   return loader.get();

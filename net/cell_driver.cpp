@@ -131,6 +131,8 @@ struct CellClientDriver::State {
   State(const CellClientOptions& options, std::string the_host, std::uint16_t the_port, std::function<void()> the_wake)
       : client(options),
         most_waiting(options.most_waiting),
+        loss(options.loss),
+        chance(options.loss_seed),
         host(std::move(the_host)),
         port(the_port),
         wake(std::move(the_wake)) {}
@@ -168,7 +170,7 @@ struct CellClientDriver::State {
     for (int i = 0; i < kReceivedAtOnce && !behind; ++i) {
       const auto bytes = socket.receive(from);
       if (!bytes) break;
-      if (from == server) client.receive(*bytes, clock_now());
+      if (from == server && !is_dropped()) client.receive(*bytes, clock_now());
     }
     for (int i = 0; i < kSentAtOnce; ++i) {
       const auto bytes = client.next(clock_now());
@@ -184,6 +186,7 @@ struct CellClientDriver::State {
     }
     if (most > Instant(0)) socket.wait(most, false, bell.descriptor());
   }
+  bool is_dropped() { return loss > 0 && std::uniform_real_distribution<>(0, 1)(chance) < loss; }
   void hand_over(std::vector<CellEvent> made) {
     const CellClientStatistics latest = client.statistics();
     const bool any = !made.empty();
@@ -203,6 +206,8 @@ struct CellClientDriver::State {
 
   CellClient client;
   std::size_t most_waiting;
+  double loss;
+  std::mt19937_64 chance;
   std::string host;
   std::uint16_t port;
   std::function<void()> wake;

@@ -22,6 +22,8 @@ struct CellClientOptions {
   Instant contact_lost{3'000'000};                   // after so long without a datagram the client asks anew
   std::size_t most_waiting = std::size_t{64} << 20;  // bytes of events that the owner has not
                                                      // taken; what comes then is lost
+  double loss = 0;                                   // of the driver: this share of what comes is dropped, for trials
+  std::uint64_t loss_seed = 1;
 };
 
 /// What a client wants in one of its slots.

@@ -182,6 +182,8 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
   curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
+  if (options_.bytes_per_second > 0)
+    curl_easy_setopt(easy, CURLOPT_MAX_RECV_SPEED_LARGE, static_cast<curl_off_t>(options_.bytes_per_second));
   if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   if (!options_.proxy_from_environment) curl_easy_setopt(easy, CURLOPT_PROXY, "");
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <filesystem>
 #include <system_error>
 
@@ -138,6 +139,29 @@ Url parse_url(std::string_view text) {
   }
   url.path = text;
   return url;
+}
+
+std::optional<HostAndPort> host_and_port(std::string_view authority) {
+  if (const std::size_t at = authority.rfind('@'); at != std::string_view::npos) authority.remove_prefix(at + 1);
+  HostAndPort result;
+  std::string_view rest;
+  if (authority.starts_with('[')) {
+    const std::size_t end = authority.find(']');
+    if (end == std::string_view::npos) return std::nullopt;
+    result.host = authority.substr(1, end - 1);
+    rest = authority.substr(end + 1);
+  } else {
+    const std::size_t end = std::min(authority.find(':'), authority.size());
+    result.host = authority.substr(0, end);
+    rest = authority.substr(end);
+  }
+  if (result.host.empty() || (!rest.empty() && rest.front() != ':')) return std::nullopt;
+  if (rest.size() <= 1) return result;  // an empty port is none, RFC 3986 3.2.3
+  std::uint16_t port = 0;
+  const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), port);
+  if (error != std::errc() || end != rest.data() + rest.size() || port == 0) return std::nullopt;
+  result.port = port;
+  return result;
 }
 
 Url resolve(const Url& base, const Url& reference) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,15 @@ struct Url {
 
   [[nodiscard]] std::string text() const;
 };
+
+/// Where an authority leads, RFC 3986 3.2: a name or address (an IPv6 one without its brackets), and the port if it
+/// names one that can be.
+struct HostAndPort {
+  std::string host;
+  std::optional<std::uint16_t> port;
+};
+/// Nothing for an authority without host or with a port that is none.
+[[nodiscard]] std::optional<HostAndPort> host_and_port(std::string_view authority);
 
 /// Cuts any text into parts; never fails. A one-letter scheme is taken for a drive letter and is a path.
 [[nodiscard]] Url parse_url(std::string_view text);

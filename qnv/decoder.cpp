@@ -11,14 +11,6 @@ namespace {
 constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
 constexpr std::size_t kMostDirectory = std::size_t{1} << 22;
 
-std::size_t discs_of(const PackedVoxels& voxels, std::size_t i) { return (voxels.state[i] & kDouble) != 0 ? 2 : 1; }
-
-std::size_t discs_of(const PackedVoxels& voxels) {
-  std::size_t discs = 0;
-  for (std::size_t i = 0; i < voxels.size(); ++i) discs += discs_of(voxels, i);
-  return discs;
-}
-
 }  // namespace
 
 bool StreamDecoder::push(std::span<const std::byte> bytes) {
@@ -30,23 +22,25 @@ void StreamDecoder::finish() {
   reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { add(type, payload); });
 }
 
-void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload) {
+void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   if (!header()) return;
-  if (type == ChunkType::directory) {
+  if (!missing.empty() && type != ChunkType::records) {
+    ++refused_chunks_;
+  } else if (type == ChunkType::directory) {
     if (directory_.size() > kMostDirectory) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if (type == ChunkType::packed && header()->payload == Payload::packed) {
     add_packed(payload);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
-    add_records(payload);
+    add_records(payload, missing);
   } else {
     ++refused_chunks_;
   }
 }
 
-void StreamDecoder::add_records(std::span<const std::byte> payload) {
-  const auto decoded = decode_records(payload);
+void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing) {
+  const auto decoded = decode_records(payload, missing);
   const auto* patch = std::get_if<RecordsPatch>(&decoded);
   if (!patch || vectors_ + patch->size() > most_vectors_) {
     ++refused_chunks_;
@@ -100,7 +94,7 @@ void StreamDecoder::add_packed(std::span<const std::byte> payload) {
   bool again = !parent && rooted_;
   for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
     again = again || parent->refined[cluster->header.first + i];
-  if (!cluster || again || vectors_ + discs_of(cluster->voxels) > most_vectors_) {
+  if (!cluster || again || vectors_ + discs_of(cluster->voxels, 0, cluster->voxels.size()) > most_vectors_) {
     ++refused_chunks_;
     return;
   }
@@ -111,13 +105,11 @@ void StreamDecoder::take(Cluster cluster) {
   const ClusterHeader header = cluster.header;
   if (header.parent != kNoParent) {
     Held& parent = clusters_.find(header.parent)->second;
-    for (std::size_t i = 0; i < header.count; ++i) {
-      vectors_ -= discs_of(parent.cluster.voxels, header.first + i);
-      parent.refined[header.first + i] = true;
-    }
+    vectors_ -= discs_of(parent.cluster.voxels, header.first, header.count);
+    std::fill_n(parent.refined.begin() + header.first, header.count, true);
   }
   if (header.parent == kNoParent) rooted_ = true;
-  vectors_ += discs_of(cluster.voxels);
+  vectors_ += discs_of(cluster.voxels, 0, cluster.voxels.size());
   ++revision_;
   Held& held = clusters_[header.id];
   held.refined.resize(cluster.voxels.size());

@@ -20,8 +20,10 @@ class StreamDecoder {
 
   /// The next bytes of the stream. False once it was refused.
   bool push(std::span<const std::byte> bytes);
-  /// A chunk that came by another way (a datagram), after the header. Any order, any subset.
-  void add(ChunkType type, std::span<const std::byte> payload);
+  /// A chunk that came by another way (a datagram), after the header. Any order, any subset. Of a chunk of records the
+  /// bytes `missing` from the payload, and those behind its end, may come another time, or never; other chunks are
+  /// refused then.
+  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
   /// The stream has ended: reads what waited for more bytes, and says what is missing.
   void finish();
 
@@ -45,7 +47,7 @@ class StreamDecoder {
     std::vector<bool> refined;  // a voxel: its children have arrived
   };
   void add_packed(std::span<const std::byte> payload);
-  void add_records(std::span<const std::byte> payload);
+  void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
   void take(Cluster cluster);
 

@@ -1,6 +1,7 @@
 #include "qnv/lod.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace gs::qnv {
@@ -193,20 +194,33 @@ Cloud LodStream::whole() {
   Cloud all;
   all.description = header_.description;
   all.color = header_.color;
+  (void)visit_whole(kMostDiscs, [&](const Cluster& cluster, std::size_t first, std::size_t count) {
+    append_discs(cluster, first, count, header_.cube, all);
+  });
+  return all;
+}
+
+std::size_t LodStream::count() {
+  return visit_whole(std::numeric_limits<std::size_t>::max(), [](const Cluster&, std::size_t, std::size_t) {});
+}
+
+std::size_t LodStream::visit_whole(std::size_t most_discs, const OnVoxels& visit) {
+  std::size_t discs = 0;
   const std::uint32_t root = tree_.root();
-  if (root == kNoNode || !tree_[root].present || tree_[root].broken) return all;
+  if (root == kNoNode || !tree_[root].present || tree_[root].broken) return discs;
   const DecodedCluster decoded = cache_.decode_one(*source_, root, nullptr);
   if (decoded.cluster) {
-    append_whole(root, *decoded.cluster, all);
+    visit_below(root, *decoded.cluster, most_discs, discs, visit);
   } else {
     tree_[root].broken = true;
     problem(tree_[root].offset, decoded.problem);
   }
-  return all;
+  return discs;
 }
 
 // A cluster, what is below it first. No deeper than the octree.
-void LodStream::append_whole(std::uint32_t index, const Cluster& cluster, Cloud& all) {
+void LodStream::visit_below(std::uint32_t index, const Cluster& cluster, std::size_t most_discs, std::size_t& discs,
+                            const OnVoxels& visit) {
   std::vector<std::uint32_t> children;
   for (std::uint32_t child = tree_[index].first_child; child != kNoNode; child = tree_[child].next_sibling)
     if (tree_[child].present && !tree_[child].broken) children.push_back(child);
@@ -221,13 +235,15 @@ void LodStream::append_whole(std::uint32_t index, const Cluster& cluster, Cloud&
       continue;
     }
     const auto first = divided.begin() + decoded.cluster->header.first, last = first + decoded.cluster->header.count;
-    if (std::find(first, last, true) != last || all.size() + decoded.discs > kMostDiscs) continue;
+    if (std::find(first, last, true) != last || decoded.discs > most_discs - discs) continue;
     std::fill(first, last, true);
-    append_whole(child, *decoded.cluster, all);
+    visit_below(child, *decoded.cluster, most_discs, discs, visit);
   }
   for (std::size_t i = 0, end = 0; i < voxels.size(); i = end) {
     while (end < voxels.size() && divided[end] == divided[i]) ++end;
-    if (!divided[i]) append_discs(cluster, i, end - i, header_.cube, all);
+    if (divided[i]) continue;
+    discs += discs_of(voxels, i, end - i);
+    visit(cluster, i, end - i);
   }
 }
 

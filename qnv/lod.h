@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -87,6 +88,10 @@ class LodStream {
   [[nodiscard]] bool pending() const { return pending_; }
   /// Of the last cut: chunks that belong to it and have not come, most wanted first.
   [[nodiscard]] const std::vector<ChunkRange>& wanted() const { return wanted_; }
+  /// The same of the last cuts of all viewports, by turns; each chunk once.
+  [[nodiscard]] std::vector<ChunkRange> wanted_by_all() const;
+  /// From where the viewports looked the last time.
+  [[nodiscard]] std::vector<LodView> views() const;
   /// The last cut was all that the view asked for.
   [[nodiscard]] bool complete() const { return !pending_ && wanted_.empty(); }
   /// A viewport that will not look again.
@@ -94,6 +99,8 @@ class LodStream {
 
   /// All vectors at full detail, copied together; no more than a cut may have.
   [[nodiscard]] Cloud whole();
+  /// How many there are at full detail. Decodes all of the stream.
+  [[nodiscard]] std::size_t count();
 
   [[nodiscard]] const StreamHeader& header() const { return header_; }
   /// What was wrong with the bytes that were read so far; the stream is what is left.
@@ -114,6 +121,7 @@ class LodStream {
     std::uint64_t last_cut = 0;  // 0: none yet
     std::uint64_t revision = 0;
     std::vector<std::uint32_t> chosen, shown;
+    std::vector<std::uint32_t> lacking;  // nodes that belong to it and have not come, most wanted first
   };
   static constexpr std::size_t kViewports = 16;
   /// Discs of a node that are drawn: voxels `first` to `last`.
@@ -129,7 +137,12 @@ class LodStream {
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   void problem(std::uint64_t offset, std::string message);
   void keep_few_problems();
-  void append_whole(std::uint32_t node, const Cluster& cluster, Cloud& all);
+  /// Voxels first to first + count of a cluster that nothing finer takes the place of.
+  using OnVoxels = std::function<void(const Cluster& cluster, std::size_t first, std::size_t count)>;
+  /// Goes through all that is there, no finer than so many discs allow; how many they were.
+  std::size_t visit_whole(std::size_t most_discs, const OnVoxels& visit);
+  void visit_below(std::uint32_t node, const Cluster& cluster, std::size_t most_discs, std::size_t& discs,
+                   const OnVoxels& visit);
 
   std::size_t viewport_of(std::uint32_t id);
   void forget_slot(std::size_t slot);

@@ -29,12 +29,6 @@ std::size_t bytes_of(const Cloud& cloud) {
          cloud.colors.capacity() * sizeof(Rgb8) + sizeof(Cloud);
 }
 
-std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count) {
-  auto discs = static_cast<std::uint32_t>(count);
-  for (std::size_t i = first; i < first + count; ++i) discs += (voxels.state[i] & kDouble) != 0 ? 1 : 0;
-  return discs;
-}
-
 NormalCone cone_of(const PackedVoxels& voxels) {
   std::vector<glm::vec3> normals(voxels.size());
   glm::vec3 sum(0);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <queue>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 namespace gs::qnv {
@@ -96,6 +97,7 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
     if (pending_) break;
   }
   choose(view, viewport, bit);
+  for (const std::uint32_t node : viewport.lacking) wanted_.push_back({tree_[node].offset, tree_[node].bytes});
   viewport.view = view;
   viewport.last_cut = cuts_;
   viewport.revision = revision_;
@@ -135,6 +137,26 @@ void LodStream::forget_slot(std::size_t slot) {
 void LodStream::forget(std::uint32_t viewport) {
   for (std::size_t i = 0; i < kViewports; ++i)
     if (viewports_[i].last_cut != 0 && viewports_[i].view.viewport == viewport) forget_slot(i);
+}
+
+std::vector<ChunkRange> LodStream::wanted_by_all() const {
+  std::vector<ChunkRange> all;
+  std::unordered_set<std::uint32_t> seen;
+  for (std::size_t i = 0, most = 1; i < most; ++i)
+    for (const Viewport& viewport : viewports_) {
+      most = std::max(most, viewport.lacking.size());
+      if (i >= viewport.lacking.size()) continue;
+      const LodNode& node = tree_[viewport.lacking[i]];
+      if (!node.present && seen.insert(viewport.lacking[i]).second) all.push_back({node.offset, node.bytes});
+    }
+  return all;
+}
+
+std::vector<LodView> LodStream::views() const {
+  std::vector<LodView> all;
+  for (const Viewport& viewport : viewports_)
+    if (viewport.last_cut != 0) all.push_back(viewport.view);
+  return all;
 }
 
 // By how many discs a cut grows when this node joins it.
@@ -224,11 +246,12 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
 void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bit) {
   for (const std::uint32_t node : viewport.chosen) tree_[node].chosen_by &= static_cast<std::uint16_t>(~bit);
   viewport.chosen.clear();
+  viewport.lacking.clear();
   std::int64_t discs = 0;
   for (const std::uint32_t index : order_) {
     LodNode& node = tree_[index];
     const bool above = node.parent == kNoNode || (tree_[node.parent].chosen_by & bit) != 0;
-    if (!node.present && wanted_.size() < kMostWanted && !node.broken) wanted_.push_back({node.offset, node.bytes});
+    if (!node.present && !node.broken && viewport.lacking.size() < kMostWanted) viewport.lacking.push_back(index);
     if (node.present && above && !node.broken && !cache_.has(index)) pending_ = true;
     if (!node.present || !above || node.broken || !cache_.has(index)) continue;
     node.chosen_by |= bit;

@@ -66,6 +66,8 @@ struct PackedError {
 [[nodiscard]] std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> payload,
                                                                 const Cluster* parent);
 
+/// How many discs voxels `first` to `first + count` are: two for a thin sheet.
+[[nodiscard]] std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count);
 /// Appends the discs of voxels `first` to `first + count` to a cloud: centre on the plane, unit normal, area of the
 /// plane inside the voxel; two discs back to back for a thin sheet. Fills `colors` when the voxels have them.
 void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud);

@@ -176,6 +176,12 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
   return decode_cluster(payload, parent, packed_kernels());
 }
 
+std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count) {
+  auto discs = static_cast<std::uint32_t>(count);
+  for (std::size_t i = first; i < first + count; ++i) discs += (voxels.state[i] & kDouble) != 0 ? 1 : 0;
+  return discs;
+}
+
 void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud) {
   const PackedVoxels& voxels = cluster.voxels;
   const float edge = cube.edge / static_cast<float>(1 << cluster.level());

@@ -20,8 +20,10 @@ int run_info(const Options& options);
 int run_encode(const Options& options);
 int run_export(const Options& options);
 int run_serve(const Options& options);
+int run_fetch(const Options& options);
 std::optional<std::string> check_encode(const Options& options);
 std::optional<std::string> check_export(const Options& options);
+std::optional<std::string> check_fetch(const Options& options);
 
 /// Draws one world without a window (`--snapshot`).
 int run_snapshot(const Options& options, const std::string& file);

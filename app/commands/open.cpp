@@ -36,6 +36,7 @@ int run_open(const Options& options) {
   // Who looks at a window sees how far it is, and can cancel.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
   load.offline = options.offline;
+  load.rate = options.rate;
   load.by_view = true;
   load.cache_folder = http_cache_folder();
   std::string error;

@@ -129,6 +129,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   load.loss_seed = options.loss_seed;
   load.timeout_seconds = options.timeout_seconds;
   load.offline = options.offline;
+  load.rate = options.rate;
   load.cache_folder = http_cache_folder();
   const OpenedWorld world = load_world(file, load);
   const double load_seconds = seconds_since(start);

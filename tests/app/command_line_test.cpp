@@ -1,5 +1,6 @@
 #include "app/options.h"
 
+#include "app/archive.h"
 #include "app/commands/commands.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
@@ -88,6 +89,46 @@ TEST_CASE("nodes prints the table as PROTOs that parse and as Markdown") {
   CHECK(run("nodes --wrl").output == text.output);
   const Run markdown = run("nodes --markdown");
   CHECK(markdown.output.find("| field | SFVec3f | size | 2 2 2 | (0,inf) |") != std::string::npos);
+}
+
+TEST_CASE("fetch tells what came, when there was a picture, and what was lost") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox);
+  const Run file = run("fetch --json " + quoted(world));
+  CHECK(file.status == 0);
+  const auto told = nlohmann::json::parse(file.output);
+  CHECK(told["bytes"] == kBox.size());
+  CHECK(told["triangles"] == 12);
+  CHECK(told["vectors"] == 0);
+  CHECK(told["complete"] == true);
+  CHECK(told["first_picture_s"].get<double>() >= 0);
+  CHECK_FALSE(told.contains("cells"));
+  CHECK(run("fetch " + quoted(folder.path("none.wrl"))).status == 1);
+  const Run lossy = run("fetch --loss 0.1 http://127.0.0.1:1/a.qnv");
+  CHECK(lossy.status == 2);
+  CHECK(lossy.output.find("expected a cells: URL") != std::string::npos);
+
+  REQUIRE(run("encode --vectors 200000 " + quoted(world) + " " + quoted(folder.path("box.qnv"))).status == 0);
+  ArchiveOptions served;
+  served.folder = folder.path("");
+  served.cells_port = 0;
+  served.log = "";
+  auto started = Archive::start(served);
+  REQUIRE(std::holds_alternative<std::unique_ptr<Archive>>(started));
+  const auto& archive = *std::get<std::unique_ptr<Archive>>(started);
+  const std::string url = "cells://127.0.0.1:" + std::to_string(*archive.cells_port()) + "/box.qnv";
+  const auto whole = nlohmann::json::parse(run("fetch --json " + quoted(url)).output);
+  CHECK(whole["vectors"].get<int>() > 100'000);
+  CHECK(whole["cells"]["lost_datagrams"] == 0);
+  CHECK(whole["first_picture_bytes"].get<int>() > 0);
+  const Run half = run("fetch --json --loss 0.5:3 " + quoted(url));
+  CHECK(half.status == 0);
+  const auto rest = nlohmann::json::parse(half.output);
+  CHECK(rest["cells"]["lost_datagrams"].get<int>() > 0);
+  CHECK(rest["vectors"].get<int>() > 100);
+  const Run words = run("fetch --rate 20000000 " + quoted(url));
+  CHECK(words.output.find("first picture after") != std::string::npos);
+  CHECK(words.output.find("granted 20.000 Mbit/s") != std::string::npos);
 }
 
 TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {

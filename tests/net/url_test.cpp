@@ -152,6 +152,22 @@ TEST_CASE("only file URLs have a path, and no zero bytes in it") {
   CHECK(path_of_url(parse_url("FILE:///a%2")) == "/a%2");
 }
 
+TEST_CASE("an authority leads to a host and a port") {
+  const auto text = [](std::string_view authority) {
+    const auto found = gs::net::host_and_port(authority);
+    return found ? found->host + "|" + (found->port ? std::to_string(*found->port) : "-") : "none";
+  };
+  CHECK(text("example.org") == "example.org|-");
+  CHECK(text("example.org:") == "example.org|-");
+  CHECK(text("example.org:8080") == "example.org|8080");
+  CHECK(text("user:secret@example.org:1") == "example.org|1");
+  CHECK(text("192.0.2.1:65535") == "192.0.2.1|65535");
+  CHECK(text("[2001:db8::1]:6635") == "2001:db8::1|6635");
+  CHECK(text("[::1]") == "::1|-");
+  for (const char* bad : {"", ":80", "a:0", "a:65536", "a:-1", "a:8x", "a:8:8", "[::1", "[::1]8", "[]:80", "a: 80"})
+    CHECK(text(bad) == "none");
+}
+
 TEST_CASE("urls are tidied as their author meant them") {
   CHECK(tidy_url("  textures\\my wood.png\n") == "textures/my%20wood.png");
   CHECK(tidy_url("http://a/b%20c") == "http://a/b%20c");

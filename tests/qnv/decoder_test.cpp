@@ -308,6 +308,58 @@ TEST_CASE("No more vectors come out than were allowed") {
   }
 }
 
+TEST_CASE("Records of a chunk may come in any pieces") {
+  Cloud cloud;
+  std::mt19937 random(5);
+  for (int i = 0; i < 3000; ++i) {
+    const auto part = [&] { return static_cast<float>(random() % 1000) / 1000; };
+    cloud.positions.emplace_back(part(), part(), part());
+    cloud.normals.emplace_back(0, 0, 1);
+    cloud.weights.push_back(0.5f + part());
+    cloud.description.box.add(cloud.positions.back());
+    cloud.description.total += cloud.weights.back();
+  }
+  EncodeOptions options;
+  options.payload = Payload::records;
+  const auto encoded = encode_cloud(cloud, options);
+  const auto& stream = std::get<EncodedStream>(encoded);
+  std::vector<Bytes> payloads;
+  StreamReader reader;
+  REQUIRE(reader.push(stream.bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type == ChunkType::records) payloads.emplace_back(payload.begin(), payload.end());
+  }));
+  StreamDecoder whole, pieces;
+  REQUIRE(whole.push(stream.bytes));
+  REQUIRE(pieces.push(encode_header(stream.header)));
+  constexpr std::size_t kPiece = 47 * 8;
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // payload, first byte
+  for (std::size_t i = 0; i < payloads.size(); ++i)
+    for (std::size_t at = kRecordsHeaderBytes; at < payloads[i].size(); at += kPiece) order.emplace_back(i, at);
+  std::shuffle(order.begin(), order.end(), random);
+  REQUIRE(order.size() > 50);
+  std::size_t vectors = 0;
+  for (const auto& [i, at] : order) {
+    const std::size_t end = std::min(at + kPiece, payloads[i].size());
+    const Bytes part(payloads[i].begin(), payloads[i].begin() + static_cast<std::ptrdiff_t>(end));
+    const ByteRange missing{kRecordsHeaderBytes, at};
+    pieces.add(ChunkType::records, part, std::span(&missing, at > kRecordsHeaderBytes ? 1 : 0));
+    vectors += (end - at) / 8;
+    REQUIRE(pieces.vectors() == vectors);
+  }
+  CHECK(pieces.refused_chunks() == 0);
+  const auto sorted = [](const Cloud& c) {
+    std::multiset<std::array<float, 4>> all;
+    for (std::size_t i = 0; i < c.size(); ++i)
+      all.insert({c.positions[i].x, c.positions[i].y, c.positions[i].z, c.weights[i]});
+    return all;
+  };
+  CHECK(sorted(pieces.cloud()) == sorted(whole.cloud()));
+  // Only records can come so.
+  const ByteRange missing{0, 8};
+  pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
+  CHECK(pieces.refused_chunks() == 1);
+}
+
 TEST_CASE("Before its header a stream is empty, and directories come piece by piece") {
   const Parts parts = small_parts();
   StreamDecoder decoder;

@@ -131,6 +131,50 @@ TEST_CASE("What a view wants and has not is listed, most wanted first") {
   CHECK(static_cast<double>(most) == Approx(static_cast<double>(there)).epsilon(0.1));
 }
 
+TEST_CASE("What several viewports want is wanted by turns, each chunk once") {
+  const Parts parts = parts_of(sphere_stream(100'000));
+  const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
+  REQUIRE(lod->set_directory(parts.directory()));
+  CHECK(lod->wanted_by_all().empty());
+  CHECK(lod->views().empty());
+  LodView left = from({0, 0, 1.6f}, 400), right = left;
+  left.planes[0] = {-1, 0, 0, 0};
+  right.planes[0] = {1, 0, 0, 0};
+  right.viewport = 1;
+  (void)lod->cut(left);
+  const auto of_left = lod->wanted();
+  (void)lod->cut(right);
+  const auto of_right = lod->wanted();
+  REQUIRE(of_left.size() > 10);
+  REQUIRE(of_left != of_right);
+  CHECK(lod->views() == std::vector<LodView>{left, right});
+  auto all = lod->wanted_by_all();
+  // The first of each stand before the second of any that only one wants.
+  CHECK(all[0] == of_left[0]);
+  const auto place = [&](const ChunkRange& range) { return std::find(all.begin(), all.end(), range) - all.begin(); };
+  for (std::size_t i = 0; i < 10; ++i) {
+    CHECK(place(of_left[i]) <= static_cast<std::ptrdiff_t>(2 * i));
+    CHECK(place(of_right[i]) <= static_cast<std::ptrdiff_t>(2 * i + 1));
+  }
+  const auto offsets = [](std::vector<ChunkRange> ranges) {
+    std::vector<std::uint64_t> sorted;
+    for (const ChunkRange& range : ranges) sorted.push_back(range.offset);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  std::vector<ChunkRange> both = of_left;
+  both.insert(both.end(), of_right.begin(), of_right.end());
+  auto expected = offsets(both);
+  expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+  CHECK(offsets(all) == expected);
+  // What comes is wanted no more, and who does not look any more wants nothing.
+  REQUIRE(lod->add(all[0].offset, parts.at(all[0])));
+  CHECK(lod->wanted_by_all().size() == all.size() - 1);
+  lod->forget(0);
+  CHECK(lod->views() == std::vector<LodView>{right});
+  CHECK(lod->wanted_by_all().size() == of_right.size() - 1);
+}
+
 TEST_CASE("Chunks that are pushed and chunks that are added make one stream") {
   const Parts parts = parts_of(sphere_stream(60'000));
   const auto lod = taken(LodStream::begin(parts.front(3000)));

@@ -38,6 +38,7 @@ TEST_CASE("All vectors together are what the decoder gives") {
   CHECK(places(all.positions) == places(expected.positions));
   CHECK(total_weight(all) == Approx(total_weight(expected)));
   CHECK(all.cells.size() == all.size());
+  CHECK(lod->count() == expected.size());
   CHECK(lod->cached_bytes() == 0);
 }
 

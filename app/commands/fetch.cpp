@@ -1,0 +1,151 @@
+#include "app/commands/commands.h"
+#include "app/commands/progress_bar.h"
+#include "app/stream_feed.h"
+#include "app/world_loading.h"
+#include "net/schemes.h"
+#include "net/url.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What a fetch is told by.
+struct Report {
+  std::uint64_t bytes = 0, first_bytes = 0;
+  double seconds = 0, first_seconds = -1;  // -1: there was no picture
+  std::uint64_t vectors = 0, triangles = 0;
+  bool is_cells = false, complete = true;
+  net::CellClientStatistics cells;
+};
+
+bool comes_as_cells(const std::string& url) {
+  const net::Scheme* scheme = net::find_scheme(net::parse_url(url).scheme);
+  return scheme && scheme->transport == net::TransportKind::cells;
+}
+
+bool apply(const WorldLoading& loading) {
+  bool any = false;
+  for (const auto& feed : loading.feeds()) any = feed->apply() || any;
+  return any;
+}
+
+bool shows(const render::RenderList& list) {
+  return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const auto& item) {
+    return item.cloud && (item.cloud->levels ? item.cloud->levels->clusters() > 0 : item.cloud->size() > 0);
+  });
+}
+
+void count(OpenedWorld& world, Report& report) {
+  for (const auto& [node, cloud] : world.clouds)
+    report.vectors += cloud->levels ? cloud->levels->count() : cloud->size();
+  render::MeshCache meshes;
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  for (const auto& item : list.items)
+    if (item.mesh) report.triangles += item.mesh->indices.size() / 3;
+}
+
+nlohmann::json as_json(const std::string& url, const Report& report) {
+  nlohmann::json json = {
+      {"url", net::url_for_messages(url)},
+      {"bytes", report.bytes},
+      {"seconds", report.seconds},
+      {"vectors", report.vectors},
+      {"triangles", report.triangles},
+      {"first_picture_s", report.first_seconds < 0 ? nlohmann::json() : nlohmann::json(report.first_seconds)},
+      {"first_picture_bytes", report.first_bytes},
+      {"complete", report.complete}};
+  if (report.is_cells)
+    json["cells"] = {{"datagrams", report.cells.datagrams},
+                     {"lost_datagrams", report.cells.lost},
+                     {"damaged_pdus", report.cells.damaged_pdus},
+                     {"granted_bit_s", report.cells.granted},
+                     {"rate_bit_s", report.cells.server_rate},
+                     {"round_trip_ms", static_cast<double>(report.cells.round_trip.count()) / 1000}};
+  return json;
+}
+
+void print(const Report& report) {
+  const double rate = report.seconds > 0 ? static_cast<double>(report.bytes) * 8e-6 / report.seconds : 0;
+  std::printf("%llu bytes in %.3f s (%.3f Mbit/s)%s\n", static_cast<unsigned long long>(report.bytes), report.seconds,
+              rate, report.complete ? "" : "; not all of it came");
+  if (report.first_seconds < 0)
+    std::printf("nothing to show\n");
+  else
+    std::printf("first picture after %.3f s and %llu bytes\n", report.first_seconds,
+                static_cast<unsigned long long>(report.first_bytes));
+  std::printf("%llu vectors, %llu triangles\n", static_cast<unsigned long long>(report.vectors),
+              static_cast<unsigned long long>(report.triangles));
+  if (!report.is_cells) return;
+  const std::uint64_t sent = report.cells.datagrams + report.cells.lost;
+  std::printf("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu PDUs damaged\n",
+              static_cast<unsigned long long>(report.cells.datagrams),
+              static_cast<unsigned long long>(report.cells.lost),
+              sent > 0 ? 100.0 * static_cast<double>(report.cells.lost) / static_cast<double>(sent) : 0.0,
+              static_cast<unsigned long long>(report.cells.damaged_pdus));
+  std::printf("granted %.3f Mbit/s, round trip %.1f ms\n", static_cast<double>(report.cells.granted) * 1e-6,
+              static_cast<double>(report.cells.round_trip.count()) / 1000);
+}
+
+}  // namespace
+
+std::optional<std::string> check_fetch(const Options& options) {
+  if (options.loss > 0 && !comes_as_cells(options.files.front()))
+    return "--loss: only cells lose anything, the rest is sent again; expected a cells: URL";
+  return std::nullopt;
+}
+
+int run_fetch(const Options& options) {
+  const std::string& url = options.files.front();
+  LoadOptions load;
+  load.max_bytes = options.max_bytes;
+  load.loss = options.loss;
+  load.loss_seed = options.loss_seed;
+  load.timeout_seconds = options.timeout_seconds;
+  load.rate = options.rate;
+  Report report;
+  report.is_cells = comes_as_cells(url);
+  ProgressBar progress;
+  progress.whole().stage = "fetching";
+  load.cancelled = &progress.whole().cancelled;
+
+  const Clock::time_point start = Clock::now();
+  const auto seconds = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  WorldLoading loading(url, load);
+  bool more = false;
+  while (!loading.done()) {
+    (void)loading.step(std::chrono::milliseconds(100));
+    const LoadingState state = loading.state();
+    progress.whole().total = state.total.value_or(0);
+    progress.whole().done = state.received;
+    more = apply(loading) || loading.changed() || more;
+    if (report.first_seconds >= 0 || !more) continue;
+    more = false;
+    if (!shows(loading.collect({0, 0, 10}))) continue;
+    report.first_seconds = seconds();
+    report.first_bytes = state.received;
+  }
+  report.seconds = seconds();
+  report.bytes = loading.state().received;
+  report.cells = loading.cells();
+  const bool cancelled = progress.cancelled();
+  OpenedWorld world = loading.take();
+  print_diagnostics(world.diagnostics);
+  if (!world.scene || cancelled) return kFailed;
+  report.complete = !world.truncated && world.diagnostics.errors() == 0;
+  count(world, report);
+  if (options.json)
+    std::printf("%s\n", as_json(url, report).dump(2).c_str());
+  else
+    print(report);
+  return report.complete ? kDone : kFailed;
+}
+
+}  // namespace gs::app
