@@ -174,6 +174,18 @@ void SceneTaker::end_text(bool had_problem) {
   refused = outcome == vrml::ParseOutcome::refused;
   whole = whole && (outcome == vrml::ParseOutcome::complete || cut);
   parser_.reset();
+  if (!had_problem && !cut) complete_outlines();
+}
+
+// Polygons that have not come now never will.
+void SceneTaker::complete_outlines() {
+  for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
+    const vrml::NodeId id = scene->id_at(i);
+    const vrml::Node& node = scene->node(id);
+    if (node.type != vrml::built_in_node_type("OutlineGroup")) continue;
+    scene->set<vrml::SFBool>(id, "complete", true);
+    shown_open_.push_back(&node);
+  }
 }
 
 bool SceneTaker::seek(RangedStream::Place place_in_stream) {
@@ -235,6 +247,12 @@ void SceneTaker::forget_open(render::MeshCache& meshes) {
   if (parser_)
     for (const vrml::NodeId id : parser_->open_nodes()) {
       shown_open_.push_back(&scene->node(id));
+      meshes.erase(shown_open_.back());
+      // What it refines changes with it.
+      if (shown_open_.back()->type != vrml::built_in_node_type("OutlineGroup")) continue;
+      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
+      if (!refined) continue;
+      shown_open_.push_back(&scene->node(refined));
       meshes.erase(shown_open_.back());
     }
   for (const auto& inner : inner_) inner->forget_open(meshes);

@@ -234,6 +234,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   [[nodiscard]] CloudTaker& cloud_taker();
   void read_mesh(std::span<const std::byte> bytes);
   void end_text(bool had_problem);
+  void complete_outlines();
   void finished_reading();
   void show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud);
   void attach();

@@ -75,6 +75,7 @@ class Collector {
                   float detail);
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
   std::shared_ptr<const Image> image_of_texture(const NodeView& texture);
+  vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
   std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
   [[nodiscard]] dvec3 viewer_in(const dmat4& world_from_local) const;
 
@@ -88,6 +89,7 @@ class Collector {
   bool have_navigation_ = false, have_background_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
+  std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;  // by index
   std::vector<std::uint16_t> active_lights_;
   std::size_t visits_ = 0;
 };
@@ -309,6 +311,21 @@ std::string primitive_key(const vrml::Node& node) {
   return key.empty() ? key : key + node.type->name;
 }
 
+// The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.
+vrml::NodeId Collector::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry) {
+  static const vrml::NodeType* const kOutlineGroup = vrml::built_in_node_type("OutlineGroup");
+  if (scene.node(geometry).type != kOutlineGroup) return {};
+  const auto [at, fresh] = refiners_.try_emplace(&scene);
+  for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
+    const vrml::NodeId id = scene.id_at(i);
+    if (scene.node(id).type != kOutlineGroup || scene.node(id).in_prototype_body) continue;
+    if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), "OutlineGroup"))
+      at->second.emplace(refined.index, id);
+  }
+  const auto found = at->second.find(geometry.index);
+  return found == at->second.end() ? vrml::NodeId{} : found->second;
+}
+
 std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                      bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
@@ -321,6 +338,7 @@ std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& sce
     }
     vrml::MeshOptions options;
     options.texture_coordinates = textured || shared;
+    options.refiner = refiner_of(scene, geometry);
     entry.mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
     entry.texture_coordinates = options.texture_coordinates;
     if (shared) *shared = entry.mesh;

@@ -56,6 +56,8 @@ struct MeshOptions {
   /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. False saves
   /// the work where no texture is drawn.
   bool texture_coordinates = true;
+  /// Of an OutlineGroup: the one that refines it, whose polygons take the place of its outlines; null: none.
+  NodeId refiner{};
 };
 
 /// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's

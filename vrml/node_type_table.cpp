@@ -60,6 +60,16 @@ const Table& table() {
 
 std::span<const std::unique_ptr<NodeType>> built_in_node_types() { return table().types; }
 
+const NodeType* stood_for(const NodeType& prototype) {
+  const NodeType* native = built_in_node_type(prototype.name);
+  if (!native || native->clause != "GhostSpace" || !native->tessellate) return nullptr;
+  const bool same = std::all_of(prototype.interfaces.begin(), prototype.interfaces.end(), [&](const auto& declaration) {
+    const InterfaceDeclaration* own = native->find(declaration.name);
+    return own && own->type == declaration.type && own->access == declaration.access;
+  });
+  return same ? native : nullptr;
+}
+
 const NodeType* built_in_node_type(std::string_view name) {
   const auto found = table().by_name.find(name);
   return found == table().by_name.end() ? nullptr : found->second;

@@ -80,7 +80,9 @@ Step Parser::State::x3d_statement(const Token& keyword) {
 const NodeType* Parser::State::find_type(std::string_view name) const {
   for (auto scope = scopes.rbegin(); scope != scopes.rend(); ++scope) {
     const auto found = scope->types.find(name);
-    if (found != scope->types.end()) return found->second;
+    if (found == scope->types.end()) continue;
+    const NodeType* native = stood_for(*found->second);
+    return native ? native : found->second;
   }
   return built_in_node_type(name);
 }

@@ -4,8 +4,8 @@
 namespace gs::vrml {
 namespace {
 
-// Geometry nodes (VRML97 4.6.3) and the meshes they make. QNV is our own (docs/formats.md): the renderer draws it from the
-// vectors of its stream.
+// Geometry nodes (VRML97 4.6.3) and the meshes they make. QNV and OutlineGroup are our own
+// (docs/formats.md): the renderer draws QNV from the vectors of its stream.
 constexpr NodeRow kRows[] = {
     {"Box", "6.7", Role::geometry, R"(
   field        SFVec3f    size             2 2 2            # (0,inf)
@@ -84,6 +84,22 @@ constexpr NodeRow kRows[] = {
   field        SFBool     colorPerVertex   TRUE
   field        MFInt32    coordIndex       []               # [-1,inf)
 )", tessellate_indexed_line_set},
+    {"OutlineGroup", "GhostSpace", Role::geometry, R"(
+  exposedField MFString   url              []
+  exposedField SFBool     complete         FALSE
+  exposedField SFNode     refines          NULL
+  field        SFFloat    creaseAngle      0                # [0,inf)
+  field        SFBool     solid            TRUE
+  field        MFInt32    outlineGroup     []               # [0,inf)
+  field        MFInt32    groupSize        []               # [0,inf)
+  field        MFVec3f    outline          []               # (-inf,inf)
+  field        MFInt32    outlineIndex     []               # [-1,inf)
+  field        MFVec2f    outlineTexCoord  []               # (-inf,inf)
+  field        MFInt32    group            []               # [-1,inf)
+  field        MFVec3f    point            []               # (-inf,inf)
+  field        MFInt32    coordIndex       []               # [-1,inf)
+  field        MFVec2f    texCoord         []               # (-inf,inf)
+)", tessellate_outline_group},
     {"PointSet", "6.36", Role::geometry, R"(
   exposedField SFNode     color            NULL
   exposedField SFNode     coord            NULL
