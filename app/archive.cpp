@@ -99,7 +99,7 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     net::CellServerOptions cells;
     if (rate > 0) {
       cells.total_rate = rate;
-      cells.client_rate = std::min(cells.client_rate, rate);
+      cells.client_rate = rate;
     }
     if (options.bind != "*" && options.bind != "127.0.0.1" && options.bind != "::1")
       return "cells are served on this machine (127.0.0.1) or on all "

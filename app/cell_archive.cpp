@@ -19,7 +19,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kBaseBytes = 15'000, kRecordsHeader = 48;
+// Ten symbols of the erasure code: what a server sends in the first round trip, before it knows the line (RFC 6928).
+constexpr std::size_t kBaseBytes = 12'000, kRecordsHeader = 48;
 constexpr std::uint32_t kMostIndexed = std::uint32_t{1} << 20;
 constexpr std::size_t kMostDirectoryBytes = std::size_t{64} << 20;
 

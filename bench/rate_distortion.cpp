@@ -7,16 +7,13 @@
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/surface_triangles.h"
 #include "app/world_loader.h"
+#include "bench/mesh_files.h"
 #include "bench/picture_error.h"
+#include "bench/studio.h"
 #include "qnv/decoder.h"
 #include "qnv/encode_surface.h"
-#include "render/camera.h"
-#include "render/context.h"
-#include "render/renderer.h"
 
 #include <meshoptimizer.h>
-#include <zlib.h>
-#include <glm/trigonometric.hpp>
 
 #include <unistd.h>
 
@@ -34,34 +31,15 @@
 namespace {
 
 using namespace gs;
+using bench::list_of;
+using bench::Mesh;
 using bench::PictureError;
+using bench::Studio;
 
 constexpr std::array<std::size_t, 12> kBudgets{1000,   2000,    4000,    8000,    14'700,    32'000,
                                                64'000, 125'000, 250'000, 500'000, 1'000'000, 2'000'000};
-constexpr std::array<std::array<float, 2>, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
-constexpr int kWidth = 800, kHeight = 600;
+constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
 constexpr std::array<const char*, 4> kCodecs{"packed", "records", "Draco", "gzip VRML"};
-
-struct Mesh {
-  std::vector<float> positions;  // x y z
-  std::vector<unsigned> indices;
-};
-
-Mesh welded(const render::RenderList& list) {
-  Mesh mesh;
-  std::map<std::array<float, 3>, unsigned> seen;
-  app::for_each_triangle(list, [&](std::span<const qnv::Triangle> triangles) {
-    for (const qnv::Triangle& t : triangles)
-      for (const glm::vec3& p : t.positions) {
-        const auto [at, fresh] =
-            seen.emplace(std::array<float, 3>{p.x, p.y, p.z}, static_cast<unsigned>(mesh.positions.size() / 3));
-        if (fresh) mesh.positions.insert(mesh.positions.end(), {p.x, p.y, p.z});
-        mesh.indices.push_back(at->second);
-      }
-    return true;
-  });
-  return mesh;
-}
 
 Mesh simplified(const Mesh& mesh, double part) {
   Mesh out;
@@ -84,87 +62,11 @@ Mesh simplified(const Mesh& mesh, double part) {
   return out;
 }
 
-void write_obj(const Mesh& mesh, const std::string& path) {
-  std::ofstream out(path);
-  char line[96];
-  for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
-    std::snprintf(line, sizeof line, "v %.9g %.9g %.9g\n", mesh.positions[i], mesh.positions[i + 1],
-                  mesh.positions[i + 2]);
-    out << line;
-  }
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
-    out << "f " << mesh.indices[i] + 1 << ' ' << mesh.indices[i + 1] + 1 << ' ' << mesh.indices[i + 2] + 1 << '\n';
-}
-
-// The bytes of the mesh as gzip'd VRML97 text, coordinates with six digits.
-std::size_t gzip_vrml_bytes(const Mesh& mesh) {
-  std::string text =
-      "#VRML V2.0 utf8\nShape{appearance Appearance{material Material{}}geometry IndexedFaceSet{creaseAngle 3.14 solid "
-      "FALSE coord Coordinate{point[\n";
-  char line[96];
-  for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
-    std::snprintf(line, sizeof line, "%.6g %.6g %.6g\n", mesh.positions[i], mesh.positions[i + 1],
-                  mesh.positions[i + 2]);
-    text += line;
-  }
-  text += "]}coordIndex[\n";
-  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-    std::snprintf(line, sizeof line, "%u %u %u -1\n", mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]);
-    text += line;
-  }
-  text += "]}}\n";
-  uLongf size = compressBound(text.size());
-  std::vector<Bytef> packed(size);
-  compress2(packed.data(), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(), 9);
-  return size + 12;  // gzip's header and trailer are that much larger than zlib's
-}
-
-class Studio {
- public:
-  Studio() {
-    auto opened = render::open_headless_context("auto");
-    if (auto* context = std::get_if<std::unique_ptr<render::GlContext>>(&opened)) context_ = std::move(*context);
-    if (!context_) return;
-    auto created = render::Renderer::create(*context_);
-    if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
-  }
-  [[nodiscard]] bool good() const { return renderer_ != nullptr; }
-
-  std::vector<render::Image> pictures(const render::RenderList& list, const vrml::Bounds& bounds) {
-    std::vector<render::Image> out;
-    render::DrawOptions draw;
-    draw.width = kWidth;
-    draw.height = kHeight;
-    draw.background = glm::vec3(0);
-    for (const auto& view : kViews) {
-      const render::Camera camera = render::fit_depth(
-          render::orbit_camera(bounds, glm::radians(view[0]), glm::radians(view[1]), 0.785398f, kWidth, kHeight),
-          bounds);
-      auto drawn = renderer_->draw_to_image(list, camera, draw);
-      if (auto* image = std::get_if<render::Image>(&drawn)) out.push_back(std::move(*image));
-    }
-    return out;
-  }
-
- private:
-  std::unique_ptr<render::GlContext> context_;
-  std::unique_ptr<render::Renderer> renderer_;
-};
-
 struct Measured {
   std::size_t bytes = 0;
   PictureError error;
 };
 using Curve = std::map<std::size_t, Measured>;  // by budget
-
-render::RenderList list_of(qnv::Cloud cloud) {
-  render::RenderList list;
-  render::SplatItem item;
-  item.cloud = std::make_shared<const qnv::Cloud>(std::move(cloud));
-  item.own_color = true;
-  list.splats.push_back(std::move(item));
-  return list;
-}
 
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                      qnv::Payload payload, bool two_sided) {
@@ -181,7 +83,7 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
     const std::size_t bytes = std::min(budget, stream->bytes.size());
     qnv::StreamDecoder decoder;
     decoder.push(std::span(stream->bytes).first(bytes));
-    const auto pictures = studio.pictures(list_of(decoder.cloud()), full.bounds);
+    const auto pictures = studio.pictures(list_of(decoder.cloud()), full.bounds, kViews);
     if (pictures.size() == references.size()) curve[budget] = {bytes, bench::picture_error(pictures, references)};
   }
   return curve;
@@ -195,28 +97,26 @@ void keep_best(Curve& curve, std::size_t bytes, const PictureError& error) {
 
 void measure_meshes(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                     Curve& draco, Curve& gzip) {
-  const Mesh mesh = welded(full);
+  const Mesh mesh = bench::welded(full);
   const std::string base =
       (std::filesystem::temp_directory_path() / ("rate_distortion." + std::to_string(getpid()))).string();
   for (const double part : {0.0015, 0.003, 0.006, 0.01, 0.016, 0.025, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.0}) {
     const Mesh small = simplified(mesh, part);
     if (small.indices.size() < 30) continue;
-    write_obj(small, base + ".obj");
+    if (!bench::write_obj(small, base + ".obj")) continue;
     for (const int bits : {7, 8, 9, 10, 11, 12, 14}) {
       if ((part < 0.01 && bits > 10) || (part > 0.1 && bits < 10)) continue;
-      const std::string command = "draco_encoder -i " + base + ".obj -o " + base + ".drc -cl 10 -qp " +
-                                  std::to_string(bits) + " >/dev/null 2>&1 && draco_decoder -i " + base + ".drc -o " +
-                                  base + ".out.obj >/dev/null 2>&1";
-      if (std::system(command.c_str()) != 0) continue;
+      if (!bench::make_draco(base, bits)) continue;
       app::OpenedWorld world = app::load_world(base + ".out.obj");
       if (!world.scene) continue;
       render::MeshCache cache;
-      const auto pictures = studio.pictures(render::collect(*world.scene, world.images, cache), full.bounds);
+      const auto pictures = studio.pictures(render::collect(*world.scene, world.images, cache), full.bounds, kViews);
       if (pictures.size() != references.size()) continue;
       const PictureError error = bench::picture_error(pictures, references);
       keep_best(draco, std::filesystem::file_size(base + ".drc"), error);
       // Six digits of text are finer than any of these quantisations.
-      if (bits == 14 || (part < 0.01 && bits == 10)) keep_best(gzip, gzip_vrml_bytes(small), error);
+      if (bits == 14 || (part < 0.01 && bits == 10))
+        keep_best(gzip, bench::gzipped(bench::vrml_text(small)).size(), error);
     }
   }
   for (const char* end : {".obj", ".drc", ".out.obj"}) std::filesystem::remove(base + end);
@@ -282,7 +182,7 @@ int main(int count, char** arguments) {
     render::MeshCache cache;
     const render::RenderList full = render::collect(*world.scene, world.images, cache);
     const app::SurfaceSummary summary = app::summarize_surface(full);
-    const auto references = studio.pictures(full, full.bounds);
+    const auto references = studio.pictures(full, full.bounds, kViews);
     std::array<Curve, 4> curves;
     curves[0] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided);
     curves[1] = measure_stream(studio, full, references, qnv::Payload::records, summary.two_sided);

@@ -150,10 +150,13 @@ void HttpLoop::run() {
     (void)MHD_run(daemon_);
     const Instant now = now_of_loop();
     if (finished(now)) break;
+    // What goes on does so in MHD_run, which nothing else wakes for it.
+    const std::size_t suspended = turns_.size() + waiting_.size();
     pace(now);
     look_at_made(now);
+    const bool resumed = turns_.size() + waiting_.size() < suspended;
     drop_slow(now);
-    (void)::poll(waits, 2, milliseconds_to_wait(now));
+    (void)::poll(waits, 2, resumed ? 0 : milliseconds_to_wait(now));
     std::uint64_t count = 0;
     if ((waits[1].revents & POLLIN) != 0) (void)!::read(wake_.get(), &count, sizeof count);
   }

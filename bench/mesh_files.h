@@ -1,0 +1,29 @@
+#pragma once
+
+#include "render/render_list.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gs::bench {
+
+/// Triangles whose corners are shared.
+struct Mesh {
+  std::vector<float> positions;  // x y z
+  std::vector<unsigned> indices;
+};
+
+/// All triangles of a list, world space; corners at the same place become one.
+[[nodiscard]] Mesh welded(const render::RenderList& list);
+/// False when it could not be written. Positions with nine digits: every float as it is.
+[[nodiscard]] bool write_obj(const Mesh& mesh, const std::string& path);
+/// One smooth IndexedFaceSet, VRML97, with six digits a number.
+[[nodiscard]] std::string vrml_text(const Mesh& mesh);
+/// As `gzip -9` makes it, without a name.
+[[nodiscard]] std::string gzipped(const std::string& text);
+/// Encodes MESH.obj as MESH.drc and that back as MESH.out.obj, by the programs draco_encoder and draco_decoder; a level
+/// of 10. False where they are missing or fail. `base`: the path without its ending.
+[[nodiscard]] bool make_draco(const std::string& base, int bits);
+
+}  // namespace gs::bench

@@ -1,0 +1,48 @@
+#include "bench/studio.h"
+
+#include "render/camera.h"
+
+#include <glm/trigonometric.hpp>
+
+#include <utility>
+#include <variant>
+
+namespace gs::bench {
+
+Studio::Studio() {
+  auto opened = render::open_headless_context("auto");
+  if (auto* context = std::get_if<std::unique_ptr<render::GlContext>>(&opened)) context_ = std::move(*context);
+  if (!context_) return;
+  auto created = render::Renderer::create(*context_);
+  if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
+}
+
+std::vector<render::Image> Studio::pictures(const render::RenderList& list, const vrml::Bounds& bounds,
+                                            std::span<const View> views) {
+  constexpr float kFieldOfView = 0.785398f;
+  std::vector<render::Image> out;
+  render::DrawOptions draw;
+  draw.width = kWidth;
+  draw.height = kHeight;
+  draw.background = glm::vec3(0);
+  for (const View& view : views) {
+    const render::Camera camera =
+        render::fit_depth(render::orbit_camera(bounds, glm::radians(view.azimuth), glm::radians(view.elevation),
+                                               kFieldOfView, kWidth, kHeight),
+                          bounds);
+    auto drawn = renderer_->draw_to_image(list, camera, draw);
+    if (auto* image = std::get_if<render::Image>(&drawn)) out.push_back(std::move(*image));
+  }
+  return out;
+}
+
+render::RenderList list_of(qnv::Cloud cloud) {
+  render::RenderList list;
+  render::SplatItem item;
+  item.cloud = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  item.own_color = true;
+  list.splats.push_back(std::move(item));
+  return list;
+}
+
+}  // namespace gs::bench
