@@ -76,6 +76,8 @@ std::string cell_metrics(const net::CellServerStatistics& cells) {
   add("foreign_datagrams_total", "counter", cells.foreign);
   add("datagrams_total", "counter", cells.datagrams);
   add("sent_bytes_total", "counter", cells.bytes);
+  add("parity_datagrams_total", "counter", cells.parity_datagrams);
+  add("parity_bytes_total", "counter", cells.parity_bytes);
   return text;
 }
 
@@ -101,6 +103,7 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
       cells.total_rate = rate;
       cells.client_rate = rate;
     }
+    cells.session.response = options.congestion;
     if (options.bind != "*" && options.bind != "127.0.0.1" && options.bind != "::1")
       return "cells are served on this machine (127.0.0.1) or on all "
              "interfaces ('*'), not on " +

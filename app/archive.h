@@ -16,10 +16,11 @@ namespace gs::app {
 struct ArchiveOptions {
   std::string folder;
   std::optional<std::uint16_t> http_port,
-      cells_port;                          // 0: any free one; none: not served so
-  std::string bind = "127.0.0.1";          // "*": all interfaces
-  std::uint64_t rate = 0;                  // bits a second of all clients; of HTTP and cells
-                                           // half each; 0: no limit
+      cells_port;                  // 0: any free one; none: not served so
+  std::string bind = "127.0.0.1";  // "*": all interfaces
+  std::uint64_t rate = 0;          // bits a second of all clients; of HTTP and cells
+                                   // half each; 0: no limit
+  net::CongestionResponse congestion = net::CongestionResponse::equation;  // of cells
   std::string cache;                       // folder for what is made; empty: archive_cache_folder()
   bool make = true;                        // thumbnails and streams of files that are none
   std::string log = "-";                   // file; "-": standard output; empty: none

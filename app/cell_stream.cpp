@@ -74,6 +74,8 @@ void CellStream::take(net::CellEvent& event) {
     sink_.piece(event);
   } else if (event.kind == Kind::ended) {
     sink_.ended(std::nullopt);
+  } else if (event.kind == Kind::complete) {
+    end(std::nullopt);
   } else if (event.kind == Kind::refused || event.kind == Kind::failed) {
     end(name_ + ": " + event.text);
   }

@@ -162,6 +162,18 @@ Problem set_rate(Options& options, const std::string& value) {
   return read(value, options.rate) && options.rate > 0 ? Problem{} : "expected bits a second, more than 0";
 }
 
+Problem set_congestion(Options& options, const std::string& value) {
+  std::string names;
+  for (const net::CongestionName& row : net::congestion_names()) {
+    if (row.name == value) {
+      options.congestion = row.response;
+      return {};
+    }
+    names += (names.empty() ? "expected " : ", ") + std::string(row.name);
+  }
+  return names;
+}
+
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
      [](Options& o, const std::string& v) {
@@ -242,6 +254,10 @@ constexpr OptionRow kOptions[] = {
      "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
      "others",
      "serve open fetch ", set_rate},
+    {"--congestion", "NAME", "equation",
+     "how cells answer to losses: equation (as TCP would), delay-aware (only losses that came with a queue count: for "
+     "links that lose by themselves) or reserved (none: for paths on which the rate is reserved)",
+     "serve ", set_congestion},
     {"--cache", "FOLDER", "", "where thumbnails and streams that were made are kept", "serve ",
      [](Options& o, const std::string& v) {
        o.cache = v;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/volume.h"
+#include "net/congestion.h"
 
 #include <glm/vec3.hpp>
 
@@ -37,6 +38,7 @@ struct Options {
   std::optional<std::uint16_t> http_port, cells_port;
   std::string bind = "127.0.0.1", cache, log = "-";
   std::uint64_t rate = 0;  // bits a second; 0: no limit
+  net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;
   bool markdown = false, wrl = false, json = false, vrml97 = false;
   std::size_t vectors = 0;       // 0: not asked for

@@ -14,6 +14,8 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
   sum.refused_for_space += more.refused_for_space;
   sum.damaged_pdus += more.damaged_pdus;
   sum.bytes += more.bytes;
+  sum.parity += more.parity;
+  sum.rebuilt += more.rebuilt;
   sum.loss_event_rate = std::max(sum.loss_event_rate, more.loss_event_rate);
   sum.round_trip = std::max(sum.round_trip, more.round_trip);
   sum.granted += more.granted;
@@ -35,8 +37,10 @@ void WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
   settings.rate = options.rate;
   settings.loss = options.loss;
   settings.loss_seed = options.loss_seed;
-  settings.repair = options.by_view;
-  if (fetch.max_bytes != Fetch::kNoLimit) settings.budget = fetch.max_bytes;
+  if (fetch.max_bytes != Fetch::kNoLimit)
+    settings.budget = fetch.max_bytes;
+  else
+    settings.repair = options.by_view;
   CellStream::Sink sink;
   Cells* const at = one.get();
   sink.granted = [this, at, url] {

@@ -23,6 +23,7 @@ struct CellEvent {
     base,          // `bytes`: the whole base
     piece,         // `bytes` of chunk `name` from `offset`
     ended,         // the server has sent all; what is missing was lost
+    complete,      // nothing is missing (any more); comes after `ended`
     lost_contact,  // nothing arrives; the client asks anew
     failed,        // `text`; the client has given up
   };

@@ -19,6 +19,8 @@ bool sound_place(const Place& place) {
       return place.chunk < kMostChunks && place.total <= kMostChunkBody && place.at < place.total;
     case PlaceKind::base:
       return place.chunk <= 65535 && place.total <= ErasureLayout::kMostBytes && place.at < ErasureLayout::kMostSymbols;
+    case PlaceKind::parity:
+      return false;
   }
   return false;
 }
@@ -85,11 +87,11 @@ bool ChunkCutter::fits(std::size_t cells) const {
   return cells_of_pdu(kPlaceBytes + end_ - at_) <= cells;
 }
 
-std::size_t ChunkCutter::cut(std::size_t cells, std::uint32_t time, std::vector<Cell>& out) {
-  return records_ ? cut_records(cells, time, out) : cut_piece(cells, time, out);
+std::size_t ChunkCutter::cut(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out) {
+  return records_ ? cut_records(cells, fill, time, out) : cut_piece(cells, time, out);
 }
 
-std::size_t ChunkCutter::cut_records(std::size_t cells, std::uint32_t time, std::vector<Cell>& out) {
+std::size_t ChunkCutter::cut_records(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out) {
   place_.time = time;
   place_.at = static_cast<std::uint32_t>(at_);
   const std::size_t before = out.size();
@@ -97,7 +99,7 @@ std::size_t ChunkCutter::cut_records(std::size_t cells, std::uint32_t time, std:
   const std::size_t used = out.size() - before;
   std::size_t count = std::min(cells > used ? cells - used : 1, end_ - at_);
   // Whole PDUs where some fit, so that a datagram that is lost costs no other.
-  if (at_ + count < end_ && count >= kRecordPduCells) count -= (at_ + count) % kRecordPduCells;
+  if (!fill && at_ + count < end_ && count >= kRecordPduCells) count -= (at_ + count) % kRecordPduCells;
   const auto bytes_before = [](std::size_t cell) {
     return cell / kRecordPduCells * kRecordPdu + cell % kRecordPduCells * kCellPayload;
   };

@@ -18,7 +18,8 @@ constexpr std::uint16_t kBaseVci = 32, kPlaceVci = 33, kFirstDataVci = 64;
 [[nodiscard]] constexpr std::uint16_t path_of_slot(std::size_t slot) { return static_cast<std::uint16_t>(1 + slot); }
 
 /// Where what follows belongs.
-enum class PlaceKind : std::uint8_t { records = 1, piece = 2, base = 3 };
+/// (`parity`: no place at all, but in a channel of its own, see cell_parity.h).
+enum class PlaceKind : std::uint8_t { records = 1, piece = 2, base = 3, parity = 4 };
 struct Place {
   PlaceKind kind = PlaceKind::piece;
   std::uint8_t stream = 0;
@@ -61,11 +62,12 @@ class ChunkCutter {
   /// Whether all that is left fits into so many cells.
   [[nodiscard]] bool fits(std::size_t cells) const;
   /// Appends the next cells, at most so many (at least kFewestCells), and says
-  /// how many bytes of the body they hold.
-  std::size_t cut(std::size_t cells, std::uint32_t time, std::vector<Cell>& out);
+  /// how many bytes of the body they hold. Ends at the end of a PDU of records
+  /// if one fits, unless `fill`.
+  std::size_t cut(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out);
 
  private:
-  std::size_t cut_records(std::size_t cells, std::uint32_t time, std::vector<Cell>& out);
+  std::size_t cut_records(std::size_t cells, bool fill, std::uint32_t time, std::vector<Cell>& out);
   std::size_t cut_piece(std::size_t cells, std::uint32_t time, std::vector<Cell>& out);
 
   CellChunk chunk_;

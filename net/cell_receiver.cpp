@@ -30,6 +30,7 @@ void CellClient::begin(Instant now) {
   tries_ = 0;
   hello_at_ = heard_ = now;
   history_ = {};
+  rebuilder_ = {};
   delay_ = {};
   early_.clear();
   sync_next_ = 0;
@@ -59,7 +60,7 @@ void CellClient::want(std::size_t number, CellWish wish, Instant now) {
   slot.state = Slot::State::asking;
   slot.ask = now;
   slot.tries = 0;
-  slot.ended = false;
+  slot.ended = slot.complete = false;
   if (phase_ == Phase::idle) begin(now);
 }
 
@@ -108,15 +109,19 @@ void CellClient::receive(std::span<const std::byte> bytes, Instant now) {
       ++statistics_.foreign;
     }
   } else {
-    auto decoded = decode_datagram(bytes);
-    const auto* datagram = std::get_if<CellDatagram>(&decoded);
-    if (!datagram || datagram->label != kCellLabel || datagram->sequence == 0)
-      ++statistics_.foreign;
-    else if (session_ != 0)
-      take_cells(*datagram, bytes.size(), now);
-    else if (cookie_ && early_.size() < kMostEarly)
-      early_.push_back({*datagram, bytes.size(), now});
+    take_datagram(bytes, now);
   }
+}
+
+void CellClient::take_datagram(std::span<const std::byte> bytes, Instant now) {
+  const auto decoded = decode_datagram(bytes);
+  const auto* datagram = std::get_if<CellDatagram>(&decoded);
+  if (!datagram || datagram->label != kCellLabel || datagram->sequence == 0)
+    ++statistics_.foreign;
+  else if (session_ != 0)
+    take_cells(*datagram, bytes, now);
+  else if (cookie_ && early_.size() < kMostEarly && bytes.size() <= kMostDatagram)
+    early_.push_back({{bytes.begin(), bytes.end()}, now});
 }
 
 void CellClient::append(std::vector<CellEvent> made) {
@@ -152,7 +157,7 @@ void CellClient::take_grant(const GrantMessage& grant, Instant now) {
   event.version = grant.version;
   event.rate = grant.rate;
   events_.push_back(std::move(event));
-  for (const Early& early : std::exchange(early_, {})) take_cells(early.datagram, early.bytes, early.at);
+  for (const Early& early : std::exchange(early_, {})) take_datagram(early.bytes, early.at);
 }
 
 void CellClient::take_refusal(const RefuseMessage& refusal) {
@@ -187,7 +192,20 @@ void CellClient::take_sync(const SyncMessage& sync, Instant now) {
       append(std::move(made));
     }
     slot.ended = said.ended;
+    tell_complete(said.slot);
   }
+}
+
+// Once for each request.
+void CellClient::tell_complete(std::size_t number) {
+  Slot& slot = slots_[number];
+  if (!slot.ended || slot.complete || !slot.assembly->base_done()) return;
+  slot.complete = slot.assembly->missing(slot.wish.streams, 1).empty();
+  if (!slot.complete) return;
+  CellEvent event;
+  event.kind = CellEvent::Kind::complete;
+  event.slot = static_cast<std::uint8_t>(number);
+  events_.push_back(std::move(event));
 }
 
 void CellClient::take_bye(const ByeMessage& bye, Instant now) {
@@ -203,7 +221,7 @@ void CellClient::stamp(std::uint32_t time, Instant now) {
   echo_at_ = now;
 }
 
-void CellClient::take_cells(const CellDatagram& datagram, std::size_t bytes, Instant now) {
+void CellClient::take_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now) {
   heard_ = now;
   if (waiting_ > options_.most_waiting) {
     // The owner is slow: the server shall slow down, which it does when
@@ -216,13 +234,34 @@ void CellClient::take_cells(const CellDatagram& datagram, std::size_t bytes, Ins
   if (sync_next_ > expected + kFarAhead) expected = sync_next_;
   const std::uint64_t number = widen_sequence(datagram.sequence, expected);
   const bool gap = number > history_.next();
+  const bool parity = CellRebuilder::is_parity(datagram.cells);
+  assemble(parity ? std::span<const Cell>{} : datagram.cells, gap, now);
+  std::vector<CellRebuilder::Rebuilt> rebuilt;
+  if (parity) {
+    ++statistics_.parity;
+    if (const auto head = rebuilder_.add_parity(number, datagram.cells, rebuilt)) {
+      delay_.add(head->time, static_cast<std::uint32_t>(now.count()));
+      stamp(head->time, now);
+    }
+  } else if (!datagram.cells.empty() && datagram.cells[0].vc.vci != kBaseVci) {
+    rebuilder_.add(number, bytes.subspan(kDatagramHeader), rebuilt);
+  }
+  take_rebuilt(rebuilt);
+  history_.arrived(number, bytes.size() + kPacketHeaders, now, round_trip_, !delay_aware_ || delay_.queued());
+  if (history_.take_new_event()) report_now_ = true;
+  ++statistics_.datagrams;
+  statistics_.bytes += bytes.size();
+}
+
+/// The cells of one datagram, for all slots; `gap`: some before it are missing.
+void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   for (std::size_t i = 0; i < kMostSlots; ++i) {
     CellAssembly* assembly = slots_[i].assembly.get();
     if (!assembly || slots_[i].state != Slot::State::granted) continue;
     std::vector<CellEvent> made;
     if (gap) assembly->gap(made);
     const bool had_base = assembly->base_done();
-    assembly->take(datagram.cells, made);
+    assembly->take(cells, made);
     append(std::move(made));
     if (assembly->base_done() && !had_base) report_now_ = true;
     if (const auto time = assembly->take_stamp()) {
@@ -230,10 +269,21 @@ void CellClient::take_cells(const CellDatagram& datagram, std::size_t bytes, Ins
       stamp(*time, now);
     }
   }
-  history_.arrived(number, bytes + kPacketHeaders, now, round_trip_, !delay_aware_ || delay_.queued());
-  if (history_.take_new_event()) report_now_ = true;
-  ++statistics_.datagrams;
-  statistics_.bytes += bytes;
+}
+
+/// As if it had come late; but it did not come: its time and its number count
+/// for nothing.
+void CellClient::take_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
+  for (const CellRebuilder::Rebuilt& datagram : rebuilt) {
+    ++statistics_.rebuilt;
+    for (Slot& slot : slots_) {
+      if (!slot.assembly || slot.state != Slot::State::granted) continue;
+      std::vector<CellEvent> made;
+      slot.assembly->take(datagram.cells, made);
+      append(std::move(made));
+      (void)slot.assembly->take_stamp();
+    }
+  }
 }
 
 std::optional<std::vector<std::byte>> CellClient::next_hello(Instant now) {

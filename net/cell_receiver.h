@@ -1,6 +1,7 @@
 #pragma once
 
 #include "net/cell_assembly.h"
+#include "net/cell_rebuild.h"
 #include "net/congestion.h"
 
 #include <array>
@@ -38,7 +39,8 @@ struct CellWish {
 
 struct CellClientStatistics {
   std::uint64_t datagrams = 0, lost = 0, foreign = 0, refused_for_space = 0, damaged_pdus = 0;
-  std::uint64_t bytes = 0;  // of datagrams
+  std::uint64_t bytes = 0;                // of datagrams
+  std::uint64_t parity = 0, rebuilt = 0;  // datagrams of parity; of data, rebuilt from them (those count as lost)
   double loss_event_rate = 0;
   Instant round_trip{};
   std::uint64_t granted = 0,
@@ -85,7 +87,7 @@ class CellClient {
     std::unique_ptr<CellAssembly> assembly;
     std::vector<Region> regions;
     std::vector<ChunkName> chunks;
-    bool ended = false;
+    bool ended = false, complete = false;
   };
   void begin(Instant now);
   void fail(std::string text);
@@ -93,12 +95,16 @@ class CellClient {
   void take_refusal(const RefuseMessage& refusal);
   void take_sync(const SyncMessage& sync, Instant now);
   void take_bye(const ByeMessage& bye, Instant now);
-  void take_cells(const CellDatagram& datagram, std::size_t bytes, Instant now);
+  void take_datagram(std::span<const std::byte> bytes, Instant now);
+  void take_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now);
+  void assemble(std::span<const Cell> cells, bool gap, Instant now);
+  void take_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt);
   void stamp(std::uint32_t time, Instant now);
   std::optional<std::vector<std::byte>> next_hello(Instant now);
   std::optional<std::vector<std::byte>> next_request(Instant now);
   std::vector<std::byte> report(Instant now);
   [[nodiscard]] Instant report_every() const;
+  void tell_complete(std::size_t slot);
   [[nodiscard]] bool anything_wanted() const;
   void append(std::vector<CellEvent> made);
 
@@ -111,6 +117,7 @@ class CellClient {
   std::size_t tries_ = 0;
   Instant hello_at_{}, report_at_{}, heard_{}, cells_at_{};
   LossHistory history_;
+  CellRebuilder rebuilder_;
   QueueDelay delay_;
   bool delay_aware_ = false, report_now_ = false;
   std::uint64_t sync_next_ = 0;
@@ -119,8 +126,7 @@ class CellClient {
   Instant round_trip_{200'000};
   std::deque<std::vector<std::byte>> outbox_;
   struct Early {
-    CellDatagram datagram;
-    std::size_t bytes = 0;
+    std::vector<std::byte> bytes;
     Instant at{};
   };
   std::vector<Early> early_;  // cells that overtook the grant

@@ -171,11 +171,15 @@ std::optional<OutgoingDatagram> CellServer::next(Instant now) {
     for (std::size_t i = 0; i < sessions_.size() && !result; ++i, ++it) {
       if (it == sessions_.end()) it = sessions_.begin();
       if (it->second->ready(now) > now) continue;
-      auto bytes = it->second->datagram(now);
-      if (bytes.empty()) continue;
-      total_.take(bytes.size() + kPacketHeaders, now);
+      auto made = it->second->datagram(now);
+      if (made.bytes.empty()) continue;
+      total_.take(made.bytes.size() + kPacketHeaders, now);
+      if (made.parity) {
+        ++statistics_.parity_datagrams;
+        statistics_.parity_bytes += made.bytes.size();
+      }
       turn_ = it->first;
-      result = {it->first, std::move(bytes)};
+      result = {it->first, std::move(made.bytes)};
     }
   }
   if (!result) return std::nullopt;

@@ -31,8 +31,9 @@ struct OutgoingDatagram {
 struct CellServerStatistics {
   std::uint64_t clients = 0;  // now
   std::uint64_t accepted = 0, refused = 0,
-                foreign = 0;               // sessions; requests; datagrams that were none of ours
-  std::uint64_t datagrams = 0, bytes = 0;  // sent
+                foreign = 0;                             // sessions; requests; datagrams that were none of ours
+  std::uint64_t datagrams = 0, bytes = 0;                // sent
+  std::uint64_t parity_datagrams = 0, parity_bytes = 0;  // of those, parity
 };
 
 /// Serves sources as cells to many clients: the contract, and the share of

@@ -9,6 +9,9 @@ namespace {
 constexpr std::uint64_t kPacketHeaders = 28;  // IPv4 and UDP
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
 constexpr std::size_t kMostWished = 1024, kMostTried = 16384;
+// What a second chunk must find free in a protected datagram: its place costs a
+// cell or two.
+constexpr std::size_t kBegin = 6;
 
 std::uint32_t stamp(Instant now) { return static_cast<std::uint32_t>(now.count()); }
 
@@ -28,6 +31,7 @@ CellSession::CellSession(const Options& options, std::uint64_t id, std::uint64_t
       nonce_(nonce),
       controller_(options.response, 0, round_trip, now),
       bucket_(0, burst_of(0), now),
+      parity_(options.parity),
       last_heard_(now) {}
 
 void CellSession::grant(std::uint64_t bytes_per_second, Instant now) {
@@ -115,8 +119,21 @@ void CellSession::report(const ReportMessage& report, Instant now) {
     controller_.feedback(feedback, now);
     update_rate(now);
   }
+  report_loss(report, now);
   for (const SlotReport& slot : report.slots)
     if (slots_[slot.slot].source && slots_[slot.slot].number == slot.number) take_report(slots_[slot.slot], slot, now);
+}
+
+void CellSession::report_loss(const ReportMessage& report, Instant now) {
+  // When nothing more is under way, also the last datagrams are lost if they
+  // did not come; before, only later ones tell.
+  const bool idle = std::all_of(slots_.begin(), slots_.end(),
+                                [](const Slot& slot) { return !slot.source || (slot.ended && slot.base_done); });
+  const bool quiet = idle && next_ > 0 && !parity_.pending() && now >= last_cells_ + 2 * controller_.round_trip();
+  const std::uint64_t lost = quiet ? std::max(report.lost, next_ - std::min(next_, report.received)) : report.lost;
+  const bool settled = parity_.settled(~std::uint64_t{0});
+  parity_.report(report.received, lost, quiet, now);
+  if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // what has ended can be told now
 }
 
 void CellSession::take_report(Slot& slot, const SlotReport& report, Instant now) {
@@ -203,6 +220,7 @@ bool CellSession::take_chunk(Slot& slot, std::size_t number, Instant now) {
     return true;
   }
   slot.ended = sync_now_ = true;
+  slot.last_group = parity_.flush(now);
   return false;
 }
 
@@ -221,6 +239,7 @@ Instant CellSession::ready(Instant now) {
   }
   Instant first = Instant::max();
   for (const Slot& slot : slots_) first = std::min(first, slot_ready(slot, now));
+  if (parity_.pending()) first = now;
   if (first == Instant::max()) {
     idle_ = true;
     return first;
@@ -228,10 +247,23 @@ Instant CellSession::ready(Instant now) {
   return std::max(first, bucket_.when(kMostDatagram + kPacketHeaders, now));
 }
 
-std::vector<std::byte> CellSession::datagram(Instant now) {
+CellSession::Datagram CellSession::encode(const std::vector<Cell>& cells, bool parity, Instant now) {
+  if (cells.empty()) return {};
+  Datagram datagram{encode_datagram(kCellLabel, narrow_sequence(next_++), cells), parity};
+  bucket_.take(datagram.bytes.size() + kPacketHeaders, now);
+  last_cells_ = now;
+  return datagram;
+}
+
+CellSession::Datagram CellSession::datagram(Instant now) {
   Slot* best = nullptr;
   for (Slot& slot : slots_)
     if (slot_ready(slot, now) <= now && (!best || slot.turn < best->turn)) best = &slot;
+  if (parity_.pending() && (!best || parity_.due())) {
+    auto made = encode(parity_.next(next_, stamp(now)), true, now);
+    if (!parity_.pending()) sync_now_ = sync_now_ || !best;  // what has ended can be told now
+    return made;
+  }
   if (!best) return {};
   const auto number = static_cast<std::size_t>(best - slots_.data());
   std::vector<Cell> cells;
@@ -241,12 +273,12 @@ std::vector<std::byte> CellSession::datagram(Instant now) {
   // chunk's: nothing can be seen without the base.
   const bool base_first = base_due && (best->base_sent < layout.blocks() * layout.source || ++best->base_turn % 4 != 0);
   if (!base_first) put_data(*best, number, now, cells);
+  const bool data = !cells.empty();
   if (cells.empty() && base_due) put_base(*best, number, now, cells);
-  if (cells.empty()) return {};
-  auto bytes = encode_datagram(kCellLabel, narrow_sequence(next_++), cells);
-  best->turn += static_cast<double>(bytes.size()) / best->weight;
-  bucket_.take(bytes.size() + kPacketHeaders, now);
-  return bytes;
+  auto made = encode(cells, false, now);
+  if (data) parity_.add(next_ - 1, std::span(made.bytes).subspan(kDatagramHeader), now);
+  best->turn += static_cast<double>(made.bytes.size()) / best->weight;
+  return made;
 }
 
 void CellSession::put_base(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells) {
@@ -266,12 +298,15 @@ void CellSession::put_base(Slot& slot, std::size_t number, Instant now, std::vec
 }
 
 void CellSession::put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells) {
+  const bool guarded = parity_.on();
+  const std::size_t most = guarded ? protected_cells(slot.cells) : slot.cells;
   while (take_chunk(slot, number, now)) {
-    const std::size_t left = slot.cells - cells.size();
-    // A second chunk only as a whole.
-    if (!cells.empty() && !slot.cutter->fits(left)) return;
-    slot.bytes += slot.cutter->cut(left, stamp(now), cells);
-    if (cells.size() >= slot.cells) return;
+    const std::size_t left = most - cells.size();
+    // A second chunk only as a whole, so that what is lost costs one; with
+    // parity, datagrams shall be full: a symbol is as long as the longest.
+    if (!cells.empty() && !slot.cutter->fits(left) && (!guarded || left < kBegin)) return;
+    slot.bytes += slot.cutter->cut(left, guarded, stamp(now), cells);
+    if (cells.size() >= most) return;
   }
 }
 
@@ -292,7 +327,8 @@ SyncMessage CellSession::sync(Instant now) {
   message.round_trip = static_cast<std::uint32_t>(controller_.round_trip().count());
   for (std::size_t i = 0; i < slots_.size(); ++i)
     if (slots_[i].source)
-      message.slots.push_back({static_cast<std::uint8_t>(i), slots_[i].number, slots_[i].ended, slots_[i].bytes});
+      message.slots.push_back({static_cast<std::uint8_t>(i), slots_[i].number,
+                               slots_[i].ended && parity_.settled(slots_[i].last_group), slots_[i].bytes});
   return message;
 }
 

@@ -2,6 +2,7 @@
 
 #include "net/cell_contract.h"
 #include "net/cell_framing.h"
+#include "net/cell_parity.h"
 #include "net/congestion.h"
 
 #include <array>
@@ -23,6 +24,7 @@ class CellSession {
     double base_loss = 0.3,
            base_failure = 1e-6;  // the base's first pass: fails so seldom at that loss
     Instant silence{2'000'000};  // without reports nothing more is sent
+    bool parity = true;          // behind the base, as much as the client's losses ask for
   };
   CellSession(const Options& options, std::uint64_t id, std::uint64_t nonce, Instant round_trip, Instant now);
 
@@ -51,8 +53,12 @@ class CellSession {
 
   /// When the next datagram of cells may go; Instant::max() if there is none.
   [[nodiscard]] Instant ready(Instant now);
+  struct Datagram {
+    std::vector<std::byte> bytes;
+    bool parity = false;
+  };
   /// That datagram; empty if there was none after all.
-  [[nodiscard]] std::vector<std::byte> datagram(Instant now);
+  [[nodiscard]] Datagram datagram(Instant now);
   /// Where the session is, if it is time to say so.
   [[nodiscard]] Instant sync_due(Instant now) const;
   [[nodiscard]] SyncMessage sync(Instant now);
@@ -78,7 +84,8 @@ class CellSession {
     std::deque<ChunkName> wishes;
     std::map<ChunkName, Instant> wished;  // when it was granted last
     std::optional<ChunkCutter> cutter;
-    double turn = 0;  // bytes by weight
+    std::uint64_t last_group = 0;  // ended: of parity, the last that may hold something of it
+    double turn = 0;               // bytes by weight
   };
   [[nodiscard]] bool base_waits(const Slot& slot) const { return slot.source && !slot.base_done; }
   [[nodiscard]] Instant slot_ready(const Slot& slot, Instant now) const;
@@ -88,6 +95,8 @@ class CellSession {
   std::optional<ChunkName> next_in(Slot& slot, std::size_t region);
   void put_base(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
   void put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
+  [[nodiscard]] Datagram encode(const std::vector<Cell>& cells, bool parity, Instant now);
+  void report_loss(const ReportMessage& report, Instant now);
   void take_report(Slot& slot, const SlotReport& report, Instant now);
   void update_rate(Instant now);
 
@@ -96,10 +105,11 @@ class CellSession {
   std::array<Slot, kMostSlots> slots_;
   RateController controller_;
   TokenBucket bucket_;
+  ParitySender parity_;
   std::uint64_t wanted_ = 0, granted_ = 0, next_ = 0;
   std::uint32_t last_report_ = 0;
   bool idle_ = true, sync_now_ = true;
-  Instant last_heard_, last_sync_{};
+  Instant last_heard_, last_sync_{}, last_cells_{};
 };
 
 }  // namespace gs::net

@@ -14,10 +14,19 @@ constexpr std::uint64_t kLater = 3;  // so many later datagrams tell that one is
 constexpr std::array<double, 8> kWeights{1, 1, 1, 1, 0.8, 0.6, 0.4, 0.2};
 constexpr double kLeastQueue = 10'000;  // microseconds; less is chance
 constexpr Instant kShortestTrip{500}, kLongestTrip{5'000'000};
+constexpr std::array<CongestionName, 3> kNames{{
+    {"equation", CongestionResponse::equation, "slows down at any loss, as TCP would: safe on every network"},
+    {"delay-aware", CongestionResponse::delay_aware,
+     "slows down at losses that come with a queue: for links that lose by themselves, such as radio"},
+    {"reserved", CongestionResponse::reserved,
+     "keeps the granted rate whatever is lost: for paths where it is reserved"},
+}};
 
 double seconds(Instant time) { return static_cast<double>(time.count()) * 1e-6; }
 
 }  // namespace
+
+std::span<const CongestionName> congestion_names() { return kNames; }
 
 double tcp_rate(double packet_bytes, double round_trip_seconds, double loss_rate) {
   if (loss_rate <= 0) return std::numeric_limits<double>::infinity();

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <span>
+#include <string_view>
 
 namespace gs::net {
 
@@ -27,6 +29,15 @@ enum class CongestionResponse : std::uint8_t {
                 // lose by themselves, such as radio
   reserved,     // none: the granted rate is reserved for us on the whole path
 };
+
+/// A response as an operator names it.
+struct CongestionName {
+  std::string_view name;
+  CongestionResponse response = CongestionResponse::equation;
+  std::string_view help;  // one line
+};
+/// All of them, the default first.
+[[nodiscard]] std::span<const CongestionName> congestion_names();
 
 /// Tells whether packets are queued on the way, from the time that each took
 /// (by two clocks, so only differences count). "Spike" of Cen, Cosman and

@@ -53,7 +53,16 @@ double failure_of(std::size_t source, std::size_t symbols, double loss) {
 
 std::size_t symbols_for(std::size_t source, double loss, double failure) {
   std::size_t symbols = source;
-  while (symbols < ErasureLayout::kMostSymbols && failure_of(source, symbols, loss) >= failure) ++symbols;
+  if (loss <= 0) return symbols;
+  if (loss >= 1) return ErasureLayout::kMostSymbols;
+  // With n symbols sent, the last of the k that are needed is the n-th with a probability of
+  // C(n - 1, k - 1) (1 - loss)^k loss^(n - k).
+  double last = std::pow(1 - loss, static_cast<double>(source)), arrived = last;
+  while (symbols < ErasureLayout::kMostSymbols && 1 - arrived >= failure) {
+    last *= loss * static_cast<double>(symbols) / static_cast<double>(symbols - source + 1);
+    arrived += last;
+    ++symbols;
+  }
   return symbols;
 }
 
@@ -101,19 +110,31 @@ void ErasureDecoder::solve(std::size_t number) {
   Block& block = blocks_[number];
   if (data_.empty()) data_.resize(blocks_.size() * source * size);
   const std::vector<unsigned char> matrix = coding_matrix(source);
-  std::vector<unsigned char> rows(source * source), inverse(source * source), tables(32 * source * source);
+  std::vector<unsigned char> rows(source * source), inverse(source * source), lost_rows;
   std::vector<unsigned char*> sources, targets;
   for (auto& [row, bytes] : block.symbols) {
     std::copy_n(matrix.begin() + static_cast<std::ptrdiff_t>(row * source), source,
                 rows.begin() + static_cast<std::ptrdiff_t>(sources.size() * source));
     sources.push_back(raw(bytes.data()));
   }
-  for (std::size_t i = 0; i < source; ++i) targets.push_back(raw(data_.data() + (number * source + i) * size));
   // Never singular: Cauchy.
   if (gf_invert_matrix(rows.data(), inverse.data(), static_cast<int>(source)) != 0) return;
-  ec_init_tables(static_cast<int>(source), static_cast<int>(source), inverse.data(), tables.data());
-  ec_encode_data(static_cast<int>(size), static_cast<int>(source), static_cast<int>(source), tables.data(),
-                 sources.data(), targets.data());
+  for (std::size_t i = 0; i < source; ++i) {
+    std::byte* const place = data_.data() + (number * source + i) * size;
+    if (const auto there = block.symbols.find(static_cast<std::uint8_t>(i)); there != block.symbols.end()) {
+      std::copy(there->second.begin(), there->second.end(), place);
+      continue;
+    }
+    const auto row = inverse.begin() + static_cast<std::ptrdiff_t>(i * source);
+    lost_rows.insert(lost_rows.end(), row, row + static_cast<std::ptrdiff_t>(source));
+    targets.push_back(raw(place));
+  }
+  if (!targets.empty()) {
+    std::vector<unsigned char> tables(32 * source * targets.size());
+    ec_init_tables(static_cast<int>(source), static_cast<int>(targets.size()), lost_rows.data(), tables.data());
+    ec_encode_data(static_cast<int>(size), static_cast<int>(source), static_cast<int>(targets.size()), tables.data(),
+                   sources.data(), targets.data());
+  }
   block.done = true;
   block.symbols.clear();
   ++done_;

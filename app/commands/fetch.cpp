@@ -65,6 +65,8 @@ nlohmann::json as_json(const std::string& url, const Report& report) {
   if (report.is_cells)
     json["cells"] = {{"datagrams", report.cells.datagrams},
                      {"lost_datagrams", report.cells.lost},
+                     {"parity_datagrams", report.cells.parity},
+                     {"rebuilt_datagrams", report.cells.rebuilt},
                      {"damaged_pdus", report.cells.damaged_pdus},
                      {"granted_bit_s", report.cells.granted},
                      {"rate_bit_s", report.cells.server_rate},
@@ -85,10 +87,11 @@ void print(const Report& report) {
               static_cast<unsigned long long>(report.triangles));
   if (!report.is_cells) return;
   const std::uint64_t sent = report.cells.datagrams + report.cells.lost;
-  std::printf("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu PDUs damaged\n",
+  std::printf("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu of those rebuilt, %llu PDUs damaged\n",
               static_cast<unsigned long long>(report.cells.datagrams),
               static_cast<unsigned long long>(report.cells.lost),
               sent > 0 ? 100.0 * static_cast<double>(report.cells.lost) / static_cast<double>(sent) : 0.0,
+              static_cast<unsigned long long>(report.cells.rebuilt),
               static_cast<unsigned long long>(report.cells.damaged_pdus));
   std::printf("granted %.3f Mbit/s, round trip %.1f ms\n", static_cast<double>(report.cells.granted) * 1e-6,
               static_cast<double>(report.cells.round_trip.count()) / 1000);

@@ -60,6 +60,7 @@ int run_serve(const Options& options) {
   if (!archive.http_port && !archive.cells_port) archive.http_port = kStandardPort;
   archive.bind = options.bind;
   archive.rate = options.rate;
+  archive.congestion = options.congestion;
   archive.cache = options.cache;
   archive.log = options.log;
   return serve(archive);

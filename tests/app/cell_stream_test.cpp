@@ -308,6 +308,13 @@ TEST_CASE("In a window the base shows at once, and views say what comes next") {
     if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
   }
   CHECK(preferred);
+  // When all of it is there nobody goes on asking.
+  for (int i = 0; i < 2000 && loading.streaming(); ++i) {
+    (void)loading.step(kWait);
+    (void)feed.apply();
+  }
+  CHECK_FALSE(loading.streaming());
+  CHECK(levels.count() == cloud_of(load_world(site.folder.path("packed.qnv"))).size());
 }
 
 TEST_CASE("Regions are what views see of a stream") {

@@ -14,6 +14,7 @@ struct Trial {
   CongestionResponse response = CongestionResponse::reserved;
   Link::Options link;
   CellWish wish;
+  bool parity = true;
   std::uint64_t rate = 10'000'000, seed = 1;
   Instant most{60s};
   Trial() {
@@ -27,6 +28,7 @@ struct Trial {
     CellServerOptions options;
     options.secret = {3, 4};
     options.session.response = response;
+    options.session.parity = parity;
     auto scene = std::make_unique<Scene>(options, library);
     scene->add(link, source, rate, seed);
     scene->clients[0]->client.want(0, wish, scene->now);
@@ -68,6 +70,7 @@ TEST_CASE("The base is there soon, and lost data cost themselves only", "[cell_r
     const auto source = records();
     Trial trial;
     trial.link.loss = loss;
+    trial.parity = false;
     for (trial.seed = 1; trial.seed <= 5; ++trial.seed) {
       const auto scene = trial.run(source);
       const Got& got = scene->clients[0]->got;
@@ -83,6 +86,7 @@ TEST_CASE("With small datagrams the cells of damaged PDUs are used", "[cell_rece
   Trial trial;
   trial.wish.cells = 4;  // two cells of records in each: a PDU needs four datagrams
   trial.link.loss = 0.3;
+  trial.parity = false;
   const auto scene = trial.run(source);
   REQUIRE(scene->clients[0]->got.ok);
   // Whole PDUs only would be 0.7^4 = 24 %.
@@ -93,6 +97,7 @@ TEST_CASE("Clusters of several datagrams come whole or not at all, and repaired"
   const auto source = std::make_shared<PatternSource>(15000, Streams{{false, 30, 9000}, {false, 300, 300}});
   Trial trial;
   trial.link.loss = 0.1;
+  trial.parity = false;
   auto scene = trial.run(source);
   REQUIRE(scene->clients[0]->got.ok);
   REQUIRE(share(*scene, *source) < 0.9);

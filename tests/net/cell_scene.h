@@ -61,6 +61,7 @@ class PatternSource : public CellSource {
     for (const Stream& stream : streams_) sum += std::uint64_t{stream.chunks} * stream.bytes;
     return sum;
   }
+  std::uint32_t chunk_size(std::size_t stream) const { return streams_[stream].bytes; }
   std::size_t read() const { return read_; }
 
  private:
@@ -88,6 +89,14 @@ struct Got {
   std::vector<ChunkName> order;
   std::string text;
   std::map<int, std::uint64_t> slot_bytes;
+  std::map<ChunkName, std::uint64_t> chunk_bytes;
+
+  /// How many chunks are there as a whole.
+  std::uint64_t whole_chunks(const PatternSource& source) const {
+    return static_cast<std::uint64_t>(std::count_if(chunk_bytes.begin(), chunk_bytes.end(), [&](const auto& entry) {
+      return entry.second == source.chunk_size(entry.first.stream);
+    }));
+  }
 
   void take(const std::vector<CellEvent>& events, const CellSource& source, Instant now) {
     for (const CellEvent& event : events) switch (event.kind) {
@@ -101,6 +110,7 @@ struct Got {
           if (pieces++ == 0) first_piece_at = now;
           bytes += event.bytes.size();
           slot_bytes[event.slot] += event.bytes.size();
+          chunk_bytes[event.name] += event.bytes.size();
           if (order.empty() || order.back() != event.name) order.push_back(event.name);
           break;
         case CellEvent::Kind::ended:
@@ -138,7 +148,7 @@ class Scene {
     Client(const CellClientOptions& options, const Link::Options& link, std::uint64_t seed)
         : client(options),
           up(Link::Options{link.latency, link.bandwidth, link.queue, link.loss, link.duplicated, link.reordered,
-                           link.reordered_by, link.cut},
+                           link.reordered_by, link.cut, link.burst},
              seed),
           down(link, seed + 1000) {}
     CellClient client;

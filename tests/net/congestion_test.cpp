@@ -18,6 +18,17 @@ TEST_CASE("The rate of TCP", "[congestion]") {
     REQUIRE(tcp_rate(1388, 0.1, tcp_loss(1388, 0.1, rate)) == Approx(rate).epsilon(1e-3));
 }
 
+TEST_CASE("Every response has a name", "[congestion]") {
+  REQUIRE(congestion_names().size() == 3);
+  REQUIRE(congestion_names()[0].name == "equation");
+  REQUIRE(congestion_names()[1].name == "delay-aware");
+  REQUIRE(congestion_names()[2].name == "reserved");
+  for (std::size_t i = 0; i < 3; ++i) {
+    REQUIRE(congestion_names()[i].response == static_cast<CongestionResponse>(i));
+    REQUIRE_FALSE(congestion_names()[i].help.empty());
+  }
+}
+
 TEST_CASE("Steady loss of one in a hundred is measured as such", "[congestion]") {
   LossHistory history;
   Instant now{0};

@@ -54,6 +54,20 @@ TEST_CASE("The first k symbols are the data", "[erasure]") {
                        data.begin() + static_cast<std::ptrdiff_t>(1000 * i + 1000), encoder.symbol(0, i).begin()));
 }
 
+TEST_CASE("Parity by hand", "[erasure]") {
+  // GF(256) with 11D: 1/2 = 8E, 1/3 = F4. Symbol 2 of two is s0 / (2 xor 0) + s1 / (2 xor 1); symbol 1 of one is s0.
+  std::vector<std::byte> data(16);
+  data[0] = std::byte{1};
+  data[9] = std::byte{1};
+  const ErasureEncoder two(data, {16, 8, 2});
+  std::vector<std::byte> expected(8);
+  expected[0] = std::byte{0x8e};
+  expected[1] = std::byte{0xf4};
+  REQUIRE(two.symbol(0, 2) == expected);
+  const ErasureEncoder one(data, {16, 16, 1});
+  REQUIRE(one.symbol(0, 1) == data);
+}
+
 TEST_CASE("How many symbols make a failure rare", "[erasure]") {
   // One symbol, repeated: 0.3^n.
   REQUIRE(failure_of(1, 1, 0.3) == Approx(0.3));

@@ -23,6 +23,7 @@ class Link {
     double loss = 0, duplicated = 0, reordered = 0;
     Instant reordered_by{20'000};
     bool cut = false;  // nothing passes
+    double burst = 1;  // losses come in runs of so many on average (Gilbert's model); 1: each by itself
   };
   Link(Options options, std::uint64_t seed) : options_(options), random_(seed * 2 + 1) {}
 
@@ -32,7 +33,7 @@ class Link {
   void send(std::span<const std::byte> bytes, Instant now) {
     ++sent_;
     sent_bytes_ += bytes.size();
-    if (options_.cut || chance(options_.loss)) return;
+    if (options_.cut || lost()) return;
     Instant leaves = now;
     if (options_.bandwidth > 0) {
       const std::uint64_t size = bytes.size() + 28;
@@ -73,12 +74,19 @@ class Link {
 
  private:
   bool chance(double share) { return share > 0 && static_cast<double>(next_random(random_) >> 11) * 0x1p-53 < share; }
+  bool lost() {
+    if (options_.burst <= 1) return chance(options_.loss);
+    const double begin = options_.loss / (1 - options_.loss) / options_.burst;
+    bad_ = bad_ ? !chance(1 / options_.burst) : chance(begin);
+    return bad_;
+  }
   void put(Instant at, std::span<const std::byte> bytes) {
     under_way_.emplace(std::pair(at, count_++), std::vector<std::byte>(bytes.begin(), bytes.end()));
   }
   Options options_;
   std::uint64_t random_, count_ = 0, sent_ = 0, sent_bytes_ = 0, dropped_ = 0;
   Instant free_{};
+  bool bad_ = false;
   std::map<std::pair<Instant, std::uint64_t>, std::vector<std::byte>> under_way_;
 };
 
