@@ -12,6 +12,7 @@ namespace {
 constexpr std::uint16_t kStandardPort = 6635;          // MPLS in UDP, RFC 7510
 constexpr std::uint64_t kAnyRate = 1'000'000'000;      // bits a second: the server grants what it likes
 constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // bytes taken in between two looks at the clock
+constexpr std::size_t kMostEarly = std::size_t{64} << 20;
 constexpr std::size_t kSlot = 0;
 
 }  // namespace
@@ -69,7 +70,13 @@ void CellStream::take(net::CellEvent& event) {
     version_ = event.version;
     if (!std::exchange(granted_, true)) sink_.granted();
   } else if (event.kind == Kind::base) {
-    if (!std::exchange(base_, true)) sink_.base(std::move(event.bytes));
+    if (std::exchange(base_, true)) return;
+    sink_.base(std::move(event.bytes));
+    for (const net::CellEvent& early : std::exchange(early_, {})) sink_.piece(early);
+  } else if (event.kind == Kind::piece && !base_) {
+    // Of no use without the base, which is on its way.
+    early_bytes_ += event.bytes.size() + sizeof event;
+    if (early_bytes_ <= kMostEarly) early_.push_back(std::move(event));
   } else if (event.kind == Kind::piece) {
     sink_.piece(event);
   } else if (event.kind == Kind::ended) {

@@ -57,6 +57,8 @@ class CellStream {
   std::shared_ptr<StreamFeed> feed_;
   std::string problem_;  // of the start
   std::optional<std::uint32_t> version_;
+  std::vector<net::CellEvent> early_;  // pieces that came before the base
+  std::size_t early_bytes_ = 0;
   bool granted_ = false, base_ = false, over_ = false;
 };
 
