@@ -156,7 +156,7 @@ std::variant<TransferOptions, std::string> transfer_options(int count, char** ar
   if (options.self_test) return options;
   if (options.model.file.empty()) return "--model is missing";
   // Links that lose by themselves are what it is for.
-  if (!congestion_given && serve_has_option(options.program, "--congestion")) options.congestion = "delay_aware";
+  if (!congestion_given && serve_has_option(options.program, "--congestion")) options.congestion = "delay-aware";
   return options;
 }
 
