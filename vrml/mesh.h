@@ -56,7 +56,7 @@ struct MeshOptions {
   /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. False saves
   /// the work where no texture is drawn.
   bool texture_coordinates = true;
-  /// Of an OutlineGroup: the one that refines it, whose polygons take the place of its outlines; null: none.
+  /// Of an OutlineGroup: the one that refines it, whose polygons are drawn with it; null: none.
   NodeId refiner{};
 };
 

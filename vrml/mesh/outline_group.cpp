@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -105,64 +106,85 @@ class PositionWelder {
   std::unordered_map<Key, std::int32_t, Hash> first_;
 };
 
-/// Appends the corners of a list, and what is missing for one a position.
-void append_coordinates(MFVec2f& to, const MFVec2f& from, std::size_t count) {
-  to.append(from.span().first(std::min(from.size(), count)));
-  to.resize(to.size() + count - std::min(from.size(), count));
-}
+/// Gathers what is shown of one node after the other.
+class Gatherer {
+ public:
+  Gatherer(const SceneGraph& scene, const Groups& groups) : scene_(scene), groups_(groups) {}
+
+  void add_polygons(NodeId node) {
+    const auto& group = scene_.get<MFInt32>(node, "group");
+    add(node, "point", "coordIndex", "texCoord",
+        [&](std::size_t polygon) { return groups_.shows_polygon(at(group, polygon, -1)); });
+  }
+  void add_outlines(NodeId node) {
+    add(node, "outline", "outlineIndex", "outlineTexCoord",
+        [&](std::size_t polygon) { return groups_.shows_outline(polygon); });
+  }
+  /// Positions, their polygons and their texture coordinates; the rest is the caller's.
+  [[nodiscard]] FaceSet take(float crease_angle, bool textured) {
+    faces_.crease_angle = crease_angle;
+    const MFInt32 own_index = faces_.coord_index;
+    if (crease_angle > 0) {
+      PositionWelder weld(faces_.points);
+      std::int32_t* const index = faces_.coord_index.mutable_data();
+      for (std::size_t i = 0; i < faces_.coord_index.size(); ++i)
+        if (index[i] >= 0) index[i] = weld(index[i]);
+    }
+    if (textured && any_coordinates_) faces_.texture_coordinate = {std::move(coordinates_), true, own_index};
+    return std::move(faces_);
+  }
+
+ private:
+  template <class Shows>
+  void add(NodeId node, std::string_view point_field, std::string_view index_field, std::string_view coordinate_field,
+           const Shows& shows) {
+    const auto& points = scene_.get<MFVec3f>(node, point_field);
+    const auto& index = scene_.get<MFInt32>(node, index_field);
+    const auto& coordinates = scene_.get<MFVec2f>(node, coordinate_field);
+    const std::size_t before = faces_.points.size();
+    bool any = false, all = true;
+    for_each_polygon(index, [&](std::size_t polygon, std::size_t first, std::size_t last) {
+      if (!shows(polygon)) {
+        all = false;
+        return;
+      }
+      any = true;
+      for (std::size_t i = first; i < last; ++i)
+        faces_.coord_index.push_back(static_cast<std::int32_t>(
+            std::min<std::int64_t>(static_cast<std::int64_t>(before) + index[i], 0x7fffffff)));
+      faces_.coord_index.push_back(-1);
+    });
+    if (!any) return;
+    // The first list, wholly shown, need not be copied.
+    if (before == 0) {
+      faces_.points = points;
+      if (all && faces_.coord_index.size() == index.size()) faces_.coord_index = index;
+    } else {
+      faces_.points.append(points.span());
+    }
+    any_coordinates_ = any_coordinates_ || !coordinates.empty();
+    coordinates_.append(coordinates.span().first(std::min(coordinates.size(), points.size())));
+    coordinates_.resize(faces_.points.size());
+  }
+
+  const SceneGraph& scene_;
+  const Groups& groups_;
+  FaceSet faces_;
+  MFVec2f coordinates_;
+  bool any_coordinates_ = false;
+};
 
 }  // namespace
 
 Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const NodeId refined = scene.resolve_as(scene.get<SFNode>(geometry, "refines"), "OutlineGroup");
-  const Groups groups(scene, refined ? refined : geometry, refined ? geometry : options.refiner);
-  const auto& points = scene.get<MFVec3f>(geometry, "point");
-  const auto& outline = scene.get<MFVec3f>(geometry, "outline");
-  const auto& group = scene.get<MFInt32>(geometry, "group");
-
-  FaceSet faces;
-  const auto& coord_index = scene.get<MFInt32>(geometry, "coordIndex");
-  bool all = true;
-  for_each_polygon(coord_index, [&](std::size_t polygon, std::size_t first, std::size_t last) {
-    if (groups.shows_polygon(at(group, polygon, -1)))
-      faces.coord_index.append(coord_index.span().subspan(first, std::min(last + 1, coord_index.size()) - first));
-    else
-      all = false;
-  });
-  if (!faces.coord_index.empty() && faces.coord_index.back() >= 0) faces.coord_index.push_back(-1);
-  if (all && faces.coord_index.size() == coord_index.size()) faces.coord_index = coord_index;
-
-  const auto& outline_index = scene.get<MFInt32>(geometry, "outlineIndex");
-  const auto behind = static_cast<std::int64_t>(points.size());
-  bool outlines = false;
-  for_each_polygon(outline_index, [&](std::size_t polygon, std::size_t first, std::size_t last) {
-    if (!groups.shows_outline(polygon)) return;
-    outlines = true;
-    for (std::size_t i = first; i < last; ++i)
-      faces.coord_index.push_back(
-          static_cast<std::int32_t>(std::min<std::int64_t>(behind + outline_index[i], 0x7fffffff)));
-    faces.coord_index.push_back(-1);
-  });
-  faces.points = points;
-  if (outlines) faces.points.append(outline.span());
-
-  const auto& coordinates = scene.get<MFVec2f>(geometry, "texCoord");
-  const auto& outline_coordinates = scene.get<MFVec2f>(geometry, "outlineTexCoord");
-  const bool textured = options.texture_coordinates && !(coordinates.empty() && outline_coordinates.empty());
-  faces.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");
-  const MFInt32 own_index = faces.coord_index;
-  if (faces.crease_angle > 0) {
-    PositionWelder weld(faces.points);
-    std::int32_t* const index = faces.coord_index.mutable_data();
-    for (std::size_t i = 0; i < faces.coord_index.size(); ++i)
-      if (index[i] >= 0) index[i] = weld(index[i]);
-  }
-  if (textured) {
-    MFVec2f values;
-    append_coordinates(values, coordinates, points.size());
-    append_coordinates(values, outline_coordinates, faces.points.size() - points.size());
-    faces.texture_coordinate = {std::move(values), true, own_index};
-  }
+  // What refines another node is drawn with that, so that both shade as one.
+  if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), "OutlineGroup")) return {};
+  const Groups groups(scene, geometry, options.refiner);
+  Gatherer gatherer(scene, groups);
+  gatherer.add_polygons(geometry);
+  if (options.refiner && options.refiner != geometry) gatherer.add_polygons(options.refiner);
+  gatherer.add_outlines(geometry);
+  FaceSet faces = gatherer.take(scene.get<SFFloat>(geometry, "creaseAngle"), options.texture_coordinates);
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.convex = false;
   faces.solid = scene.get<SFBool>(geometry, "solid");
