@@ -41,7 +41,7 @@ void limit(pid_t child, const ChildLimits& limits) {
     const rlimit both{most, most};
     (void)::prlimit(child, which, &both, nullptr);
   };
-#if !defined(__SANITIZE_ADDRESS__)  // whose shadow takes terabytes of addresses
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose shadows take terabytes of addresses
   set(RLIMIT_AS, limits.memory);
 #endif
   set(RLIMIT_FSIZE, limits.file_bytes);

@@ -270,7 +270,7 @@ TEST_CASE("A server of cells that is killed is asked again, and one with another
 
 TEST_CASE("In a window the base shows at once, and views say what comes next") {
   CellSite site;
-  site.options.rate = 20'000'000;
+  site.options.rate = 4'000'000;
   site.start();
   LoadOptions options;
   options.by_view = true;
