@@ -143,7 +143,10 @@ void PolygonTriangulator::unlink(std::uint32_t corner) {
 
 /// Puts a corner of the ring into the list of reflex corners or takes it out, after its neighbours changed.
 void PolygonTriangulator::refresh(std::uint32_t corner) {
-  const bool reflex = !(area(previous_[corner], corner, next_[corner]) > 0);
+  // A corner that is straight but for rounding would be cut off as a sliver, which leaves a seam in the picture.
+  constexpr double kStraight = 1e-6;
+  const glm::dvec2 across = points_[next_[corner]] - points_[previous_[corner]];
+  const bool reflex = !(area(previous_[corner], corner, next_[corner]) > kStraight * glm::dot(across, across));
   if (reflex == (place_[corner] != kNone)) return;
   if (reflex) {
     place_[corner] = static_cast<std::uint32_t>(reflex_.size());
