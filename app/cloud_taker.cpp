@@ -33,6 +33,11 @@ bool CloudTaker::whole_file(const net::MappedFile& file, const std::string& path
 
 void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string& path) {
   const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (is_outline_stream(bytes)) {
+    world_.report(Severity::warning, place_.file, place_.location,
+                  "QNV: " + path + " is a stream of outlines, which an OutlineGroup takes; expected vectors");
+    return;
+  }
   if (!type.is_cloud()) {
     world_.report(Severity::warning, place_.file, place_.location,
                   "QNV: " + path + " is " + std::string(type.name) + "; expected a QNV stream");
@@ -48,6 +53,7 @@ void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string&
 }
 
 void CloudTaker::more(std::span<const std::byte> bytes) {
+  if (way_ == Way::done) return;
   if (way_ == Way::pushed) return feed_->push(bytes);
   if (way_ == Way::decoded) {
     (void)decoder_->push(bytes);
@@ -77,6 +83,10 @@ void CloudTaker::choose_way() {
     return;
   }
   const auto& known = std::get<qnv::StreamHeader>(header);
+  if (known.payload == qnv::Payload::outlines) {
+    way_ = Way::whole;  // whose reader says what they are
+    return;
+  }
   if (known.payload == qnv::Payload::packed) {
     directory_ = known.directory;
     auto begun = qnv::LodStream::begin(bytes_);

@@ -140,4 +140,10 @@ std::string content_type_list() {
   return text;
 }
 
+bool is_outline_stream(std::span<const std::byte> bytes) {
+  constexpr std::size_t kPayloadAt = 11;  // qnv/FORMAT.md, "Header"
+  return qnv::is_stream(bytes) && bytes.size() > kPayloadAt &&
+         std::to_integer<std::uint8_t>(bytes[kPayloadAt]) == static_cast<std::uint8_t>(qnv::Payload::outlines);
+}
+
 }  // namespace gs::app

@@ -58,4 +58,7 @@ struct ContentType {
 /// "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...": for help.
 [[nodiscard]] std::string content_type_list();
 
+/// Whether bytes begin like a QNV stream whose payload are outlines, polygons in place of vectors.
+[[nodiscard]] bool is_outline_stream(std::span<const std::byte> bytes);
+
 }  // namespace gs::app

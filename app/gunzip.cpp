@@ -104,6 +104,30 @@ std::optional<std::string> Gunzip::finish() {
   return state_->stopped ? std::nullopt : state_->problem;
 }
 
+std::vector<std::byte> gzip(std::span<const std::byte> bytes) {
+  constexpr int kLevel = 9, kMemory = 8;
+  z_stream stream{};
+  if (deflateInit2(&stream, kLevel, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK) return {};
+  std::vector<std::byte> out;
+  std::vector<std::byte> piece(std::size_t{1} << 18);
+  int status = Z_OK;
+  do {
+    // zlib counts in 32 bits.
+    const std::size_t some = std::min<std::size_t>(bytes.size(), std::size_t{1} << 30);
+    if (stream.avail_in == 0) {
+      stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));
+      stream.avail_in = static_cast<uInt>(some);
+      bytes = bytes.subspan(some);
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = static_cast<uInt>(piece.size());
+    status = deflate(&stream, bytes.empty() ? Z_FINISH : Z_NO_FLUSH);
+    out.insert(out.end(), piece.begin(), piece.end() - static_cast<std::ptrdiff_t>(stream.avail_out));
+  } while (status == Z_OK || status == Z_BUF_ERROR);
+  deflateEnd(&stream);
+  return out;
+}
+
 std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit, const Gunzip::Sink& sink) {
   Gunzip unpacking(limit);
   unpacking.push(bytes, sink);

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace gs::app {
 
@@ -38,5 +39,8 @@ class Gunzip {
 /// Likewise, with all packed bytes at hand. All that could be unpacked has been delivered when an error comes back.
 [[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit,
                                                 const Gunzip::Sink& sink);
+
+/// One gzip member.
+[[nodiscard]] std::vector<std::byte> gzip(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -174,6 +174,27 @@ Problem set_congestion(Options& options, const std::string& value) {
   return names;
 }
 
+Problem set_length(double& length, const std::string& value) {
+  return read(value, length) && std::isfinite(length) && length >= 0 ? Problem{} : "expected a length, at least 0";
+}
+
+Problem set_tolerance(Options& options, const std::string& value) {
+  double length = 0;
+  const Problem problem = set_length(length, value);
+  options.tolerance = length;
+  return problem;
+}
+
+Problem set_groups(Options& options, const std::string& value) {
+  return read(value, options.groups) && options.groups > 0 ? Problem{} : "expected a number of groups, more than 0";
+}
+
+Problem set_position_bits(Options& options, const std::string& value) {
+  return read(value, options.position_bits) && options.position_bits >= 8 && options.position_bits <= 30
+             ? Problem{}
+             : "expected 8 to 30";
+}
+
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
      [](Options& o, const std::string& v) {
@@ -215,6 +236,20 @@ constexpr OptionRow kOptions[] = {
        o.records = true;
        return Problem{};
      }},
+    {"--outlines", "", "",
+     "outline groups: polygons that each stand alone, outlines first; OUT may be .wrl, .wrz or .qnv", "encode ",
+     [](Options& o, const std::string&) {
+       o.outlines = true;
+       return Problem{};
+     }},
+    {"--tolerance", "LENGTH", "1/200 of the diagonal", "outlines: how far a group may lie from its plane", "encode ",
+     set_tolerance},
+    {"--groups", "N", "", "outlines: join groups until no more than so many are left, whatever the tolerance",
+     "encode ", set_groups},
+    {"--merge", "LENGTH", "0", "outlines: polygons this near to a plane become one; 0: only what is coplanar",
+     "encode ", [](Options& o, const std::string& v) { return set_length(o.merge, v); }},
+    {"--position-bits", "N", "16", "outlines in a stream: bits of a coordinate along the longest side", "encode ",
+     set_position_bits},
     {"--seed", "S", "1", "of the order of records; one seed, one stream", "encode ", set_seed},
     {"--dims", "XxYxZ", "", "a volume without header: its voxels, x fastest", "encode export info ", set_dimensions},
     {"--type", "TYPE", "u8",
@@ -293,7 +328,9 @@ constexpr CommandRow kCommands[] = {
      run_check},
     {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},
     {"info", "FILE", "tell what is inside a file", 1, 1, run_info},
-    {"encode", "IN OUT.qnv", "turn a world, mesh, volume or splats into a QNV stream", 2, 2, run_encode, check_encode},
+    {"encode", "IN OUT.qnv",
+     "turn a world, mesh, volume or splats into a QNV stream; with --outlines polygons into a world of outline groups",
+     2, 2, run_encode, check_encode},
     {"export", "IN OUT", "write the vectors of a stream, volume, splats or mesh in another program's format", 2, 2,
      run_export, check_export},
     {"serve", "FOLDER", "serve an archive: worlds and streams, with an index, thumbnails and encoding on demand", 1, 1,

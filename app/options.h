@@ -46,6 +46,11 @@ struct Options {
   bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
   std::optional<double> isovalue;
   bool packed = false, records = false;
+  bool outlines = false;
+  std::optional<double> tolerance;  // of outline groups, units; none: by the model's size
+  double merge = 0;                 // of their polygons, units
+  std::size_t groups = 0;           // about; 0: as few as the tolerance allows
+  int position_bits = 16;
   std::uint64_t seed = 1;
   RawVolume raw;  // dimensions 0: the file has a header
 };

@@ -110,6 +110,7 @@ void SceneTaker::visit(NodeId id) {
   if (node.type->name == "Inline") visit_inline(id);
   if (node.type->name == "ImageTexture") visit_image(id);
   if (node.type->name == "QNV") visit_cloud(id);
+  if (node.type->name == "OutlineGroup") visit_outlines(id);
 }
 
 void SceneTaker::look_for_prototypes() {
@@ -249,6 +250,62 @@ void SceneTaker::visit_cloud(NodeId id) {
   fetch->from = bases_.front().text();
   fetch->node = &node;
   fetch->taker = std::move(taker);
+  world_.fetch(std::move(fetch), Urgency::vectors);
+}
+
+/// Polygons of an OutlineGroup that its url names.
+struct WorldLoading::State::OutlineTaker final : Taker {
+  OutlineTaker(State& state, std::shared_ptr<SceneTaker> scene_taker, NodeId id, vrml::MFString list)
+      : owner(std::move(scene_taker)),
+        node(id),
+        urls(std::move(list)),
+        place(owner->scene->node(id).location),
+        world(state),
+        reader(state, *owner->scene, id) {}
+
+  bool begin(const Found& found) override {
+    name = found.path;
+    return true;
+  }
+  void more(std::span<const std::byte> bytes) override {
+    reader.more(bytes);
+    show();
+  }
+  void piece(const net::CellEvent& event) override {
+    reader.piece(event);
+    show();
+  }
+  void end(const std::optional<std::string>& problem) override {
+    if (problem)
+      world.report(Severity::warning, owner->scene->file_name(), place,
+                   "OutlineGroup: " + *problem + "; shown is what has come");
+    reader.end(name, !problem && !cut);
+    show();
+  }
+  void missing(const std::string& why) override {
+    world.report(Severity::warning, owner->scene->file_name(), place, "OutlineGroup: " + why_missing(urls, why));
+  }
+  void show() {
+    for (const NodeId changed : reader.take_changed()) owner->outlines_changed(changed);
+  }
+
+  std::shared_ptr<SceneTaker> owner;
+  NodeId node;
+  vrml::MFString urls;
+  vrml::SourceLocation place;
+  State& world;
+  OutlineReader reader;
+  std::string name;
+};
+
+void SceneTaker::visit_outlines(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = world_.candidates(list, bases_);
+  fetch->from = bases_.front().text();
+  fetch->node = &scene->node(id);
+  fetch->taker = std::make_shared<WorldLoading::State::OutlineTaker>(world_, shared_from_this(), id, list);
   world_.fetch(std::move(fetch), Urgency::vectors);
 }
 

@@ -52,7 +52,7 @@ bool SceneTaker::begin(const Found& found) {
 bool SceneTaker::whole_file(const net::MappedFile& file, const std::string& path) {
   const auto bytes = file.bytes();
   type_ = &content_type_of(path, first_bytes(bytes));
-  if (type_->content == ContentClass::vrml) return false;
+  if (type_->content == ContentClass::vrml || is_outline_stream(bytes)) return false;
   bytes_ = bytes.size();
   if (type_->is_cloud())
     (void)cloud_taker().whole_file(file, path);
@@ -89,6 +89,12 @@ bool SceneTaker::choose_type(bool last) {
 }
 
 void SceneTaker::read_rest(std::span<const std::byte> bytes) {
+  if (!outlines_ && !cloud_taker_ && type_->is_cloud() && is_outline_stream(bytes))
+    outlines_ = std::make_unique<OutlineReader>(world_, *scene);
+  if (outlines_) {
+    outlines_->more(bytes);
+    return show_outlines();
+  }
   if (type_->is_cloud()) return cloud_taker().more(bytes);
   if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
   if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(kMaxUnpacked);
@@ -116,6 +122,17 @@ CloudTaker& SceneTaker::cloud_taker() {
   }
   cloud_taker_->cut = cut;
   return *cloud_taker_;
+}
+
+void SceneTaker::show_outlines() {
+  for (const vrml::NodeId id : outlines_->take_changed()) outlines_changed(id);
+  attach();
+  look_for_references();  // textures
+}
+
+void SceneTaker::outlines_changed(vrml::NodeId id) {
+  shown_open_.push_back(&scene->node(id));
+  world_.changed = true;
 }
 
 void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
@@ -147,12 +164,20 @@ void SceneTaker::end(const std::optional<std::string>& problem) {
     if (!type_) choose_type(true);
     if (type_->content == ContentClass::mesh) {
       read_mesh(std::exchange(waiting_, {}));
+    } else if (type_->is_cloud() && !cloud_taker_ && !outlines_ && is_outline_stream(waiting_)) {
+      read_rest(std::exchange(waiting_, {}));
+    }
+    if (outlines_) {
+      outlines_->end(found_.path, !cut && !problem);
+      show_outlines();
+      refused = outlines_->empty();
+      outlines_.reset();
     } else if (type_->is_cloud()) {
       if (!cloud_taker_) read_rest(std::exchange(waiting_, {}));
       cloud_taker().cut = cut || problem;
       cloud_taker_->end(std::nullopt);
       refused = !cloud_node_;
-    } else {
+    } else if (type_->content == ContentClass::vrml) {
       if (!parser_) read_rest(std::exchange(waiting_, {}));
       end_text(problem.has_value());
     }
@@ -197,6 +222,9 @@ bool SceneTaker::seek(RangedStream::Place place_in_stream) {
 void SceneTaker::piece(const net::CellEvent& event) {
   bytes_ += event.bytes.size();
   if (cloud_taker_) cloud_taker_->piece(event);
+  if (!outlines_) return;
+  outlines_->piece(event);
+  show_outlines();
 }
 
 std::shared_ptr<StreamFeed> SceneTaker::follow() {

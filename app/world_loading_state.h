@@ -4,6 +4,7 @@
 #include "app/cloud_reader.h"
 #include "app/content_types.h"
 #include "app/gunzip.h"
+#include "app/outline_scene.h"
 #include "app/ranged_stream.h"
 #include "app/stream_feed.h"
 #include "app/world_loading.h"
@@ -108,6 +109,7 @@ inline constexpr std::uint64_t kFrontBytes = std::uint64_t{1} << 16;
 
 class SceneTaker;
 class CloudTaker;
+class OutlineReader;
 
 /// What the thread waits on.
 class Waker {
@@ -186,6 +188,7 @@ struct WorldLoading::State {
   // Things that several nodes refer to, by what they ask for.
   struct SharedImage;
   struct SharedCloud;
+  struct OutlineTaker;
   std::unordered_map<std::string, std::shared_ptr<SharedImage>> shared_images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> shared_clouds;
 
@@ -213,6 +216,8 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   /// The scene of the root, which nobody feeds any more. Null: there is nothing to show.
   [[nodiscard]] std::unique_ptr<vrml::SceneGraph> release();
   void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
+  /// An OutlineGroup that has got more polygons.
+  void outlines_changed(vrml::NodeId id);
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
@@ -233,6 +238,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void read_rest(std::span<const std::byte> bytes);
   [[nodiscard]] CloudTaker& cloud_taker();
   void read_mesh(std::span<const std::byte> bytes);
+  void show_outlines();
   void end_text(bool had_problem);
   void complete_outlines();
   void finished_reading();
@@ -247,6 +253,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void visit_inline(vrml::NodeId id);
   void visit_image(vrml::NodeId id);
   void visit_cloud(vrml::NodeId id);
+  void visit_outlines(vrml::NodeId id);
   void replace_fallback(vrml::NodeId id);
   void take_library(SceneTaker& library);
   void resolve_types();
@@ -263,6 +270,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   std::optional<vrml::Parser> parser_;
   std::unique_ptr<Gunzip> gunzip_;
   std::shared_ptr<CloudTaker> cloud_taker_;
+  std::unique_ptr<OutlineReader> outlines_;  // of a file that is a stream of outlines
   vrml::NodeId cloud_node_;
   std::uint32_t looked_at_ = 0;
   std::vector<vrml::NodeId> later_;  // nodes whose fields were not all read yet
@@ -275,6 +283,30 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   std::size_t awaited_libraries_ = 0, bytes_ = 0, errors_before_ = 0;
   double seconds_ = 0;
   bool is_gzip_known_ = false, whole_file_read_ = false, text_ended_ = false, settled_ = false;
+};
+
+/// Reads a stream of outlines into nodes of a scene, as it comes.
+class OutlineReader {
+ public:
+  /// `node`: an OutlineGroup that takes all polygons; null: Shapes of the scene's own.
+  OutlineReader(WorldLoading::State& world, vrml::SceneGraph& scene, vrml::NodeId node = {})
+      : world_(world), outlines_(scene, world.world.diagnostics, node) {}
+
+  void more(std::span<const std::byte> bytes);
+  void piece(const net::CellEvent& event);
+  /// `whole`: nothing is missing that might still come.
+  void end(const std::string& file, bool whole);
+  /// Nodes that have got more polygons since this was last asked.
+  [[nodiscard]] std::vector<vrml::NodeId> take_changed();
+  [[nodiscard]] bool empty() const { return outlines_.nodes().empty(); }
+
+ private:
+  void show();
+
+  WorldLoading::State& world_;
+  qnv::OutlineDecoder decoder_;
+  OutlineScene outlines_;
+  bool changed_ = false;
 };
 
 /// Makes vectors of the bytes of a QNV stream, a volume or another program's splats, as they come.

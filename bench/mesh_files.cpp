@@ -42,11 +42,12 @@ bool write_obj(const Mesh& mesh, const std::string& path) {
   return static_cast<bool>(out.flush());
 }
 
-std::string vrml_text(const Mesh& mesh) {
-  std::string text =
-      "#VRML V2.0 utf8\nShape{appearance Appearance{material Material{}}geometry IndexedFaceSet{creaseAngle 3.14 solid "
-      "FALSE coord Coordinate{point[\n";
+std::string vrml_text(const Mesh& mesh, float crease_angle) {
   char line[96];
+  std::snprintf(line, sizeof line, "%.3g", static_cast<double>(crease_angle));
+  std::string text =
+      "#VRML V2.0 utf8\nShape{appearance Appearance{material Material{}}geometry IndexedFaceSet{creaseAngle " +
+      std::string(line) + " solid FALSE coord Coordinate{point[\n";
   for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
     std::snprintf(line, sizeof line, "%.6g %.6g %.6g\n", mesh.positions[i], mesh.positions[i + 1],
                   mesh.positions[i + 2]);

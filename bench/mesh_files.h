@@ -18,8 +18,8 @@ struct Mesh {
 [[nodiscard]] Mesh welded(const render::RenderList& list);
 /// False when it could not be written. Positions with nine digits: every float as it is.
 [[nodiscard]] bool write_obj(const Mesh& mesh, const std::string& path);
-/// One smooth IndexedFaceSet, VRML97, with six digits a number.
-[[nodiscard]] std::string vrml_text(const Mesh& mesh);
+/// One IndexedFaceSet with this creaseAngle, VRML97, with six digits a number.
+[[nodiscard]] std::string vrml_text(const Mesh& mesh, float crease_angle = 3.14f);
 /// As `gzip -9` makes it, without a name.
 [[nodiscard]] std::string gzipped(const std::string& text);
 /// Encodes MESH.obj as MESH.drc and that back as MESH.out.obj, by the programs draco_encoder and draco_decoder; a level

@@ -1,11 +1,13 @@
 #include "bench/transfer_model.h"
 
+#include "app/outline_model.h"
 #include "app/surface_triangles.h"
 #include "app/world_loader.h"
 #include "bench/mesh_files.h"
 #include "net/file.h"
 #include "qnv/decoder.h"
 #include "qnv/encode_surface.h"
+#include "qnv/outline_stream.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -51,10 +53,23 @@ std::optional<std::string> Model::make_world() {
     const app::OpenedWorld world = app::load_world(options_.file);
     if (!world.scene) return options_.file + " cannot be opened";
     render::MeshCache cache;
-    text = vrml_text(welded(render::collect(*world.scene, world.images, cache)));
+    const render::RenderList list = render::collect(*world.scene, world.images, cache);
+    for (const render::DrawItem& item : list.items)
+      if (item.mesh) crease_angle_ = std::max(crease_angle_, app::crease_angle_of(*item.mesh));
+    text = vrml_text(welded(list), crease_angle_);
   }
   if (!write(path, text) || !write(path + ".gz", gzipped(text))) return path + " cannot be written";
   return std::nullopt;
+}
+
+// What Draco gives back shades as the model does.
+void Model::take_draco(const std::string& base) {
+  const app::OpenedWorld world = app::load_world(base + ".out.obj");
+  if (!world.scene) return;
+  render::MeshCache cache;
+  const std::string text = vrml_text(welded(render::collect(*world.scene, world.images, cache)), crease_angle_);
+  std::error_code error;
+  if (write(base + ".out.wrl", text)) fs::rename(base + ".drc", folder() + "/model.drc", error);
 }
 
 std::optional<std::string> Model::make_streams(const render::RenderList& full) {
@@ -62,9 +77,7 @@ std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   triangles_ = summary.triangles;
   // Draco is only wanted: without its programs it has no row.
   const std::string base = options_.folder + "/model";
-  std::error_code error;
-  if (write_obj(welded(full), base + ".obj") && make_draco(base, options_.draco_bits))
-    fs::rename(base + ".drc", folder() + "/model.drc", error);
+  if (write_obj(welded(full), base + ".obj") && make_draco(base, options_.draco_bits)) take_draco(base);
   constexpr std::size_t kWithoutDraco = 200'000;
   const std::uint64_t draco = size(*format_named("draco"));
   for (const auto payload : {qnv::Payload::packed, qnv::Payload::records}) {
@@ -87,6 +100,21 @@ std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   return std::nullopt;
 }
 
+std::optional<std::string> Model::make_outlines(const render::RenderList& full) {
+  const app::OutlineModel model = app::outline_model(full, {});
+  qnv::OutlineOptions options;
+  options.tolerance = options.outline_tolerance = options_.tolerance * qnv::model_diagonal(model.model);
+  const auto grouped = qnv::group_outlines(model.model, options);
+  if (const auto* problem = std::get_if<qnv::OutlineError>(&grouped)) return problem->message;
+  const auto& groups = std::get<qnv::OutlineGroups>(grouped);
+  outline_groups_ = groups.groups.size();
+  const auto encoded = qnv::encode_outlines(groups, model.appearances, {});
+  if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return problem->message;
+  const auto problem =
+      net::write_file_atomically(folder() + "/outlines.qnv", std::get<qnv::EncodedStream>(encoded).bytes);
+  return problem ? std::optional(problem->message) : std::nullopt;
+}
+
 std::variant<std::unique_ptr<Model>, std::string> Model::make(const ModelOptions& options, Studio& studio) {
   std::unique_ptr<Model> model(new Model(options, studio));
   std::error_code error;
@@ -97,6 +125,7 @@ std::variant<std::unique_ptr<Model>, std::string> Model::make(const ModelOptions
   render::MeshCache cache;
   const render::RenderList full = render::collect(*world.scene, world.images, cache);
   if (auto problem = model->make_streams(full)) return *problem;
+  if (auto problem = model->make_outlines(full)) return *problem;
   model->bounds_ = full.bounds;
   model->reference_ = studio.pictures(full, full.bounds, std::span(&options.view, 1));
   if (model->reference_.empty()) return options.file + " cannot be drawn";
@@ -109,8 +138,6 @@ Shown Model::compare(const render::RenderList& list) {
   const auto lit = [](std::uint8_t value) { return value != 0; };
   return {std::any_of(pictures[0].pixels.begin(), pictures[0].pixels.end(), lit), picture_error(pictures, reference_)};
 }
-
-Shown Model::show(const qnv::Cloud& cloud) { return compare(list_of(cloud)); }
 
 std::optional<Shown> Model::show_world(const std::string& path, std::uint64_t bytes) {
   app::LoadOptions options;
@@ -126,13 +153,13 @@ std::optional<Shown> Model::show(const Format& format, std::uint64_t bytes) {
   const std::string path = folder() + "/" + std::string(format.file);
   if (format.prefix == Prefix::world) return show_world(path, bytes);
   if (format.prefix == Prefix::none)
-    return bytes < size(format) ? std::nullopt : show_world(options_.folder + "/model.out.obj", std::uint64_t{1} << 40);
+    return bytes < size(format) ? std::nullopt : show_world(options_.folder + "/model.out.wrl", std::uint64_t{1} << 40);
   const auto file = net::map_file(path);
   const auto* mapped = std::get_if<net::MappedFile>(&file);
   if (!mapped) return std::nullopt;
   qnv::StreamDecoder decoder;
   (void)decoder.push(mapped->bytes().first(std::min<std::size_t>(bytes, mapped->bytes().size())));
-  return show(decoder.cloud());
+  return compare(list_of(decoder.cloud()));
 }
 
 Thresholds Model::thresholds(const Format& format) {

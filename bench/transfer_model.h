@@ -32,14 +32,16 @@ struct Format {
 };
 
 /// All ways, in the order of the tables. Another one is a row here, and its file in Model::make.
-inline constexpr std::array<Format, 7> kFormats{{
+inline constexpr std::array<Format, 9> kFormats{{
     {"records", "QNV records, HTTP", "records.qnv", Prefix::stream},
     {"packed", "QNV packed, HTTP", "packed.qnv", Prefix::stream},
+    {"outlines", "Outline groups, HTTP", "outlines.qnv", Prefix::world},
     {"vrml", "VRML97, HTTP", "model.wrl", Prefix::world, false, true},
     {"gzip", "VRML97 gzip'd, HTTP", "model.wrl.gz", Prefix::world, false, true},
     {"draco", "Draco, HTTP", "model.drc", Prefix::none},
     {"cells-records", "QNV records, cells", "records.qnv", Prefix::stream, true},
     {"cells-packed", "QNV packed, cells", "packed.qnv", Prefix::stream, true},
+    {"cells-outlines", "Outline groups, cells", "outlines.qnv", Prefix::world, true},
 }};
 
 /// Of kFormats; null for a name that is none.
@@ -59,6 +61,7 @@ struct ModelOptions {
   int draco_bits = 11;           // of a coordinate
   std::size_t packed_bytes = 0;  // 0: twice of what Draco's file has
   std::size_t record_vectors = 125'000;
+  double tolerance = 0.005;  // of outline groups, of the model's diagonal
 };
 
 /// What a part of a transfer shows.
@@ -88,7 +91,9 @@ class Model {
   [[nodiscard]] std::size_t packed_vectors() const { return packed_vectors_; }
   [[nodiscard]] std::size_t record_vectors() const { return record_vectors_; }
 
-  [[nodiscard]] Shown show(const qnv::Cloud& cloud);
+  [[nodiscard]] std::size_t outline_groups() const { return outline_groups_; }
+
+  [[nodiscard]] Shown show(const render::RenderList& list) { return compare(list); }
   /// The first bytes of the format's file. Nothing where it cannot be drawn.
   [[nodiscard]] std::optional<Shown> show(const Format& format, std::uint64_t bytes);
   [[nodiscard]] Thresholds thresholds(const Format& format);
@@ -97,14 +102,17 @@ class Model {
   Model(const ModelOptions& options, Studio& studio) : options_(options), studio_(studio) {}
   [[nodiscard]] std::optional<std::string> make_world();
   [[nodiscard]] std::optional<std::string> make_streams(const render::RenderList& full);
+  void take_draco(const std::string& base);
+  [[nodiscard]] std::optional<std::string> make_outlines(const render::RenderList& full);
   [[nodiscard]] std::optional<Shown> show_world(const std::string& path, std::uint64_t bytes);
   [[nodiscard]] Shown compare(const render::RenderList& list);
 
   ModelOptions options_;
   Studio& studio_;
+  float crease_angle_ = 0;
   vrml::Bounds bounds_;
   std::vector<render::Image> reference_;
-  std::size_t triangles_ = 0, packed_vectors_ = 0, record_vectors_ = 0;
+  std::size_t triangles_ = 0, packed_vectors_ = 0, record_vectors_ = 0, outline_groups_ = 0;
 };
 
 /// The least number from `low` to `high` of which something is true that is true of all larger ones, or up to `step`

@@ -78,8 +78,8 @@ Problem set_tables(TransferOptions& options, std::string_view text) {
       options.matrix = true;
     else if (name == "loss")
       options.loss = true;
-    else if (name != "archive")
-      return "expected some of matrix,loss,archive";
+    else if (name != "archive" && name != "bytes")
+      return "expected some of bytes,matrix,loss,archive";
   }
   return {};
 }
@@ -114,6 +114,7 @@ std::vector<Option> table(TransferOptions& options) {
       {"--parallel", [&](auto value) { return set_number(options.parallel, value, 1, 64); }},
       {"--runs", [&](auto value) { return set_number(options.runs, value, 1, 99); }},
       {"--seed", [&](auto value) { return set_number(options.seed, value, 0, kMany); }},
+      {"--tolerance", [&](auto value) { return set_number(options.model.tolerance, value, 0, 1); }},
       {"--draco-bits", [&](auto value) { return set_number(options.model.draco_bits, value, 1, 30); }},
       {"--packed-bytes", [&](auto value) { return set_number(options.model.packed_bytes, value, 0, kMany); }},
       {"--records-vectors", [&](auto value) { return set_number(options.model.record_vectors, value, 1, kMany); }},
@@ -123,10 +124,12 @@ std::vector<Option> table(TransferOptions& options) {
 }  // namespace
 
 const char* transfer_usage() {
-  return "usage: transfer --model FILE [--program GHOSTSPACE] [--archive STREAM.qnv] [--tables matrix,loss,archive]\n"
+  return "usage: transfer --model FILE [--program GHOSTSPACE] [--archive STREAM.qnv] [--tables "
+         "bytes,matrix,loss,archive]\n"
          "                [--rates MBIT/S,...] [--rtts MS,...] [--losses PERCENT,...] [--formats NAME,...]\n"
          "                [--limit SECONDS] [--parallel N] [--runs N] [--seed N] [--tcp cubic|bbr]\n"
-         "                [--congestion NAME] [--orbit AZIMUTH,ELEVATION] [--draco-bits N] [--packed-bytes N]\n"
+         "                [--congestion NAME] [--orbit AZIMUTH,ELEVATION] [--tolerance OF-DIAGONAL] [--draco-bits N] "
+         "[--packed-bytes N]\n"
          "                [--records-vectors N]\n"
          "       transfer --self-test\n"
          "formats: records packed vrml gzip draco cells-records cells-packed; cells: both of the last\n";

@@ -1,3 +1,6 @@
+#include "app/content_types.h"
+#include "app/outline_scene.h"
+#include "bench/studio.h"
 #include "bench/transfer_run.h"
 #include "net/range_set.h"
 #include "qnv/container.h"
@@ -37,10 +40,27 @@ void add(const RecordsCame& chunk, qnv::StreamDecoder& decoder) {
   decoder.add(qnv::ChunkType::records, chunk.payload, missing);
 }
 
+using Kind = net::CellEvent::Kind;
+
+render::RenderList polygons_of(std::span<const CellArrival> arrivals) {
+  qnv::OutlineDecoder decoder;
+  for (const CellArrival& arrival : arrivals)
+    if (arrival.event.kind == Kind::base) (void)decoder.push(arrival.event.bytes);
+  if (!decoder.header()) return {};
+  for (const auto& [seconds, event] : arrivals)
+    if (event.kind == Kind::piece && event.bytes.size() > qnv::kChunkHeaderBytes)
+      decoder.add(static_cast<qnv::ChunkType>(event.bytes[4]), std::span(event.bytes).subspan(qnv::kChunkHeaderBytes));
+  vrml::SceneGraph scene;
+  vrml::Diagnostics diagnostics;
+  app::OutlineScene outlines(scene, diagnostics);
+  outlines.add(decoder.header()->outlines, decoder.take());
+  render::MeshCache meshes;
+  return render::collect(scene, {}, meshes);
+}
+
 }  // namespace
 
 qnv::Cloud cloud_of(std::span<const CellArrival> arrivals) {
-  using Kind = net::CellEvent::Kind;
   qnv::StreamDecoder decoder;
   for (const CellArrival& arrival : arrivals)
     if (arrival.event.kind == Kind::base) (void)decoder.push(arrival.event.bytes);
@@ -55,6 +75,12 @@ qnv::Cloud cloud_of(std::span<const CellArrival> arrivals) {
   }
   for (const auto& [name, chunk] : records) add(chunk, decoder);
   return decoder.cloud();
+}
+
+render::RenderList list_of(std::span<const CellArrival> arrivals) {
+  for (const CellArrival& arrival : arrivals)
+    if (arrival.event.kind == Kind::base && app::is_outline_stream(arrival.event.bytes)) return polygons_of(arrivals);
+  return list_of(cloud_of(arrivals));
 }
 
 }  // namespace gs::bench

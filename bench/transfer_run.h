@@ -3,6 +3,7 @@
 #include "bench/link_emulator.h"
 #include "net/cell_receiver.h"
 #include "qnv/cloud.h"
+#include "render/render_list.h"
 
 #include <cstdint>
 #include <optional>
@@ -69,5 +70,7 @@ struct Recording {
 
 /// The vectors of a stream of which these pieces came by cells; nothing before the base has come.
 [[nodiscard]] qnv::Cloud cloud_of(std::span<const CellArrival> arrivals);
+/// The same, or polygons where it is a stream of outlines.
+[[nodiscard]] render::RenderList list_of(std::span<const CellArrival> arrivals);
 
 }  // namespace gs::bench

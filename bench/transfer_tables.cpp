@@ -47,7 +47,7 @@ LinkSpec link_of(double megabits, double milliseconds, double percent, std::uint
 
 // The picture that a recording of cells gives after so many pieces.
 Shown shown_after(Model& model, const Recording& recording, std::uint64_t pieces) {
-  return model.show(cloud_of(std::span(recording.cells).first(static_cast<std::size_t>(pieces))));
+  return model.show(list_of(std::span(recording.cells).first(static_cast<std::size_t>(pieces))));
 }
 
 Times times_of_cells(Model& model, const Recording& recording, double limit) {

@@ -19,7 +19,7 @@ constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
 constexpr std::size_t kMostProblems = 100;
 constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
-enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3 };
+enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4 };
 enum Flag : std::uint16_t { kTwoSided = 1, kColored = 2 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
@@ -52,7 +52,9 @@ bool all_finite(std::initializer_list<float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-void read_sections(ByteReader& read, StreamHeader& header) {
+/// False where the outlines of a stream of outlines are missing or impossible.
+bool read_sections(ByteReader& read, StreamHeader& header) {
+  bool outlines = header.payload != Payload::outlines;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -76,9 +78,15 @@ void read_sections(ByteReader& read, StreamHeader& header) {
       const std::string all(reinterpret_cast<const char*>(text.data()), text.size());
       const std::size_t end = all.find('\0');
       if (end != std::string::npos) header.description.metadata.emplace_back(all.substr(0, end), all.substr(end + 1));
+    } else if (tag == kOutlines && !outlines) {
+      auto decoded = decode_outline_header(section.bytes(section.left()));
+      if (!decoded) return false;
+      header.outlines = std::move(*decoded);
+      outlines = true;
     }
     // Sections of later versions are passed over.
   }
+  return outlines;
 }
 
 }  // namespace
@@ -86,7 +94,7 @@ void read_sections(ByteReader& read, StreamHeader& header) {
 bool operator==(const StreamHeader& a, const StreamHeader& b) {
   return a.description == b.description && a.payload == b.payload && a.colored == b.colored && a.color == b.color &&
          a.vectors == b.vectors && a.chunks == b.chunks && a.directory == b.directory && a.cube.lower == b.cube.lower &&
-         a.cube.edge == b.cube.edge && a.palette == b.palette;
+         a.cube.edge == b.cube.edge && a.palette == b.palette && a.outlines == b.outlines;
 }
 
 std::vector<std::byte> encode_header(const StreamHeader& header) {
@@ -125,6 +133,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
     section.f32(point.opacity);
   }
   if (!data.empty()) put_section(out, kTransfer, data);
+  if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
@@ -169,8 +178,9 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
   if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged: its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
-  if (payload > 1) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 or 1"};
+  if (payload > 2) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0, 1 or 2"};
   if (kind == 1 && payload == 1) return StreamProblem{11, "holds a packed volume; expected records, or a surface"};
+  if (kind == 1 && payload == 2) return StreamProblem{11, "holds outlines of a volume; expected records, or a surface"};
   StreamHeader header;
   Description& d = header.description;
   d.kind = static_cast<Kind>(kind);
@@ -199,7 +209,8 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
       !std::isfinite(d.total) || b.empty() || !(header.cube.edge > 0))
     return StreamProblem{26, "the header holds an impossible box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
-  read_sections(sections, header);
+  if (!read_sections(sections, header))
+    return StreamProblem{kFixedHeaderBytes, "the header's section of outlines is missing or impossible"};
   return header;
 }
 
@@ -282,8 +293,15 @@ bool StreamReader::read_header() {
   return true;
 }
 
+std::optional<bool> StreamReader::ends_well(std::size_t bytes) const {
+  const std::span<const std::byte> behind = std::span<const std::byte>(waiting_).subspan(at_ + bytes);
+  if (behind.size() >= sizeof(kSync)) return ByteReader(behind).integer<std::uint16_t>() == kSync;
+  if (ended_) return behind.empty();
+  return std::nullopt;
+}
+
 // One chunk, or one step of the search for the next one. False: more bytes are needed.
-bool StreamReader::read_chunk(const OnChunk& on_chunk) {
+bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damaged) {
   const std::span<const std::byte> rest = std::span<const std::byte>(waiting_).subspan(at_);
   if (rest.size() < kChunkHeaderBytes) return false;
   ByteReader read(rest);
@@ -296,11 +314,18 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk) {
   if (plausible && rest.size() < kChunkHeaderBytes + length) return false;
   if (plausible) {
     const auto payload = rest.subspan(kChunkHeaderBytes, length);
-    if (checksum(checksum(0, rest.first(6)), payload) == sum) {
+    const bool whole = checksum(checksum(0, rest.first(6)), payload) == sum;
+    bool used = whole;
+    if (whole && (type <= 3 || type == 254)) on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_);
+    if (!whole && on_damaged && header_->payload == Payload::outlines && (type == 2 || type == 3)) {
+      const std::optional<bool> behind = ends_well(kChunkHeaderBytes + length);
+      if (!behind) return false;
+      used = *behind && on_damaged(static_cast<ChunkType>(type), payload, offset_ + at_);
+      if (used) problem(offset_ + at_, "a chunk is damaged; what is whole in it is used");
+    }
+    if (used) {
       lost_ = false;
       at_ += kChunkHeaderBytes + length;
-      if (type <= 1 || type == 254)
-        on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_ - kChunkHeaderBytes - length);
       return true;
     }
   }
@@ -319,7 +344,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk) {
   return true;
 }
 
-bool StreamReader::push(std::span<const std::byte> bytes, const OnChunk& on_chunk) {
+bool StreamReader::push(std::span<const std::byte> bytes, const OnChunk& on_chunk, const OnDamaged& on_damaged) {
   // In pieces, so that what waits stays small.
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   while (!bytes.empty() && !refused_) {
@@ -327,7 +352,7 @@ bool StreamReader::push(std::span<const std::byte> bytes, const OnChunk& on_chun
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     bytes = bytes.subspan(size);
     if (!header_ && !read_header()) continue;
-    while (read_chunk(on_chunk)) {
+    while (read_chunk(on_chunk, on_damaged)) {
     }
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(at_));
     offset_ += at_;
@@ -336,17 +361,20 @@ bool StreamReader::push(std::span<const std::byte> bytes, const OnChunk& on_chun
   return !refused_;
 }
 
-void StreamReader::finish(const OnChunk& on_chunk) {
+void StreamReader::finish(const OnChunk& on_chunk, const OnDamaged& on_damaged) {
   if (refused_) return;
   if (!header_) {
     problem(0, "ends inside its header");
     return;
   }
-  if (at_ < waiting_.size() && !lost_) problem(offset_ + at_, "ends inside a chunk");
-  lost_ = true;
+  ended_ = true;
+  bool told = lost_;
   // What waits for the rest of a chunk may be whole chunks behind one whose length is damaged.
   while (at_ < waiting_.size() && !refused_) {
-    if (!read_chunk(on_chunk)) ++at_;
+    if (read_chunk(on_chunk, on_damaged)) continue;
+    if (!refused_ && !std::exchange(told, true)) problem(offset_ + at_, "ends inside a chunk");
+    lost_ = true;
+    ++at_;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/cloud.h"
+#include "qnv/outline_header.h"
 #include "qnv/voxels.h"
 
 #include <cstddef>
@@ -23,9 +24,9 @@ constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20, kMostChunkBytes =
 constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 
 /// What the payloads of a stream's chunks are.
-enum class Payload : std::uint8_t { records = 0, packed = 1 };
+enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2 };
 /// What one chunk is.
-enum class ChunkType : std::uint8_t { records = 0, packed = 1, directory = 254 };
+enum class ChunkType : std::uint8_t { records = 0, packed = 1, outlines = 2, inner = 3, directory = 254 };
 
 struct StreamHeader {
   Description description;
@@ -37,6 +38,7 @@ struct StreamHeader {
   std::uint64_t directory = 0;  // its offset from the start of the stream; 0: none
   Cube cube;                    // packed: what the octree divides
   std::vector<Rgb8> palette;    // records of a surface: the colours of C, at most 256
+  OutlineHeader outlines;       // only of that payload
   friend bool operator==(const StreamHeader&, const StreamHeader&);
 };
 
@@ -44,7 +46,7 @@ struct StreamHeader {
 struct DirectoryEntry {
   std::uint64_t offset = 0;  // of its chunk header
   std::uint32_t bytes = 0;   // with the chunk header
-  std::uint8_t level = 0;    // packed: of its voxels; records: layer
+  std::uint8_t level = 0;    // packed: of its voxels; records: layer; outlines: 0, inner polygons: 1
   std::uint32_t parent = 0;  // packed: the chunk that it refines; 0xffffffff: none
   std::uint32_t vectors = 0;
   Box box;  // rounded outwards to 1/65535 of the stream's box
@@ -77,11 +79,14 @@ struct StreamProblem {
 class StreamReader {
  public:
   using OnChunk = std::function<void(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset)>;
+  /// A chunk of outlines or inner polygons whose checksum is wrong, though it is as long as it says: another one or the
+  /// stream's end stands behind it. True where something of it could be used, so that reading goes on behind it.
+  using OnDamaged = std::function<bool(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset)>;
 
   /// False once the stream was refused: it does not begin like a QNV stream or its header is damaged.
-  bool push(std::span<const std::byte> bytes, const OnChunk& on_chunk);
+  bool push(std::span<const std::byte> bytes, const OnChunk& on_chunk, const OnDamaged& on_damaged = {});
   /// The stream ends: says what is missing, and hands out the whole chunks behind a damaged length.
-  void finish(const OnChunk& on_chunk);
+  void finish(const OnChunk& on_chunk, const OnDamaged& on_damaged = {});
 
   [[nodiscard]] const StreamHeader* header() const { return header_ ? &*header_ : nullptr; }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return problems_; }
@@ -89,7 +94,9 @@ class StreamReader {
 
  private:
   bool read_header();
-  bool read_chunk(const OnChunk& on_chunk);
+  bool read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damaged);
+  /// What stands behind a chunk of `bytes` that may be damaged: nothing where that has not arrived.
+  [[nodiscard]] std::optional<bool> ends_well(std::size_t bytes) const;
   void problem(std::uint64_t offset, std::string message);
 
   std::optional<StreamHeader> header_;
@@ -97,7 +104,7 @@ class StreamReader {
   std::size_t at_ = 0;        // of waiting_: what comes next
   std::uint64_t offset_ = 0;  // of waiting_[0] in the stream
   std::uint64_t wasted_ = 0;  // bytes of chunks that were summed in vain
-  bool refused_ = false, lost_ = false;
+  bool refused_ = false, lost_ = false, ended_ = false;
   std::vector<StreamProblem> problems_;
 };
 

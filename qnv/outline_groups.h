@@ -21,6 +21,8 @@ struct PolygonModel {
   std::vector<std::uint32_t> ends;         // of each polygon, in `corners`; ascending
   std::vector<std::uint32_t> appearances;  // empty, or one a polygon: different ones share neither group nor polygon
   std::vector<glm::vec2> texture_coordinates;  // empty, or one a corner
+  std::vector<std::uint8_t> bent;              // empty, or one a polygon; not 0: shading bends it, so that even where it
+                                               // is coplanar with another, the two are not merged exactly
 };
 
 /// Lengths in the model's units, angles in radians. What is negative or no number counts as 0.

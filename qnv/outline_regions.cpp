@@ -93,6 +93,7 @@ class RegionGrower {
   }
 
   [[nodiscard]] bool fits(std::uint32_t face, const Plane& plane, double slack, const TextureMap* map) const {
+    if (limits_.exact && !model_.bent.empty() && model_.bent[mesh_.sources[face]] != 0) return false;
     if (mesh_.areas[face] > 0 && (limits_.exact || !mesh_.thin[face])) {
       const glm::dvec3 apart = mesh_.normals[face] - plane.normal;
       if (!(glm::dot(apart, apart) <= limits_.angle * limits_.angle * slack * slack)) return false;

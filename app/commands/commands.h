@@ -18,6 +18,8 @@ int run_nodes(const Options& options);
 int run_man(const Options& options);
 int run_info(const Options& options);
 int run_encode(const Options& options);
+/// Polygons as outline groups (`encode --outlines`).
+int encode_outlines(const Options& options);
 int run_export(const Options& options);
 int run_serve(const Options& options);
 int run_fetch(const Options& options);

@@ -15,12 +15,23 @@ std::optional<std::string> check_encode(const Options& options) {
   if ((options.vectors > 0) + (options.fraction > 0) + options.max_bytes_given > 1)
     return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
   if (options.packed && options.records) return "--packed and --records exclude each other; expected one of them";
+  if (options.outlines) {
+    if (options.packed || options.records || options.vectors > 0 || options.fraction > 0)
+      return "--outlines goes with none of --packed, --records, --vectors and --fraction";
+    const std::string& out = options.files.back();
+    if (!out.ends_with(".wrl") && !out.ends_with(".wrz") && !out.ends_with(".qnv"))
+      return "expected OUT.wrl, OUT.wrz or OUT.qnv as the second file, not '" + out + "'";
+    return options.max_bytes_given && !out.ends_with(".qnv")
+               ? std::optional<std::string>("--max-bytes is for streams; expected OUT.qnv")
+               : std::nullopt;
+  }
   if (!options.files.back().ends_with(".qnv"))
     return "expected OUT.qnv as the second file, not '" + options.files.back() + "'";
   return std::nullopt;
 }
 
 int run_encode(const Options& options) {
+  if (options.outlines) return encode_outlines(options);
   const std::string &in = options.files[0], &out = options.files[1];
   const auto start = std::chrono::steady_clock::now();
   // Known before the work: whether the result may be written.

@@ -2,6 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
+#include "app/formats/outline_text.h"
 #include "net/file.h"
 #include "net/url.h"
 #include "qnv/container.h"
@@ -57,6 +58,19 @@ std::string url_between(const std::string& out, const std::string& in) {
   return url.substr(std::min<std::size_t>(url.size(), 1));
 }
 
+// A stream of outlines as a world that any VRML97 browser shows.
+int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
+  // What the browser sets is no part of the world.
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
+    if (const vrml::NodeId id = scene.resolve_as(scene.id_at(i), "OutlineGroup"))
+      scene.set<vrml::SFBool>(id, "complete", false);
+  const std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
+  if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
+  std::printf("%s: outline groups, %zu bytes\n", out.c_str(), bytes.size());
+  return kDone;
+}
+
 }  // namespace
 
 std::optional<std::string> check_export(const Options& options) {
@@ -72,6 +86,9 @@ int run_export(const Options& options) {
   if (std::filesystem::equivalent(in, out, error)) return fail(out + " is what is read; it is not written over");
   auto input = open_input(options, in);
   if (!input) return kFailed;
+  if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);
+      world && input->type == "QNV" && format_of(options)->name.starts_with("vrml97"))
+    return export_outlines(*(*world)->world.scene, in, out);
   ProgressBar progress;
   ExportOptions export_options;
   export_options.title = input->title;

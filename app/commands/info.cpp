@@ -7,6 +7,7 @@
 #include "net/url.h"
 #include "qnv/decoder.h"
 #include "qnv/lod.h"
+#include "qnv/outline_stream.h"
 #include "qnv/volume_slices.h"
 
 #include <nlohmann/json.hpp>
@@ -96,6 +97,34 @@ void put_levels(Json& json, const qnv::StreamHeader& header, const qnv::Cloud& c
                     {"bytes", l.bytes},
                     {packed ? "shown" : "vectors", l.vectors}});
   json["levels"] = std::move(list);
+}
+
+bool describe_outlines(Json& json, std::span<const std::byte> bytes, const std::string& path) {
+  qnv::OutlineDecoder decoder;
+  (void)decoder.push(bytes);
+  decoder.finish();
+  const qnv::StreamHeader* header = decoder.header();
+  Json problems = Json::array();
+  for (const qnv::StreamProblem& problem : decoder.problems()) {
+    problems.push_back("byte " + std::to_string(problem.offset) + ": " + problem.message);
+    if (!header) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problems.back().get<std::string>().c_str());
+  }
+  if (!header) return false;
+  json["payload"] = "outlines";
+  json["groups"] = header->outlines.groups;
+  json["outline_polygons"] = decoder.outline_polygons();
+  json["inner_polygons"] = decoder.inner_polygons();
+  json["polygons_at_full_detail"] = header->vectors;
+  json["appearances"] = header->outlines.appearances.size();
+  json["step"] = header->outlines.positions.step();
+  put_box(json, header->description.box.lower, header->description.box.upper);
+  json["chunks"] = header->chunks;
+  json["directory_entries"] = decoder.directory().size();
+  json["damaged_chunks"] = decoder.refused_chunks();
+  json["damaged_polygons"] = decoder.refused_records();
+  put_metadata(json, header->description.metadata);
+  if (!problems.empty()) json["problems"] = std::move(problems);
+  return true;
 }
 
 bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::string& path) {
@@ -224,7 +253,7 @@ int run_info(const Options& options) {
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));
   if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
     json["type"] = type->name;
-    if (!describe_stream(json, bytes, path)) return kFailed;
+    if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(json, bytes, path)) return kFailed;
   } else {
     const auto input = open_input(options, path);
     if (!input) return kFailed;

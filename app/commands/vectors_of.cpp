@@ -160,7 +160,7 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
   OpenedInput input{{}, std::string(type.name), file_name(local), all.size()};
   if (is_raw(options) || type.content == ContentClass::volume) {
     opened = open_volume_input(options, local);
-  } else if (type.is_cloud()) {
+  } else if (type.is_cloud() && !is_outline_stream(all)) {
     opened = open_cloud_input(options, type, {local, all});
   } else {
     opened = open_world_input(options, local, input.title);
@@ -203,6 +203,15 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   encode_options.metadata = metadata_of(input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   return qnv::encode_cloud(std::get<qnv::Cloud>(found), encode_options, &progress.whole());
+}
+
+std::variant<OutlineModel, std::string> isosurface_outlines(const qnv::VolumeSource& volume, double isovalue,
+                                                            ProgressBar& progress) {
+  const Surface surface = surface_of(volume, isovalue, progress);
+  OutlineModel model = outline_model(surface.source, surface.two_sided);
+  if (!surface.problem->empty()) return *surface.problem;
+  if (model.model.ends.empty()) return "has no surface of this value";
+  return model;
 }
 
 std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, OpenedInput input, ProgressBar& progress) {

@@ -3,6 +3,7 @@
 #include "app/commands/progress_bar.h"
 #include "app/opened_world.h"
 #include "app/options.h"
+#include "app/outline_model.h"
 #include "qnv/encode_surface.h"
 #include "qnv/volume.h"
 #include "render/render_list.h"
@@ -39,6 +40,10 @@ struct OpenedInput {
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const Options& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
+
+/// The isosurface of a volume as polygons; what went wrong.
+[[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const qnv::VolumeSource& volume,
+                                                                          double isovalue, ProgressBar& progress);
 
 /// The vectors of an input: those it has, a volume's gradients, or those that its surface is encoded as.
 [[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const Options& options, OpenedInput input,

@@ -47,6 +47,22 @@ TEST_CASE("A plate with two holes is one polygon of three rings", "[outline]") {
   }
 }
 
+TEST_CASE("What shading bends is merged with nothing, unless it may be", "[outline]") {
+  PolygonModel model;
+  for (int x = 0; x < 4; ++x) add_square(model, static_cast<float>(x), 0);
+  model.bent = {0, 0, 1, 0};
+  OutlineOptions options;
+  options.tolerance = 0.1;
+  const OutlineGroups exact = groups_of(model, options);
+  REQUIRE(exact.groups.size() == 1);
+  CHECK(exact.groups[0].outline.size() == 1);
+  REQUIRE(exact.groups[0].inner.size() == 3);
+  CHECK(exact.groups[0].inner[0].area == 2.0);
+  CHECK(groups_of(model, dropping()).groups[0].inner.empty());
+  model.bent.pop_back();
+  CHECK(std::holds_alternative<OutlineError>(group_outlines(model, {})));
+}
+
 TEST_CASE("An L of three squares keeps its six corners", "[outline]") {
   PolygonModel model;
   add_square(model, 0, 0);

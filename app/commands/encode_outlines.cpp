@@ -1,0 +1,132 @@
+#include "app/commands/commands.h"
+#include "app/commands/progress_bar.h"
+#include "app/commands/vectors_of.h"
+#include "app/formats/outline_text.h"
+#include "app/gunzip.h"
+#include "app/outline_model.h"
+#include "net/file.h"
+#include "net/url.h"
+#include "qnv/container.h"
+#include "qnv/outline_stream.h"
+
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+namespace gs::app {
+namespace {
+
+// Of the diagonal: what a group may deviate from its plane.
+constexpr double kTolerance = 1.0 / 200;
+
+std::string_view extension(const std::string& path) {
+  for (const std::string_view known : {".qnv", ".wrl", ".wrz"})
+    if (path.ends_with(known)) return known;
+  return {};
+}
+
+std::variant<OutlineModel, std::string> model_of(const Options& options, const OpenedInput& input,
+                                                 ProgressBar& progress) {
+  if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
+    if (options.isovalue) return "is no volume; --isovalue is for volumes";
+    return outline_model((*opened)->list, texture_urls((*opened)->world));
+  }
+  const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+  if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
+  if (!options.isovalue) return "is a volume; --outlines needs --isovalue to know which surface";
+  return isosurface_outlines(*volume, *options.isovalue, progress);
+}
+
+// Textures are named as seen from the file that is written.
+void make_relative(std::vector<qnv::OutlineAppearance>& appearances, const std::string& out) {
+  namespace fs = std::filesystem;
+  for (qnv::OutlineAppearance& look : appearances) {
+    const std::string path = net::path_of_url(net::parse_url(look.texture_url));
+    if (path.empty()) continue;
+    std::error_code error;
+    const fs::path relative = fs::relative(path, fs::absolute(out, error).parent_path(), error);
+    if (!error && !relative.empty())
+      look.texture_url = net::url_of_path("/" + relative.generic_string()).path.substr(1);
+  }
+}
+
+void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t bytes, double seconds) {
+  std::size_t outlines = 0, inner = 0;
+  for (const qnv::OutlineGroup& group : groups.groups) outlines += group.outline.size(), inner += group.inner.size();
+  const qnv::OutlineCounts& counts = groups.counts;
+  if (options.json) {
+    const nlohmann::json json = {{"file", options.files[1]},
+                                 {"source_polygons", counts.polygons},
+                                 {"groups", groups.groups.size()},
+                                 {"outline_polygons", outlines},
+                                 {"inner_polygons", inner},
+                                 {"invalid", counts.invalid},
+                                 {"degenerate", counts.degenerate},
+                                 {"duplicates", counts.duplicates},
+                                 {"bytes", bytes},
+                                 {"seconds", seconds}};
+    std::printf("%s\n", json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace).c_str());
+    return;
+  }
+  std::printf("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s\n",
+              options.files[1].c_str(), counts.polygons, outlines, groups.groups.size(), inner, bytes, seconds);
+  if (counts.invalid + counts.degenerate + counts.duplicates > 0)
+    std::printf("left out: %zu that have corners without a place, %zu without area, %zu that are there twice\n",
+                counts.invalid, counts.degenerate, counts.duplicates);
+}
+
+}  // namespace
+
+int encode_outlines(const Options& options) {
+  const std::string &in = options.files[0], &out = options.files[1];
+  const auto start = std::chrono::steady_clock::now();
+  const bool stream = extension(out) == ".qnv";
+  static constexpr std::string_view kWorld = "#VRML V2.0 utf8\n";
+  const auto first = stream ? qnv::encode_header({}) : std::vector<std::byte>();
+  if (const auto refusal =
+          refuse_to_replace(out, in, stream ? std::span<const std::byte>(first) : std::as_bytes(std::span(kWorld))))
+    return fail(*refusal);
+  const auto input = open_input(options, in);
+  if (!input) return kFailed;
+  ProgressBar progress;
+  auto built = model_of(options, *input, progress);
+  if (const auto* problem = std::get_if<std::string>(&built)) return fail(in + " " + *problem);
+  auto& model = std::get<OutlineModel>(built);
+  qnv::OutlineOptions settings;
+  const double diagonal = qnv::model_diagonal(model.model);
+  settings.tolerance = options.tolerance.value_or(kTolerance * diagonal);
+  settings.outline_tolerance = settings.tolerance;
+  settings.groups = options.groups;
+  settings.merge_tolerance = options.merge;
+  auto grouped = qnv::group_outlines(model.model, settings, &progress.whole());
+  if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  if (const auto* problem = std::get_if<qnv::OutlineError>(&grouped)) return fail(in + ": " + problem->message);
+  const auto& groups = std::get<qnv::OutlineGroups>(grouped);
+  if (groups.groups.empty()) return fail(in + ": no polygon has an area");
+  make_relative(model.appearances, out);
+  std::vector<std::byte> bytes;
+  if (stream) {
+    qnv::OutlineEncodeOptions encode;
+    encode.position_bits = options.position_bits;
+    if (options.max_bytes_given) encode.max_bytes = options.max_bytes;
+    encode.metadata = {{"title", input->title}};
+    auto encoded = qnv::encode_outlines(groups, model.appearances, encode);
+    if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
+    bytes = std::move(std::get<qnv::EncodedStream>(encoded).bytes);
+  } else {
+    bytes = outline_world(groups, model.appearances, input->title);
+    if (out.ends_with(".wrz")) bytes = gzip(bytes);
+  }
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
+  if (model.left_out > 0)
+    std::fprintf(stderr, "%s: warning: %zu shapes of lines or points have no outlines and are left out\n", in.c_str(),
+                 model.left_out);
+  if (model.averaged)
+    std::fprintf(stderr, "%s: warning: colours that change within a face became their mean\n", in.c_str());
+  tell(options, groups, bytes.size(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  return kDone;
+}
+
+}  // namespace gs::app
