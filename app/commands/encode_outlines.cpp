@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 namespace gs::app {
 namespace {
@@ -96,9 +97,14 @@ int encode_outlines(const Options& options) {
   auto& model = std::get<OutlineModel>(built);
   qnv::OutlineOptions settings;
   const double diagonal = qnv::model_diagonal(model.model);
-  settings.tolerance = options.tolerance.value_or(kTolerance * diagonal);
-  settings.outline_tolerance = settings.tolerance;
-  settings.groups = options.groups;
+  settings.outline_tolerance = options.tolerance.value_or(kTolerance * diagonal);
+  settings.tolerance = settings.outline_tolerance;
+  if (options.groups > 0) {
+    // As many as were asked for, however bent they are.
+    settings.groups = options.groups;
+    settings.tolerance = options.tolerance.value_or(std::numeric_limits<double>::infinity());
+    settings.angle = 1.5;
+  }
   settings.merge_tolerance = options.merge;
   auto grouped = qnv::group_outlines(model.model, settings, &progress.whole());
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");

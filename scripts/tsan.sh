@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# tsan.sh: builds what has threads with ThreadSanitizer and runs its tests: the loader, its servers, cells, and the worlds
+# and streams that come by them. Fails on any race. Takes about fifteen minutes on two cores.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+"$root/scripts/install-dependencies.sh" >&2
+cd "$root"
+cmake --preset tsan >/dev/null
+cmake --build --preset tsan --target ghostspace net_tests app_tests
+export TSAN_OPTIONS="exitcode=66 ${TSAN_OPTIONS:-}"
+build/tsan/tests/net_tests
+build/tsan/tests/app_tests -# "[#world_loading_test],[#world_reader_test],[#world_loader_test],[#cell_stream_test],[#serve_test],[#documents_test],[#outline_world_test]"
+echo "tsan.sh: no races"
