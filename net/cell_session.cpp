@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::uint64_t kPacketHeaders = 28;  // IPv4 and UDP
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
+constexpr std::uint64_t kFirstDatagrams = 10;
 constexpr std::size_t kMostWished = 1024, kMostTried = 16384;
 // What a second chunk must find free in a protected datagram: its place costs a
 // cell or two.
@@ -38,6 +39,8 @@ void CellSession::grant(std::uint64_t bytes_per_second, Instant now) {
   if (granted_ == 0 && bytes_per_second > 0)
     controller_ =
         RateController(options_.response, static_cast<double>(bytes_per_second), controller_.round_trip(), now);
+  // As TCP does (RFC 6928): the first ten datagrams at once, and no more in the first round trip.
+  if (granted_ == 0) bucket_.allow_debt(std::min<std::uint64_t>(kFirstDatagrams * kMostDatagram, bytes_per_second / 4));
   granted_ = bytes_per_second;
   controller_.set_grant(static_cast<double>(bytes_per_second));
   update_rate(now);
@@ -103,6 +106,7 @@ GrantMessage CellSession::answer(std::size_t number) const {
 void CellSession::report(const ReportMessage& report, Instant now) {
   if (report.number <= last_report_) return;
   last_report_ = report.number;
+  bucket_.allow_debt(0);
   // After a silence the path may have changed: carefully again.
   if (silent(now))
     controller_ = RateController(options_.response, static_cast<double>(granted_), controller_.round_trip(), now);

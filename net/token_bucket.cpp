@@ -30,9 +30,13 @@ void TokenBucket::fill(Instant now) {
   credit_ = std::min(credit_ + pause * static_cast<std::int64_t>(rate_), static_cast<std::int64_t>(burst_) * kMicro);
 }
 
+void TokenBucket::allow_debt(std::uint64_t bytes) {
+  debt_ = static_cast<std::int64_t>(std::min(bytes, kLargestBurst)) * kMicro;
+}
+
 bool TokenBucket::has(std::uint64_t bytes, Instant now) {
   fill(now);
-  return credit_ >= static_cast<std::int64_t>(std::min(bytes, burst_)) * kMicro;
+  return credit_ + (rate_ > 0 ? debt_ : 0) >= static_cast<std::int64_t>(std::min(bytes, burst_)) * kMicro;
 }
 
 void TokenBucket::take(std::uint64_t bytes, Instant now) {
@@ -43,7 +47,7 @@ void TokenBucket::take(std::uint64_t bytes, Instant now) {
 Instant TokenBucket::when(std::uint64_t bytes, Instant now) {
   if (has(bytes, now)) return now;
   if (rate_ == 0) return Instant::max();
-  const std::int64_t lacking = static_cast<std::int64_t>(std::min(bytes, burst_)) * kMicro - credit_;
+  const std::int64_t lacking = static_cast<std::int64_t>(std::min(bytes, burst_)) * kMicro - credit_ - debt_;
   const auto rate = static_cast<std::int64_t>(rate_);
   return now + Instant((lacking + rate - 1) / rate);
 }

@@ -20,6 +20,8 @@ class TokenBucket {
   /// From now on; what was saved up stays, up to the burst.
   void set_rate(std::uint64_t bytes_per_second, std::uint64_t burst, Instant now);
   [[nodiscard]] std::uint64_t rate() const { return rate_; }
+  /// From now on so many bytes may pass before they were saved up; they are paid back at the rate.
+  void allow_debt(std::uint64_t bytes);
   /// Whether so many bytes may pass, at most the burst.
   [[nodiscard]] bool has(std::uint64_t bytes, Instant now);
   /// They passed. Debts are allowed and paid back.
@@ -32,6 +34,7 @@ class TokenBucket {
 
   std::uint64_t rate_ = 0, burst_ = 0;
   std::int64_t credit_ = 0;  // millionths of a byte
+  std::int64_t debt_ = 0;    // allowed, likewise
   Instant filled_{};
 };
 

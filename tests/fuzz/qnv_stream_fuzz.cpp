@@ -2,6 +2,7 @@
 // pieces, must decode without harm and to the same sound cloud. Checksums that a mutation broke are mended first, so
 // that the fuzzer reaches what is behind them.
 #include "qnv/decoder.h"
+#include "qnv/outline_stream.h"
 
 #include <zlib.h>
 
@@ -74,12 +75,48 @@ void decode(std::span<const std::byte> bytes) {
   if (whole.problems().size() != pieces.problems().size()) std::abort();
 }
 
+// All polygons that have come, in the order of their kinds.
+std::vector<glm::vec3> corners_of(OutlineDecoder& decoder, std::size_t& polygons) {
+  std::vector<glm::vec3> corners;
+  for (const OutlineBatch& batch : decoder.take()) {
+    polygons += batch.polygons.size();
+    if (batch.groups.size() != batch.polygons.size()) std::abort();
+    for (std::size_t i = 0; i < batch.polygons.size(); ++i) {
+      const OutlinePolygon polygon = batch.polygons[i];
+      for (std::size_t ring = 0; ring < polygon.rings(); ++ring)
+        if (polygon.ring(ring).size() < 3) std::abort();
+      for (const std::uint32_t corner : bridged_ring(polygon))
+        if (corner >= polygon.positions.size()) std::abort();
+    }
+    for (const glm::vec3& p : batch.polygons.positions) {
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+      corners.push_back(p);
+    }
+  }
+  return corners;
+}
+
+void decode_outlines(std::span<const std::byte> bytes) {
+  OutlineDecoder whole(kMostVectors), pieces(kMostVectors);
+  (void)whole.push(bytes);
+  whole.finish();
+  const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) * 7;
+  for (std::size_t i = 0; i < bytes.size(); i += piece)
+    (void)pieces.push(bytes.subspan(i, std::min(piece, bytes.size() - i)));
+  pieces.finish();
+  std::size_t polygons = 0, others = 0;
+  if (corners_of(whole, polygons) != corners_of(pieces, others) || polygons != others) std::abort();
+  if (polygons != whole.outline_polygons() + whole.inner_polygons()) std::abort();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   decode(std::as_bytes(std::span(data, size)));
+  decode_outlines(std::as_bytes(std::span(data, size)));
   std::vector<std::uint8_t> mended(data, data + size);
   mend_checksums(mended);
   decode(std::as_bytes(std::span(mended)));
+  decode_outlines(std::as_bytes(std::span(mended)));
   return 0;
 }

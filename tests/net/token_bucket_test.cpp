@@ -45,4 +45,24 @@ TEST_CASE("A bucket with the rate 0 waits for another one", "[token_bucket]") {
   REQUIRE(bucket.has(1'000'000, Instant(5)));
 }
 
+TEST_CASE("A debt that is allowed lets bytes pass early, and is paid back", "[token_bucket]") {
+  TokenBucket bucket(1'000'000, 2000, Instant(0));
+  bucket.allow_debt(10'000);
+  for (int i = 0; i < 6; ++i) {
+    REQUIRE(bucket.has(2000, Instant(0)));
+    bucket.take(2000, Instant(0));
+  }
+  REQUIRE_FALSE(bucket.has(1, Instant(0)));
+  REQUIRE(bucket.when(1000, Instant(0)) == Instant(1000));
+  bucket.allow_debt(0);
+  REQUIRE(bucket.when(1000, Instant(0)) == Instant(11'000));
+  // Over a second no more has passed than the rate and the burst allow.
+  REQUIRE(bucket.has(2000, Instant(12'000)));
+  // Without a rate there is nothing to pay it back with.
+  TokenBucket none(0, 1000, Instant(0));
+  none.allow_debt(5000);
+  none.take(1000, Instant(0));
+  REQUIRE_FALSE(none.has(1, Instant(0)));
+}
+
 }  // namespace
