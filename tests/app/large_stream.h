@@ -1,5 +1,6 @@
 #pragma once
 
+#include "net/file.h"
 #include "qnv/encode_surface.h"
 
 #include <catch2/catch.hpp>
@@ -8,34 +9,57 @@
 
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
+#include <span>
 #include <string>
+#include <system_error>
 #include <variant>
 #include <vector>
 
 namespace gs::app {
 
-/// A packed stream of a bumpy ball, of more than a megabyte: long enough to be read here and there.
+/// The stream below, encoded.
+inline std::string encoded_large_stream() {
+  constexpr int kSteps = 400;
+  const auto at = [](int i, int j) {
+    const double a = std::numbers::pi * i / kSteps, b = std::numbers::pi * j / kSteps;
+    return glm::vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)) *
+           static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b));
+  };
+  std::vector<qnv::Triangle> triangles;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < 2 * kSteps; ++j) {
+      triangles.emplace_back().positions = {at(i, j), at(i + 1, j), at(i + 1, j + 1)};
+      triangles.emplace_back().positions = {at(i, j), at(i + 1, j + 1), at(i, j + 1)};
+    }
+  qnv::EncodeOptions options;
+  options.vectors = 1'500'000;
+  auto encoded = qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(triangles); }, options);
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  const auto& all = std::get<qnv::EncodedStream>(encoded).bytes;
+  return std::string(reinterpret_cast<const char*>(all.data()), all.size());
+}
+
+/// A packed stream of a bumpy ball, of more than a megabyte: long enough to be read here and there. Every test is a
+/// program of its own; the first of them that needs the stream leaves it beside the programs, for as long as they are
+/// the same.
 inline const std::string& large_stream() {
   static const std::string bytes = [] {
-    constexpr int kSteps = 400;
-    const auto at = [](int i, int j) {
-      const double a = std::numbers::pi * i / kSteps, b = std::numbers::pi * j / kSteps;
-      return glm::vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)) *
-             static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b));
-    };
-    std::vector<qnv::Triangle> triangles;
-    for (int i = 0; i < kSteps; ++i)
-      for (int j = 0; j < 2 * kSteps; ++j) {
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j), at(i + 1, j + 1)};
-        triangles.emplace_back().positions = {at(i, j), at(i + 1, j + 1), at(i, j + 1)};
-      }
-    qnv::EncodeOptions options;
-    options.vectors = 1'500'000;
-    auto encoded = qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(triangles); }, options);
-    REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
-    const auto& all = std::get<qnv::EncodedStream>(encoded).bytes;
-    return std::string(reinterpret_cast<const char*>(all.data()), all.size());
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::path kept = fs::path(GHOSTSPACE_BINARY).parent_path() / "large_stream.qnv";
+    const auto made = fs::last_write_time(kept, error);
+    if (!error && made > fs::last_write_time(fs::read_symlink("/proc/self/exe"))) {
+      std::ifstream in(kept, std::ios::binary);
+      std::string all{std::istreambuf_iterator<char>(in), {}};
+      if (all.size() > (std::size_t{1} << 20)) return all;
+    }
+    const std::string all = encoded_large_stream();
+    (void)net::write_file_atomically(kept.string(), std::as_bytes(std::span(all)));
+    return all;
   }();
   REQUIRE(bytes.size() > (std::size_t{1} << 20));
   return bytes;
