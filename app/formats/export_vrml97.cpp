@@ -1,8 +1,8 @@
 #include "app/formats/export.h"
 #include "app/formats/export_discs.h"
+#include "app/formats/vrml_text.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -30,12 +30,7 @@ constexpr float kAmbient = 0.3f;
 class Text {
  public:
   void add(std::string_view text) { out_ += text; }
-  void number(float value) {
-    std::array<char, 32> digits;
-    const auto result =
-        std::to_chars(digits.data(), digits.data() + digits.size(), std::isfinite(value) ? value : 0.0f);
-    out_.append(digits.data(), result.ptr);
-  }
+  void number(float value) { append_number(out_, value); }
   void vector(const glm::vec3& v, char end = '\n') {
     for (int k = 0; k < 3; ++k) {
       number(v[k]);
@@ -46,15 +41,7 @@ class Text {
   void color(const glm::vec3& rgb) {
     vector({std::round(rgb.x * 1000) / 1000, std::round(rgb.y * 1000) / 1000, std::round(rgb.z * 1000) / 1000});
   }
-  /// In quotes (VRML97 5.12); line ends become blanks.
-  void quoted(std::string_view text) {
-    out_ += '"';
-    for (const char c : text) {
-      if (c == '"' || c == '\\') out_ += '\\';
-      out_ += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-    }
-    out_ += '"';
-  }
+  void quoted(std::string_view text) { append_quoted(out_, text); }
   [[nodiscard]] std::vector<std::byte> bytes() const {
     const auto* first = reinterpret_cast<const std::byte*>(out_.data());
     return {first, first + out_.size()};

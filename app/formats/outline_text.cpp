@@ -1,10 +1,9 @@
 #include "app/formats/outline_text.h"
 
+#include "app/formats/vrml_text.h"
 #include "vrml/printer.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
@@ -45,23 +44,14 @@ class Text {
     return *this;
   }
   Text& operator<<(float value) {
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::isfinite(value) ? value : 0.0f);
-    out_.append(digits.data(), end.ptr);
+    append_number(out_, value);
     return *this;
   }
   Text& operator<<(std::size_t value) {
     out_ += std::to_string(value);
     return *this;
   }
-  void quoted(std::string_view text) {
-    out_ += '"';
-    for (const char c : text) {
-      if (c == '"' || c == '\\') out_ += '\\';
-      out_ += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-    }
-    out_ += '"';
-  }
+  void quoted(std::string_view text) { append_quoted(out_, text); }
 
  private:
   std::string& out_;

@@ -59,8 +59,9 @@ void check_sound(const Cloud& cloud) {
     if (!(weight > 0) || !std::isfinite(weight)) std::abort();
 }
 
-void decode(std::span<const std::byte> bytes) {
-  StreamDecoder whole(kMostVectors), pieces(kMostVectors);
+// One decoder gets everything at once, the other piece by piece.
+template <class Decoder>
+void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
   (void)whole.push(bytes);
   whole.finish();
   // The size of the pieces comes from the input, so that the fuzzer can choose it.
@@ -68,6 +69,11 @@ void decode(std::span<const std::byte> bytes) {
   for (std::size_t i = 0; i < bytes.size(); i += piece)
     (void)pieces.push(bytes.subspan(i, std::min(piece, bytes.size() - i)));
   pieces.finish();
+}
+
+void decode(std::span<const std::byte> bytes) {
+  StreamDecoder whole(kMostVectors), pieces(kMostVectors);
+  read(bytes, whole, pieces);
   const Cloud cloud = whole.cloud(), other = pieces.cloud();
   check_sound(cloud);
   if (cloud.size() != whole.vectors() || cloud.size() > kMostVectors) std::abort();
@@ -98,12 +104,7 @@ std::vector<glm::vec3> corners_of(OutlineDecoder& decoder, std::size_t& polygons
 
 void decode_outlines(std::span<const std::byte> bytes) {
   OutlineDecoder whole(kMostVectors), pieces(kMostVectors);
-  (void)whole.push(bytes);
-  whole.finish();
-  const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) * 7;
-  for (std::size_t i = 0; i < bytes.size(); i += piece)
-    (void)pieces.push(bytes.subspan(i, std::min(piece, bytes.size() - i)));
-  pieces.finish();
+  read(bytes, whole, pieces);
   std::size_t polygons = 0, others = 0;
   if (corners_of(whole, polygons) != corners_of(pieces, others) || polygons != others) std::abort();
   if (polygons != whole.outline_polygons() + whole.inner_polygons()) std::abort();

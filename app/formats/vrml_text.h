@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// Appends a number so that it reads back bit for bit; what is none becomes 0.
+inline void append_number(std::string& to, float value) {
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::isfinite(value) ? value : 0.0f);
+  to.append(digits.data(), end.ptr);
+}
+
+/// Appends text in quotes (VRML97 5.12); line ends become blanks.
+inline void append_quoted(std::string& to, std::string_view text) {
+  to += '"';
+  for (const char c : text) {
+    if (c == '"' || c == '\\') to += '\\';
+    to += static_cast<unsigned char>(c) < 32 ? ' ' : c;
+  }
+  to += '"';
+}
+
+}  // namespace gs::app
