@@ -107,6 +107,9 @@ std::string Url::text() const {
   // Without a host, two slashes would be read as the start of one.
   else if (path.starts_with("//"))
     result += "/.";
+  // Nor may the first part of a path be read as a scheme (RFC 3986 4.2).
+  else if (scheme.empty() && scheme_length(path) > 0)
+    result += "./";
   result += path;
   if (has_query) result.append("?").append(query);
   if (has_fragment) result.append("#").append(fragment);

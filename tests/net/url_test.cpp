@@ -105,6 +105,12 @@ TEST_CASE("references are resolved as in the abnormal examples (RFC 3986 5.4.2)"
   for (const auto& [reference, target] : examples) CHECK(resolved("http://a/b/c/d;p?q", reference) == target);
 }
 
+TEST_CASE("a path is not written as if it began with a scheme (RFC 3986 4.2)") {
+  CHECK(resolved("a.wrl", "../http://b/c") == "./http://b/c");
+  CHECK(parse_url(resolved("a.wrl", "../http://b/c")).scheme.empty());
+  CHECK(resolved("http://a/b", "./x:y") == "http://a/x:y");
+}
+
 TEST_CASE("references are resolved against files and hosts without a path") {
   CHECK(resolved("file:///worlds/a/b.wrl", "tex/wood.png") == "file:///worlds/a/tex/wood.png");
   CHECK(resolved("file:///worlds/a/b.wrl", "../c.wrl#View") == "file:///worlds/c.wrl#View");
