@@ -39,6 +39,7 @@ std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::siz
 
 template <bool big>
 void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<float>& values) {
+  if (table.rows == 0) return;  // there may be no data at all
   const std::size_t stride = table.element.least_row_bytes();
   const std::byte* from = table.data.data() + offset;
   with_type(type, [&](auto kind) {
