@@ -111,6 +111,17 @@ TEST_CASE("NIfTI places are taken from the sform, else the qform") {
   CHECK(problem_of(folder.path("lonely.hdr")).find("lonely.img") != std::string::npos);
 }
 
+TEST_CASE("A NIfTI header of a version that there is not is one of ANALYZE") {
+  ScratchFolder folder;
+  for (const char* magic : {"n+5", "ni9", "n+2", "n-1"})
+    for (const bool big_endian : {false, true}) {
+      INFO(magic);
+      const Nifti1 header(big_endian, 2, 8, magic, 352);
+      CHECK(problem_of(folder.write("a.nii", text(header.bytes + voxels<std::uint8_t>(big_endian)))).find("a.img") !=
+            std::string::npos);
+    }
+}
+
 TEST_CASE("NIfTI-2 files open") {
   ScratchFolder folder;
   for (const bool big_endian : {false, true}) {
