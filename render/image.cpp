@@ -12,17 +12,12 @@
 namespace gs::render {
 namespace {
 
-struct Format {
-  std::string_view magic;
-  DecodedImage (*decode)(std::span<const std::byte> bytes, std::size_t max_pixels);
-};
-
 using namespace std::string_view_literals;
-constexpr std::array<Format, 4> kFormats = {{
-    {"\x89PNG\r\n\x1a\n"sv, decode_png},
-    {"\xff\xd8\xff"sv, decode_jpeg},
-    {"GIF87a"sv, decode_gif},
-    {"GIF89a"sv, decode_gif},
+constexpr std::array<ImageFormat, 4> kImageFormats = {{
+    {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
+    {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
+    {"GIF87a"sv, "GIF87a"sv, decode_gif},
+    {"GIF89a"sv, "GIF89a"sv, decode_gif},
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -62,6 +57,8 @@ std::string described(const Image& image) {
 
 }  // namespace
 
+std::span<const ImageFormat> image_formats() { return kImageFormats; }
+
 std::optional<ImageError> refuse_size(const char* format, std::uint64_t width, std::uint64_t height,
                                       std::size_t max_pixels) {
   // No picture of a world is that long; libpng's own row buffers stay small by it.
@@ -77,7 +74,7 @@ std::optional<ImageError> refuse_size(const char* format, std::uint64_t width, s
 
 std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, std::size_t max_pixels) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (const Format& format : kFormats)
+  for (const ImageFormat& format : kImageFormats)
     if (text.starts_with(format.magic)) return format.decode(bytes, max_pixels);
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that GhostSpace is built from, those that are missing only.
+# install-dependencies.sh [PACKAGE...]: installs the Debian 12 packages that GhostSpace is built from, and those that are
+# named, as far as they are missing.
 # Needs no network and no root when nothing is missing.
 set -euo pipefail
 
@@ -20,6 +21,7 @@ packages=(
   libgl-dev libosmesa6-dev libosmesa6
   # tests
   catch2 nginx-light
+  "$@"
 )
 
 fail() {

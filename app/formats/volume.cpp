@@ -87,6 +87,8 @@ bool read_voxel_type(std::string_view text, RawVolume& raw) {
   return false;
 }
 
+std::span<const VolumeFormat> volume_formats() { return kFormats; }
+
 VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
   qnv::VolumeLayout layout;
   layout.dimensions = raw.dimensions;

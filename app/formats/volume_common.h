@@ -101,6 +101,8 @@ struct VolumeFormat {
   bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null: only the name tells
   VolumeResult (*open)(const VolumeFile& file);
 };
+/// The table of all.
+[[nodiscard]] std::span<const VolumeFormat> volume_formats();
 [[nodiscard]] bool is_avs_field(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_nrrd(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_meta_image(std::span<const std::byte> bytes);

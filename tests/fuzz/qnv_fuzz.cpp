@@ -1,20 +1,20 @@
-// libFuzzer target, and with tests/fuzz/replay.cpp a plain program over a corpus: any bytes, whole and in
-// pieces, must decode without harm and to the same sound cloud. Checksums that a mutation broke are mended first, so
-// that the fuzzer reaches what is behind them.
+// Any bytes, whole and in pieces, must decode without harm and to the same sound cloud, and be drawn at any detail.
+// Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
 #include "qnv/decoder.h"
+#include "qnv/lod.h"
+#include "qnv/loss.h"
 #include "qnv/outline_stream.h"
+#include "tests/fuzz/fuzz_target.h"
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <span>
-#include <vector>
+#include <memory>
 
 using namespace gs::qnv;
 
+namespace gs::fuzz {
 namespace {
 
 constexpr std::size_t kMostVectors = 1 << 18;
@@ -50,13 +50,20 @@ void mend_checksums(std::vector<std::uint8_t>& bytes) {
   }
 }
 
+std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
+  std::vector<std::uint8_t> mended(bytes.size());
+  std::transform(bytes.begin(), bytes.end(), mended.begin(),
+                 [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
+  mend_checksums(mended);
+  return mended;
+}
+
 void check_sound(const Cloud& cloud) {
-  if (cloud.normals.size() != cloud.size() || cloud.weights.size() != cloud.size()) std::abort();
-  if (!cloud.colors.empty() && cloud.colors.size() != cloud.size()) std::abort();
-  if (!cloud.classes.empty() && cloud.classes.size() != cloud.size()) std::abort();
-  if (!cloud.cells.empty() && cloud.cells.size() != cloud.size()) std::abort();
-  for (const float weight : cloud.weights)
-    if (!(weight > 0) || !std::isfinite(weight)) std::abort();
+  require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
+  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
+  require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
+  require(cloud.cells.empty() || cloud.cells.size() == cloud.size());
+  for (const float weight : cloud.weights) require(weight > 0 && std::isfinite(weight));
 }
 
 // One decoder gets everything at once, the other piece by piece.
@@ -64,10 +71,7 @@ template <class Decoder>
 void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
   (void)whole.push(bytes);
   whole.finish();
-  // The size of the pieces comes from the input, so that the fuzzer can choose it.
-  const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) * 7;
-  for (std::size_t i = 0; i < bytes.size(); i += piece)
-    (void)pieces.push(bytes.subspan(i, std::min(piece, bytes.size() - i)));
+  in_pieces(bytes, [&](std::span<const std::byte> piece) { (void)pieces.push(piece); });
   pieces.finish();
 }
 
@@ -76,9 +80,9 @@ void decode(std::span<const std::byte> bytes) {
   read(bytes, whole, pieces);
   const Cloud cloud = whole.cloud(), other = pieces.cloud();
   check_sound(cloud);
-  if (cloud.size() != whole.vectors() || cloud.size() > kMostVectors) std::abort();
-  if (cloud.positions != other.positions || cloud.weights != other.weights) std::abort();
-  if (whole.problems().size() != pieces.problems().size()) std::abort();
+  require(cloud.size() == whole.vectors() && cloud.size() <= kMostVectors);
+  require(cloud.positions == other.positions && cloud.weights == other.weights);
+  require(whole.problems().size() == pieces.problems().size());
 }
 
 // All polygons that have come, in the order of their kinds.
@@ -86,16 +90,14 @@ std::vector<glm::vec3> corners_of(OutlineDecoder& decoder, std::size_t& polygons
   std::vector<glm::vec3> corners;
   for (const OutlineBatch& batch : decoder.take()) {
     polygons += batch.polygons.size();
-    if (batch.groups.size() != batch.polygons.size()) std::abort();
+    require(batch.groups.size() == batch.polygons.size());
     for (std::size_t i = 0; i < batch.polygons.size(); ++i) {
       const OutlinePolygon polygon = batch.polygons[i];
-      for (std::size_t ring = 0; ring < polygon.rings(); ++ring)
-        if (polygon.ring(ring).size() < 3) std::abort();
-      for (const std::uint32_t corner : bridged_ring(polygon))
-        if (corner >= polygon.positions.size()) std::abort();
+      for (std::size_t ring = 0; ring < polygon.rings(); ++ring) require(polygon.ring(ring).size() >= 3);
+      for (const std::uint32_t corner : bridged_ring(polygon)) require(corner < polygon.positions.size());
     }
     for (const glm::vec3& p : batch.polygons.positions) {
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
+      require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
       corners.push_back(p);
     }
   }
@@ -106,18 +108,68 @@ void decode_outlines(std::span<const std::byte> bytes) {
   OutlineDecoder whole(kMostVectors), pieces(kMostVectors);
   read(bytes, whole, pieces);
   std::size_t polygons = 0, others = 0;
-  if (corners_of(whole, polygons) != corners_of(pieces, others) || polygons != others) std::abort();
-  if (polygons != whole.outline_polygons() + whole.inner_polygons()) std::abort();
+  require(corners_of(whole, polygons) == corners_of(pieces, others) && polygons == others);
+  require(polygons == whole.outline_polygons() + whole.inner_polygons());
+}
+
+bool run_stream(std::span<const std::byte> bytes) {
+  decode(bytes);
+  decode_outlines(bytes);
+  const std::vector<std::uint8_t> mended = with_checksums(bytes);
+  decode(std::as_bytes(std::span(mended)));
+  decode_outlines(std::as_bytes(std::span(mended)));
+  StreamDecoder decoder(kMostVectors);
+  (void)decoder.push(bytes);
+  return decoder.header() != nullptr;
+}
+
+/// Views from near and far, and everything.
+void look_at(LodStream& stream) {
+  LodView view;
+  view.budget = 1 << 12;
+  for (const float away : {0.0f, 3.0f, 1000.0f}) {
+    view.eye = {away, away, away};
+    view.error_pixels = away + 1;
+    for (const Piece& piece : stream.cut(view)) {
+      require(piece.cloud && piece.first <= piece.cloud->size() && piece.count <= piece.cloud->size() - piece.first);
+      check_sound(*piece.cloud);
+    }
+    (void)stream.wanted_by_all();
+  }
+  if (stream.count() <= kMostVectors) check_sound(stream.whole());
+}
+
+/// A stream of which views decode what they show: in memory as a whole, growing, and of its chunks only some.
+bool run_levels(std::span<const std::byte> bytes) {
+  constexpr std::size_t kCache = std::size_t{1} << 20;
+  const std::vector<std::uint8_t> mended = with_checksums(bytes);
+  const std::span<const std::byte> sound = std::as_bytes(std::span(mended));
+  bool taken = false;
+  auto opened = LodStream::open(std::vector(sound.begin(), sound.end()), kCache);
+  if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&opened)) {
+    look_at(**stream);
+    taken = (*stream)->clusters() > 0;
+  }
+  auto lying = LodStream::open(memory_source(std::vector(sound.begin(), sound.end())), kCache);
+  if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&lying)) look_at(**stream);
+  auto growing = LodStream::begin(sound.first(std::min<std::size_t>(sound.size(), 300)), kCache);
+  if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&growing)) {
+    if (sound.size() > 300)
+      in_pieces(sound.subspan(300), [&](std::span<const std::byte> piece) { (void)(*stream)->push(piece); });
+    (*stream)->finish();
+    look_at(**stream);
+  }
+  const std::uint64_t seed = bytes.empty() ? 0 : std::to_integer<std::uint64_t>(bytes.back());
+  const std::vector<std::byte> lossy = drop_packets(sound, 0.3, seed);
+  StreamDecoder decoder(kMostVectors);
+  (void)decoder.push(lossy);
+  decoder.finish();
+  check_sound(decoder.cloud());
+  return taken;
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  decode(std::as_bytes(std::span(data, size)));
-  decode_outlines(std::as_bytes(std::span(data, size)));
-  std::vector<std::uint8_t> mended(data, data + size);
-  mend_checksums(mended);
-  decode(std::as_bytes(std::span(mended)));
-  decode_outlines(std::as_bytes(std::span(mended)));
-  return 0;
-}
+std::vector<FuzzTarget> fuzz_targets() { return {{"streams", run_stream, 16384}, {"levels", run_levels, 16384}}; }
+
+}  // namespace gs::fuzz

@@ -1,23 +1,52 @@
-// Runs a fuzz target over files, so that corpora and old findings are part of every test run.
-#include <cstdint>
+// PROGRAM FOLDER [TARGET]: runs the targets of a room over their corpora, FOLDER/TARGET/*. Fails when a target has no
+// corpus, or none of it is what the target reads, or a corpus has no target.
+#include "tests/fuzz/fuzz_target.h"
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+namespace {
+
+namespace fs = std::filesystem;
+
+bool replay(const gs::fuzz::FuzzTarget& target, const fs::path& folder) {
+  std::size_t files = 0, taken = 0;
+  (void)target.run({});
+  std::error_code none;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, none)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+    std::printf("%s: %s: ", target.name.c_str(), entry.path().filename().c_str());
+    std::fflush(stdout);  // it may be the last thing that is seen of it
+    const bool read = target.run(std::as_bytes(std::span(bytes)));
+    std::printf(read ? "read\n" : "refused\n");
+    ++files;
+    if (read) ++taken;
+  }
+  if (taken > 0) return true;
+  std::printf("%s: none of %zu inputs in %s is what it reads\n", target.name.c_str(), files, folder.c_str());
+  return false;
+}
+
+}  // namespace
 
 int main(int count, char** arguments) {
-  std::size_t files = 0;
-  for (int i = 1; i < count; ++i)
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(arguments[i])) {
-      if (!entry.is_regular_file()) continue;
-      std::ifstream file(entry.path(), std::ios::binary);
-      const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-      LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-      ++files;
-    }
-  std::printf("%zu inputs\n", files);
-  return files > 0 ? 0 : 1;
+  if (count < 2) return 2;
+  const fs::path folder = arguments[1];
+  const std::vector<gs::fuzz::FuzzTarget> targets = gs::fuzz::fuzz_targets();
+  bool good = !targets.empty();
+  for (const gs::fuzz::FuzzTarget& target : targets)
+    if (count == 2 || target.name == arguments[2]) good = replay(target, folder / target.name) && good;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    if (std::any_of(targets.begin(), targets.end(), [&](const auto& target) { return target.name == name; })) continue;
+    std::printf("%s: a corpus without a target\n", name.c_str());
+    good = false;
+  }
+  return good ? 0 : 1;
 }

@@ -1,19 +1,16 @@
-// libFuzzer target, and with tests/fuzz/replay.cpp a plain program over a corpus: any bytes, whole and in
-// pieces, must parse without harm and to the same scene, print, and tessellate.
+// Any bytes, whole and in pieces, must parse without harm and to the same scene, print, and tessellate.
+#include "tests/fuzz/fuzz_target.h"
 #include "vrml/mesh.h"
 #include "vrml/parser.h"
 #include "vrml/printer.h"
 
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
-#include <string_view>
-
 using namespace gs::vrml;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(data), size);
+namespace gs::fuzz {
+namespace {
+
+bool run_world(std::span<const std::byte> bytes) {
+  const std::string_view text = text_of(bytes);
   Limits limits;
   limits.nodes = 20000;
   limits.expanded_nodes = 20000;
@@ -23,20 +20,25 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const ParseOutcome outcome = parse(text, whole, said_whole);
 
   // The size of the pieces comes from the input, so that the fuzzer can choose it.
-  const std::size_t piece = size > 0 ? 1 + data[size - 1] % 64 : 1;
+  const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) % 64;
   Parser parser(pieces, said_pieces);
-  for (std::size_t i = 0; i < size; i += piece) parser.push(text.substr(i, piece));
+  for (std::size_t i = 0; i < text.size(); i += piece) parser.push(text.substr(i, piece));
   const ParseOutcome piecewise = parser.finish();
 
   const std::string printed = print(whole);
-  if (piecewise != outcome || print(pieces) != printed || said_whole.entries().size() != said_pieces.entries().size())
-    std::abort();
+  require(piecewise == outcome && print(pieces) == printed);
+  require(said_whole.entries().size() == said_pieces.entries().size());
   MeshOptions coarse;
   coarse.segments = 6;
   for (std::uint32_t i = 1; i <= whole.node_count(); ++i) {
     const Mesh mesh = tessellate(whole, whole.id_at(i), coarse);
-    for (const std::uint32_t index : mesh.indices)
-      if (index >= mesh.positions.size()) std::abort();
+    for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
   }
-  return 0;
+  return said_whole.errors() == 0 && !whole.roots().empty();
 }
+
+}  // namespace
+
+std::vector<FuzzTarget> fuzz_targets() { return {{"worlds", run_world, 8192}}; }
+
+}  // namespace gs::fuzz

@@ -1,0 +1,233 @@
+// A target for every row of the tables of contents and of volumes, and the gzip layer.
+#include "app/cloud_reader.h"
+#include "app/content_types.h"
+#include "app/formats/volume_common.h"
+#include "app/gunzip.h"
+#include "qnv/encode_volume.h"
+#include "qnv/lod.h"
+#include "render/render_list.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "vrml/mesh.h"
+#include "vrml/parser.h"
+#include "vrml/printer.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+using namespace gs::app;
+
+namespace gs::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+vrml::Limits small_limits() {
+  vrml::Limits limits;
+  limits.nodes = 20000;
+  limits.expanded_nodes = 20000;
+  limits.image_pixels = 1 << 16;
+  return limits;
+}
+
+/// Whatever was imported can be cut into meshes, drawn and printed.
+void check_scene(const vrml::SceneGraph& scene) {
+  vrml::MeshOptions coarse;
+  coarse.segments = 6;
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::Mesh mesh = tessellate(scene, scene.id_at(i), coarse);
+    for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
+  }
+  render::MeshCache meshes;
+  (void)render::collect(scene, {}, meshes);
+}
+
+bool run_vrml(std::span<const std::byte> bytes) {
+  vrml::SceneGraph scene("fuzz", small_limits());
+  vrml::Diagnostics diagnostics;
+  vrml::Parser parser(scene, diagnostics);
+  if (is_gzip(bytes))
+    (void)gunzip(bytes, std::size_t{1} << 16, [&](std::string_view piece) {
+      parser.push(piece);
+      return true;
+    });
+  else
+    parser.push(text_of(bytes));
+  (void)parser.finish();
+  check_scene(scene);
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::NodeId node = scene.id_at(i);
+    if (!(scene.resolve_as(node, "QNV") == node)) continue;
+    const auto cloud = inline_cloud(scene, node);
+    if (const auto* vectors = std::get_if<qnv::Cloud>(&cloud)) require(vectors->normals.size() == vectors->size());
+    (void)transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));
+  }
+  return diagnostics.errors() == 0 && !scene.roots().empty();
+}
+
+bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
+  const TwoFiles files = two_files(bytes);
+  vrml::SceneGraph scene("fuzz", small_limits());
+  vrml::Diagnostics diagnostics;
+  int reads = 0;
+  // What a file refers to is the other file, whatever the name is.
+  type.import(files.first, scene, diagnostics, [&](const std::string&) -> std::optional<std::vector<std::byte>> {
+    if (files.other.empty() || ++reads > 8) return std::nullopt;
+    return std::vector(files.other.begin(), files.other.end());
+  });
+  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
+  check_scene(scene);
+  if (scene.node_count() <= 2000) (void)vrml::print(scene);
+  return diagnostics.errors() == 0 && !scene.roots().empty();
+}
+
+void check_cloud(const qnv::Cloud& cloud) {
+  require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
+  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
+  require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 &p = cloud.positions[i], &n = cloud.normals[i];
+    require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    require(std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z));
+    require(std::isfinite(cloud.weights[i]));
+  }
+}
+
+/// Streams and vectors, gzip'd or not.
+bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
+  vrml::Diagnostics diagnostics;
+  const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
+  const auto cloud = read_cloud(type, {"fuzz", bytes}, diagnostics, limit);
+  require(cloud || diagnostics.errors() > 0 || bytes.empty());
+  if (!cloud) return false;
+  if (cloud->levels)
+    check_cloud(cloud->levels->whole());
+  else
+    check_cloud(*cloud);
+  vrml::SceneGraph scene;
+  (void)add_cloud_shape(scene, *cloud, "fuzz");
+  return diagnostics.errors() == 0;
+}
+
+/// A folder with a file that headers may name, and its partner in pairs of files: "volume.img".
+class VolumeFolder {
+ public:
+  VolumeFolder() {
+    std::string pattern = (fs::temp_directory_path() / "ghostspace-fuzz-XXXXXX").string();
+    require(::mkdtemp(pattern.data()) != nullptr);
+    folder_ = pattern;
+  }
+  ~VolumeFolder() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  VolumeFolder(const VolumeFolder&) = delete;
+  VolumeFolder& operator=(const VolumeFolder&) = delete;
+  [[nodiscard]] std::string header() const { return (folder_ / "volume.hdr").string(); }
+  void write(std::span<const std::byte> bytes) {
+    if (bytes.empty() && !written_) return;
+    std::ofstream(folder_ / "volume.img", std::ios::binary) << text_of(bytes);
+    written_ = !bytes.empty();
+  }
+
+ private:
+  fs::path folder_;
+  bool written_ = false;
+};
+
+/// The type and the size of a volume without a header, from the first byte on.
+VolumeResult open_without_header(const VolumeFile& file) {
+  constexpr std::size_t kChoices = 6;
+  RawVolume raw;
+  const std::span<const std::byte> bytes = file.content.bytes;
+  if (bytes.size() < kChoices) return std::string("too short");
+  for (std::size_t i = 0; i < 3; ++i) raw.dimensions[i] = std::to_integer<std::uint32_t>(bytes[i]);
+  raw.type = static_cast<qnv::VoxelType>(std::to_integer<unsigned>(bytes[3]) % 8);
+  raw.big_endian = std::to_integer<unsigned>(bytes[4]) % 2 == 1;
+  raw.offset = std::to_integer<std::uint64_t>(bytes[5]);
+  return open_raw(file, raw);
+}
+
+bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
+  static VolumeFolder folder;
+  const TwoFiles files = two_files(bytes);
+  folder.write(files.other);
+  VolumeFile file;
+  file.path = folder.header();
+  file.content = shared_bytes({files.first.begin(), files.first.end()});
+  if (is_gzip(files.first)) {
+    BytesResult unpacked = unpacked_gzip(files.first);
+    if (!std::holds_alternative<SharedBytes>(unpacked)) return false;
+    file.content = std::get<SharedBytes>(std::move(unpacked));
+  }
+  const VolumeResult opened = format.sniff ? format.open(file) : open_without_header(file);
+  const auto* source = std::get_if<qnv::VolumeSource>(&opened);
+  if (!source) {
+    require(!std::get<std::string>(opened).empty());
+    return false;
+  }
+  require(!qnv::check(source->layout));
+  if (qnv::voxel_count(source->layout) > std::size_t{1} << 18) return false;
+  std::vector<std::byte> scratch;
+  std::vector<float> slice(qnv::slice_voxels(source->layout));
+  for (std::uint32_t z = 0; z < source->layout.dimensions[2]; ++z) require(read_slice(*source, z, scratch, slice));
+  qnv::GradientOptions options;
+  options.threads = 1;
+  const auto vectors = qnv::gradient_vectors(*source, options);
+  if (const auto* cloud = std::get_if<qnv::Cloud>(&vectors)) check_cloud(*cloud);
+  return true;
+}
+
+/// Whole and in pieces: the same bytes, and the same said of them.
+bool run_gzip(std::span<const std::byte> bytes) {
+  constexpr std::size_t kMost = std::size_t{1} << 20;
+  std::string whole, pieces;
+  const auto problem = gunzip(bytes, kMost, [&](std::string_view piece) {
+    whole += piece;
+    return true;
+  });
+  Gunzip unpacking(kMost);
+  in_pieces(bytes, [&](std::span<const std::byte> piece) {
+    (void)unpacking.push(piece, [&](std::string_view out) {
+      pieces += out;
+      return true;
+    });
+  });
+  const auto other = unpacking.finish();
+  require(whole.size() <= kMost && whole == pieces && problem.has_value() == other.has_value());
+  (void)content_type_of("fuzz", first_bytes(bytes));
+  return !problem && !whole.empty();
+}
+
+}  // namespace
+
+std::vector<FuzzTarget> fuzz_targets() {
+  constexpr std::size_t kMostBytes = 8192;
+  std::vector<FuzzTarget> targets = {{"gzip", run_gzip}};
+  using Bytes = std::span<const std::byte>;
+  for (const ContentType& type : content_types()) {
+    const std::string name = target_name(type.name);
+    switch (type.content) {
+      case ContentClass::vrml:
+        targets.push_back({name, run_vrml, kMostBytes});
+        break;
+      case ContentClass::mesh:
+        targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMostBytes});
+        break;
+      case ContentClass::stream:
+      case ContentClass::cloud:
+        targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMostBytes});
+        break;
+      case ContentClass::volume:
+        break;  // they have a table of their own
+    }
+  }
+  for (const VolumeFormat& format : volume_formats())
+    targets.push_back(
+        {target_name(format.name.name), [&format](Bytes bytes) { return run_volume(format, bytes); }, kMostBytes});
+  return targets;
+}
+
+}  // namespace gs::fuzz

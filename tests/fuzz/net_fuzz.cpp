@@ -1,0 +1,183 @@
+// What comes from servers and documents: urls, headers, records of the cache, cells of a line.
+#include "net/access_log.h"
+#include "net/cache_entry.h"
+#include "net/cell_framing.h"
+#include "net/http_range.h"
+#include "net/schemes.h"
+#include "net/transport.h"
+#include "net/url.h"
+#include "tests/fuzz/net_targets.h"
+
+using namespace gs::net;
+
+namespace gs::fuzz {
+namespace {
+
+bool has_control(std::string_view text) {
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return true;
+  return false;
+}
+
+/// A base and a reference, a line each.
+bool run_urls(std::span<const std::byte> bytes) {
+  const std::string_view text = text_of(bytes);
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view first = text.substr(0, end), second = text.substr(std::min(end + 1, text.size()));
+  const Url base = parse_url(first), reference = parse_url(tidy_url(second));
+  const Url whole = resolve(base, reference);
+  // What is written reads back as it was, and finds itself.
+  for (const Url& url : {base, reference, whole}) require(parse_url(url.text()).text() == url.text());
+  if (!whole.scheme.empty()) require(resolve(base, whole).text() == resolve(base, resolve(base, whole)).text());
+  for (const Url& url : {base, whole}) {
+    if (const auto place = host_and_port(url.authority)) require(!place->host.empty() && place->port.value_or(1) != 0);
+    const std::string path = path_of_url(url);
+    require(path.empty() || url.scheme == "file");
+    if (path.starts_with('/')) {
+      const std::string plain = path_of_url(url_of_path(path));  // without "/./"; of a drive, without its slash
+      require(!plain.starts_with('/') || path_of_url(url_of_path(plain)) == plain);
+    }
+    require(!has_control(url_for_messages(url.text())));
+  }
+  return !whole.scheme.empty() && !whole.path.empty();
+}
+
+bool run_data_url(std::span<const std::byte> bytes) {
+  const auto decoded = decode_data_url(text_of(bytes));
+  if (decoded) require(decoded->bytes.size() <= bytes.size());
+  return decoded && !decoded->bytes.empty();
+}
+
+/// The lines of an answer's head.
+bool run_http_headers(std::span<const std::byte> bytes) {
+  constexpr std::int64_t kNow = 1'700'000'000;
+  std::string_view text = text_of(bytes);
+  ResponseHead head;
+  std::size_t known = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos) continue;
+    add_header(head, line.substr(0, colon), line.substr(colon + 1), kNow);
+    ++known;
+    (void)parse_http_date(line.substr(colon + 1));
+    if (const auto size = parse_decimal(line.substr(colon + 1))) require(*size > 0 || line.find('0') != line.npos);
+  }
+  finish_head(head);
+  require(freshness(head) >= 0);
+  if (head.content_range) {
+    const ContentRange& range = *head.content_range;
+    require(range.begin.has_value() == range.end.has_value());
+    if (range.begin) require(*range.begin < *range.end && *range.end <= range.total.value_or(*range.end));
+  }
+  require(head.validator.agrees(head.validator));
+  return known > 1 && (head.content_length || head.content_range);
+}
+
+/// A Range header and conditions, a line each, of a body as long as the first line says.
+bool run_http_range(std::span<const std::byte> bytes) {
+  std::string_view text = text_of(bytes);
+  const auto line = [&] {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view one = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return std::string(one);
+  };
+  const std::uint64_t size = parse_decimal(line()).value_or(1000);
+  const auto ranges = parse_ranges(line(), size);
+  const auto* some = std::get_if<std::vector<ServedRange>>(&ranges);
+  if (some) {
+    require(!some->empty() && some->size() <= kMostServedRanges);
+    std::uint64_t all = 0;
+    for (const ServedRange& range : *some) {
+      require(range.begin < range.end && range.end <= size);
+      all += range.end - range.begin;
+    }
+    require(all <= size);  // no byte twice: nobody is sent more than there is
+  }
+  Conditions conditions;
+  for (std::string* value : {&conditions.if_match, &conditions.if_none_match, &conditions.if_modified_since,
+                             &conditions.if_unmodified_since, &conditions.if_range})
+    *value = line();
+  (void)evaluate(conditions, "\"tag\"", 1'700'000'000);
+  (void)range_counts(conditions, "\"tag\"", 1'700'000'000);
+  (void)accepts_gzip(text);
+  return some != nullptr;
+}
+
+/// A record of the cache on disk: what is read is written as it was.
+bool run_cache_entry(std::span<const std::byte> bytes) {
+  const std::vector<std::byte> own(bytes.begin(), bytes.end());
+  const auto check = [](std::span<const std::byte> record) {
+    const auto entry = read_cache_entry(record);
+    if (!entry) return false;
+    std::uint64_t end = 0;
+    for (const CacheExtent& extent : entry->extents) {
+      require(extent.begin >= end && extent.size > 0 && extent.end() > extent.begin);
+      end = extent.end();
+    }
+    (void)entry->present().size();
+    const auto again = read_cache_entry(write_cache_entry(*entry));
+    require(again && again->key == entry->key && again->extents.size() == entry->extents.size());
+    return true;
+  };
+  // A checksum stands at the end; one that a mutation broke is mended.
+  std::vector<std::byte> mended = own;
+  if (mended.size() >= 4) {
+    const std::uint32_t sum = cache_checksum(std::span(mended).first(mended.size() - 4));
+    for (std::size_t i = 0; i < 4; ++i) mended[mended.size() - 4 + i] = static_cast<std::byte>(sum >> (8 * i));
+  }
+  const bool taken = check(own);
+  return check(mended) || taken;
+}
+
+/// Cells of a line, one after the other, and what they are put together to.
+bool run_cell_line(std::span<const std::byte> bytes) {
+  LineReceiver line;
+  Reassembler assembler(8);
+  std::vector<Pdu> units;
+  for (; bytes.size() >= kLineCell; bytes = bytes.subspan(kLineCell)) {
+    const auto cell = line.receive(bytes.first<kLineCell>());
+    if (cell)
+      assembler.push(*cell, units);
+    else
+      assembler.lost_anywhere(units);
+  }
+  assembler.finish(units);
+  bool whole = false;
+  for (const Pdu& unit : units) {
+    require(unit.whole ? unit.parts.empty() && unit.bytes.size() <= kMostPdu : unit.bytes.empty());
+    whole = whole || unit.whole;
+    std::span<const std::byte> rest;
+    if (const auto place = decode_place(unit.bytes, rest)) require(encode_place(*place, rest) == unit.bytes);
+  }
+  return whole;
+}
+
+/// Whatever a request says, it makes one line of the log.
+bool run_log_line(std::span<const std::byte> bytes) {
+  AccessRecord record;
+  record.method = record.target = record.version = std::string(text_of(bytes));
+  const std::string line = log_line(record);
+  require(line.ends_with('\n') ? line.find('\n') == line.size() - 1 : line.find('\n') == std::string::npos);
+  require(!has_control(line.substr(0, line.find('\n'))));
+  return !line.empty();
+}
+
+}  // namespace
+
+std::vector<FuzzTarget> fuzz_targets() {
+  return {{"urls", run_urls, 512},
+          {"data_url", run_data_url, 2048},
+          {"http_headers", run_http_headers, 2048},
+          {"http_range", run_http_range, 1024},
+          {"http_request", run_http_request, 2048},
+          {"cache_entry", run_cache_entry, 4096},
+          {"log_line", run_log_line, 512},
+          {"cell_line", run_cell_line, 8192},
+          {"cell_datagrams", run_cell_datagrams, 16384}};
+}
+
+}  // namespace gs::fuzz

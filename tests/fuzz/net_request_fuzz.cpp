@@ -1,0 +1,108 @@
+// Requests to a served folder: nothing beside it is ever opened, and no answer has a header that is none.
+#include "net/http_site.h"
+#include "tests/fuzz/net_targets.h"
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include <stdlib.h>
+
+using namespace gs::net;
+
+namespace gs::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder with a few files, one of them that leads out of it, beside a file that must not be served.
+class ServedSample {
+ public:
+  ServedSample() {
+    std::string pattern = (fs::temp_directory_path() / "ghostspace-fuzz-XXXXXX").string();
+    require(::mkdtemp(pattern.data()) != nullptr);
+    base_ = pattern;
+    fs::create_directories(base_ / "www" / "sub folder");
+    std::ofstream(base_ / "secret") << "secret";
+    std::ofstream(base_ / "www" / "a.txt") << std::string(2000, 'a');
+    std::ofstream(base_ / "www" / ".hidden") << "hidden";
+    std::ofstream(base_ / "www" / "sub folder" / "b.wrl") << "#VRML V2.0 utf8\n";
+    fs::create_symlink("../secret", base_ / "www" / "way_out");
+    fs::create_symlink("a.txt", base_ / "www" / "way_in");
+    inode_ = std::get<ServedFile>(root("").open(RequestPath{{"secret"}, false})).stamp.inode;
+    options_.type_of = [](const std::string& name) { return ServedType{"text/plain", name.ends_with(".txt")}; };
+    options_.list = [](const FolderListing& listing, bool json) {
+      std::string body = listing.path;
+      for (const FolderEntry& entry : listing.entries) body += entry.name + '\n';
+      return FolderPage{json ? "application/json" : "text/html", body};
+    };
+    site_ = std::make_unique<HttpSite>(options_, root("www"), nullptr, [] { return std::string("metrics\n"); });
+  }
+  ~ServedSample() {
+    std::error_code ignored;
+    fs::remove_all(base_, ignored);
+  }
+  ServedSample(const ServedSample&) = delete;
+  ServedSample& operator=(const ServedSample&) = delete;
+
+  [[nodiscard]] HttpSite::Reply answer(const HttpRequest& request) const { return site_->answer(request); }
+  [[nodiscard]] std::uint64_t forbidden() const { return inode_; }
+
+ private:
+  [[nodiscard]] ServedFolder root(const std::string& name) const {
+    return std::get<ServedFolder>(ServedFolder::open((base_ / name).string()));
+  }
+  fs::path base_;
+  std::uint64_t inode_ = 0;
+  HttpServerOptions options_;
+  std::unique_ptr<HttpSite> site_;
+};
+
+}  // namespace
+
+/// "METHOD TARGET", then a header a line.
+bool run_http_request(std::span<const std::byte> bytes) {
+  static const ServedSample sample;
+  std::string_view text = text_of(bytes);
+  const auto line = [&] {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string one(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return one;
+  };
+  HttpRequest request;
+  const std::string first = line();
+  const std::size_t blank = std::min(first.find(' '), first.size());
+  request.method = first.substr(0, blank);
+  request.target = first.substr(std::min(blank + 1, first.size()));
+  const std::map<std::string, std::string*> headers = {{"Range", &request.range},
+                                                       {"Accept", &request.accept},
+                                                       {"Accept-Encoding", &request.accept_encoding},
+                                                       {"If-Match", &request.conditions.if_match},
+                                                       {"If-None-Match", &request.conditions.if_none_match},
+                                                       {"If-Modified-Since", &request.conditions.if_modified_since},
+                                                       {"If-Unmodified-Since", &request.conditions.if_unmodified_since},
+                                                       {"If-Range", &request.conditions.if_range}};
+  while (!text.empty()) {
+    const std::string one = line();
+    const std::size_t colon = one.find(": ");
+    if (colon == std::string::npos) continue;
+    const auto known = headers.find(one.substr(0, colon));
+    if (known != headers.end()) *known->second = one.substr(colon + 2);
+  }
+  const HttpSite::Reply reply = sample.answer(request);
+  const auto* answer = std::get_if<HttpAnswer>(&reply);
+  require(answer);  // nothing is made here
+  require(answer->status >= 200 && answer->status < 600);
+  for (const auto& [name, value] : answer->headers) {
+    require(!name.empty());
+    for (const char c : name + value) require(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
+  }
+  if (answer->file) require(answer->stamp.inode != sample.forbidden());
+  for (const AnswerPart& part : answer->parts)
+    if (part.text.empty())
+      require(answer->file && part.range.begin < part.range.end && part.range.end <= answer->stamp.size);
+  return answer->status == 200 || answer->status == 206;
+}
+
+}  // namespace gs::fuzz
