@@ -1,5 +1,6 @@
 #include "app/archive_index.h"
 
+#include "app/text.h"
 #include "net/http_range.h"
 #include "net/served_folder.h"
 
@@ -41,13 +42,6 @@ constexpr WebType kWebTypes[] = {
 };
 // Of our types, those that are mostly text.
 constexpr std::string_view kTexts = ".wrl .vrml .obj .mgf .geom .geo .inp .ucd .xyz ";
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return out;
-}
 
 // ".wrl " of "a.WRL"; empty where there is none.
 std::string extension_of(std::string_view name) {

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint16_t kStandardPort = 6635;          // MPLS in UDP, RFC 7510
+constexpr std::uint16_t kCellsPort = 6635;             // MPLS in UDP, RFC 7510
 constexpr std::uint64_t kAnyRate = 1'000'000'000;      // bits a second: the server grants what it likes
 constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // bytes taken in between two looks at the clock
 constexpr std::size_t kMostEarly = std::size_t{64} << 20;
@@ -28,8 +28,7 @@ CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Si
   client.rate = options.rate > 0 ? options.rate : kAnyRate;
   client.loss = options.loss;
   client.loss_seed = options.loss_seed;
-  auto started =
-      net::CellClientDriver::start(client, place->host, place->port.value_or(kStandardPort), std::move(wake));
+  auto started = net::CellClientDriver::start(client, place->host, place->port.value_or(kCellsPort), std::move(wake));
   if (auto* error = std::get_if<net::UdpError>(&started)) {
     problem_ = name_ + ": " + error->message;
     return;

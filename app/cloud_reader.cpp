@@ -21,17 +21,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using vrml::Severity;
 
-// A hostile file can promise a thousand times its size.
-constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
-constexpr std::size_t kPiece = std::size_t{1} << 20;
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Vectors of a volume that is only looked at.
 constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
 
-class Reader {
+class CloudFileReader {
  public:
-  Reader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit)
+  CloudFileReader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit)
       : file_(file), diagnostics_(diagnostics), limit_(limit) {}
 
   std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
@@ -64,7 +62,7 @@ class FileSource : public qnv::ChunkSource {
 };
 
 // A packed stream is kept as it came, or where it lies; views decode what they show.
-std::optional<qnv::Cloud> Reader::levels(qnv::LodStream::Opened opened) {
+std::optional<qnv::Cloud> CloudFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
   const std::shared_ptr<qnv::LodStream> stream = std::move(*made);
@@ -78,7 +76,7 @@ std::optional<qnv::Cloud> Reader::levels(qnv::LodStream::Opened opened) {
   return cloud;
 }
 
-std::optional<qnv::Cloud> Reader::stream() {
+std::optional<qnv::Cloud> CloudFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
@@ -96,7 +94,7 @@ std::optional<qnv::Cloud> Reader::stream() {
   bool late = false;
   const auto push = [&](std::span<const std::byte> bytes) {
     while (!bytes.empty() && !late) {
-      const std::size_t size = std::min(bytes.size(), kPiece);
+      const std::size_t size = std::min(bytes.size(), kReadBytes);
       if (!decoder.push(bytes.first(size))) return false;
       bytes = bytes.subspan(size);
       late = limit_.over();
@@ -121,7 +119,7 @@ std::optional<qnv::Cloud> Reader::stream() {
   return decoder.cloud();
 }
 
-std::optional<qnv::Cloud> Reader::cloud(const ContentType& type) {
+std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
   std::vector<std::byte> unpacked;
   std::span<const std::byte> bytes = file_.bytes;
   if (is_gzip(bytes) && !type.unpacks_itself) {
@@ -144,7 +142,7 @@ std::optional<qnv::Cloud> Reader::cloud(const ContentType& type) {
   return std::move(cloud);
 }
 
-std::optional<qnv::Cloud> Reader::volume() {
+std::optional<qnv::Cloud> CloudFileReader::volume() {
   if (file_.cut) {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
@@ -206,7 +204,7 @@ Deadline::~Deadline() = default;
 
 std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, vrml::Diagnostics& diagnostics,
                                      const LoadLimit& limit) {
-  Reader reader(file, diagnostics, limit);
+  CloudFileReader reader(file, diagnostics, limit);
   if (file.bytes.empty()) {
     diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
     return std::nullopt;

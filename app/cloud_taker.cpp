@@ -13,8 +13,6 @@ namespace {
 
 using vrml::Severity;
 
-constexpr std::size_t kTelling = 4096;  // so much of a file tells its type
-
 }  // namespace
 
 CloudTaker::CloudTaker(World& world, Place place, Show show)
@@ -66,7 +64,7 @@ void CloudTaker::more(std::span<const std::byte> bytes) {
 // A stream of QNV shows from its first bytes on. Everything else is read when it is there as a whole.
 void CloudTaker::choose_way() {
   if (!qnv::is_stream(bytes_)) {
-    if (bytes_.size() >= kTelling) way_ = Way::whole;
+    if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
     return;
   }
   // Of cells the loss is that of the line.

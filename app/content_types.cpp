@@ -9,6 +9,7 @@
 #include "app/formats/ucd.h"
 #include "app/formats/volume.h"
 #include "app/gunzip.h"
+#include "app/text.h"
 #include "qnv/container.h"
 
 #include <algorithm>
@@ -19,8 +20,6 @@ namespace gs::app {
 namespace {
 
 using Bytes = std::span<const std::byte>;
-
-std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 bool is_vrml(Bytes bytes) {
   std::string_view text = text_of(bytes);

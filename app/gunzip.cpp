@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{256} << 10;
+constexpr std::size_t kUnpackedBytes = std::size_t{256} << 10;
 constexpr int kGzipWindow = 15 + 16;  // zlib: the largest window, gzip framing
 
 }  // namespace
@@ -20,7 +20,7 @@ bool is_gzip(std::span<const std::byte> bytes) {
 
 struct Gunzip::State {
   z_stream stream{};
-  std::vector<char> piece = std::vector<char>(kPiece);
+  std::vector<char> piece = std::vector<char>(kUnpackedBytes);
   std::size_t limit = 0, total = 0;
   std::size_t mark = 0;  // of the two bytes that another member would begin with, how many have come
   bool between = false;  // a member has ended, and no other has begun

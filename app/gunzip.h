@@ -11,6 +11,9 @@
 
 namespace gs::app {
 
+/// Of one file: a hostile one can promise a thousand times its size.
+inline constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
+
 /// True for the first bytes of a gzip member (RFC 1952).
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
 

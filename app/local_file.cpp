@@ -1,4 +1,5 @@
 #include "app/local_file.h"
+#include "app/text.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,12 +10,6 @@ namespace gs::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return text;
-}
 
 // The path of an existing file that differs from `path` in upper and lower case only; empty for none.
 std::string find_ignoring_case(const fs::path& path) {

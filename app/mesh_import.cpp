@@ -12,9 +12,6 @@ namespace {
 
 using vrml::Severity;
 
-// A hostile file can promise a thousand times its size.
-constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
-
 std::vector<std::byte> unpacked(std::span<const std::byte> bytes, vrml::Diagnostics& diagnostics,
                                 const std::string& file) {
   std::vector<std::byte> out;

@@ -1,4 +1,5 @@
 #include "app/navigation.h"
+#include "app/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -14,7 +15,6 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr glm::vec3 kUp(0, 1, 0);            // of the world (VRML97 4.4.5)
 constexpr float kLongestStep = 0.25f;        // seconds
-constexpr float kFarthest = 1e15f;           // metres from the origin; beyond, floats have no metres left
 constexpr float kEaseTime = 0.08f;           // seconds until keys have taken effect by 63 %
 constexpr float kZoomTime = 0.06f;           // likewise for the wheel
 constexpr float kZoomNotch = 0.85f;          // what one notch leaves of the distance
@@ -22,11 +22,6 @@ constexpr float kTurnRate = kPi / 3;         // radians a second, by key
 constexpr float kSteepest = 85 * kPi / 180;  // how far a walker can look up or down
 constexpr float kLevelTime = 0.15f;          // seconds until a walker's roll is gone by 63 %
 constexpr float kFast = 4;
-
-bool finite(float x) { return std::isfinite(x); }
-bool finite(const glm::vec2& v) { return finite(v.x) && finite(v.y); }
-bool finite(const glm::vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }
-bool finite(const glm::quat& q) { return finite(q.w) && finite(q.x) && finite(q.y) && finite(q.z); }
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const float length = glm::length(v);

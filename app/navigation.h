@@ -18,6 +18,9 @@
 
 namespace gs::app {
 
+/// Metres from the origin that a pose can hold: beyond, floats have no metres left.
+inline constexpr float kFarthest = 1e15f;
+
 /// How the user moves through the world (VRML97 6.29). `pan` is ours.
 enum class NavigationMode : std::uint8_t { none, examine, fly, walk, pan };
 inline constexpr int kNavigationModeCount = 5;

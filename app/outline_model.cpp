@@ -1,5 +1,6 @@
 #include "app/outline_model.h"
 
+#include "app/surface_triangles.h"
 #include "net/url.h"
 #include "render/image.h"
 
@@ -14,13 +15,6 @@
 
 namespace gs::app {
 namespace {
-
-std::uint8_t to_byte(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); }
-qnv::Rgb8 to_rgb8(const glm::vec3& c) { return {to_byte(c.x), to_byte(c.y), to_byte(c.z)}; }
-
-bool has_surface(const render::DrawItem& item) {
-  return item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles && !item.mesh->indices.empty();
-}
 
 auto key_of(const qnv::OutlineAppearance& a) {
   const auto rgb = [](const qnv::Rgb8& c) { return c.r << 16 | c.g << 8 | c.b; };

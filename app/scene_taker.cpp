@@ -1,4 +1,5 @@
 #include "app/mesh_import.h"
+#include "app/text.h"
 #include "app/world_loading_state.h"
 #include "vrml/prototype.h"
 
@@ -12,15 +13,7 @@ namespace {
 
 using vrml::Severity;
 
-// A hostile .wrz can promise a thousand times its size.
-constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
 constexpr std::size_t kMaxChain = 32;  // Inlines and EXTERNPROTOs inside each other
-// So much of a file tells its type.
-constexpr std::size_t kTelling = 4096;
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 }  // namespace
 
@@ -80,7 +73,7 @@ void SceneTaker::more(std::span<const std::byte> bytes) {
 
 // By the first bytes, the name, or what the server says. False while more bytes are needed to tell.
 bool SceneTaker::choose_type(bool last) {
-  if (!last && waiting_.size() < kTelling) return false;
+  if (!last && waiting_.size() < kTypeBytes) return false;
   const std::string name = found_.local ? found_.path : found_.url.path;
   const auto first = first_bytes(waiting_);
   type_ = content_type_by_mark(first);

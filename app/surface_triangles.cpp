@@ -1,4 +1,5 @@
 #include "app/surface_triangles.h"
+#include "app/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -10,17 +11,10 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kBatch = 4096;
+constexpr std::size_t kTriangleBatch = 4096;
 // A textured triangle is divided until its pieces are this many texels long, but not more often than this.
 constexpr float kTexels = 2;
 constexpr int kMostDivisions = 7;
-
-qnv::Rgb8 to_rgb8(const glm::vec3& c) {
-  const auto component = [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); };
-  return {component(c.x), component(c.y), component(c.z)};
-}
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 // One coordinate of a texture, in texels.
 std::uint32_t texel(float at, std::uint32_t size, bool repeat) {
@@ -40,7 +34,7 @@ glm::vec3 sample(const render::TextureUse& texture, const glm::vec2& at, const g
   return {static_cast<float>(c[0]) / 255.0f, static_cast<float>(c[1]) / 255.0f, static_cast<float>(c[2]) / 255.0f};
 }
 
-struct Corner {
+struct SurfaceCorner {
   glm::vec3 position, normal, color;
   glm::vec2 texture;
 };
@@ -62,7 +56,7 @@ class Emitter {
   bool run() {
     const vrml::Mesh& mesh = *item_.mesh;
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      std::array<Corner, 3> corners;
+      std::array<SurfaceCorner, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
       if (flipped_) std::swap(corners[1], corners[2]);
       if (!emit(corners, divisions(corners))) return false;
@@ -71,8 +65,8 @@ class Emitter {
   }
 
  private:
-  Corner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
-    Corner c{};
+  SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
+    SurfaceCorner c{};
     c.position = glm::vec3(item_.world_from_node * glm::vec4(mesh.positions[index], 1.0f));
     if (mesh.normals.size() == mesh.positions.size()) {
       const glm::vec3 n = normal_matrix_ * mesh.normals[index];
@@ -92,7 +86,7 @@ class Emitter {
     return c;
   }
 
-  int divisions(const std::array<Corner, 3>& c) const {
+  int divisions(const std::array<SurfaceCorner, 3>& c) const {
     if (!textured_) return 0;
     const glm::vec2 size(static_cast<float>(item_.texture.image->width),
                          static_cast<float>(item_.texture.image->height));
@@ -110,8 +104,8 @@ class Emitter {
     return n;
   }
 
-  Corner middle(const Corner& a, const Corner& b) const {
-    Corner c{};
+  SurfaceCorner middle(const SurfaceCorner& a, const SurfaceCorner& b) const {
+    SurfaceCorner c{};
     c.position = (a.position + b.position) * 0.5f;
     const glm::vec3 n = a.normal + b.normal;
     const float length = std::sqrt(glm::dot(n, n));
@@ -121,9 +115,9 @@ class Emitter {
     return c;
   }
 
-  bool emit(const std::array<Corner, 3>& c, int divisions) {
+  bool emit(const std::array<SurfaceCorner, 3>& c, int divisions) {
     if (divisions > 0) {
-      const Corner ab = middle(c[0], c[1]), bc = middle(c[1], c[2]), ca = middle(c[2], c[0]);
+      const SurfaceCorner ab = middle(c[0], c[1]), bc = middle(c[1], c[2]), ca = middle(c[2], c[0]);
       return emit({c[0], ab, ca}, divisions - 1) && emit({ab, c[1], bc}, divisions - 1) &&
              emit({ca, bc, c[2]}, divisions - 1) && emit({ab, bc, ca}, divisions - 1);
     }
@@ -135,7 +129,7 @@ class Emitter {
       triangle.colors[i] = to_rgb8(c[i].color);
     }
     batch_.push_back(triangle);
-    return batch_.size() < kBatch || flush();
+    return batch_.size() < kTriangleBatch || flush();
   }
 
   bool flush() {
@@ -151,11 +145,15 @@ class Emitter {
   std::vector<qnv::Triangle> batch_;
 };
 
+}  // namespace
+
 bool has_surface(const render::DrawItem& item) {
   return item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles && !item.mesh->indices.empty();
 }
 
-}  // namespace
+std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
+
+qnv::Rgb8 to_rgb8(const glm::vec3& color) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z)}; }
 
 bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink) {
   for (const render::DrawItem& item : list.items)

@@ -1,9 +1,13 @@
 #pragma once
 
+#include "qnv/cloud.h"
 #include "qnv/triangles.h"
 #include "render/render_list.h"
 
+#include <glm/vec3.hpp>
+
 #include <cstddef>
+#include <cstdint>
 
 namespace gs::app {
 
@@ -21,5 +25,11 @@ struct SurfaceSummary {
   bool textured = false;
 };
 [[nodiscard]] SurfaceSummary summarize_surface(const render::RenderList& list);
+
+/// Whether an item draws triangles.
+[[nodiscard]] bool has_surface(const render::DrawItem& item);
+/// 0..1 as 0..255, and a colour of such components, to the nearest.
+[[nodiscard]] std::uint8_t to_byte(float value);
+[[nodiscard]] qnv::Rgb8 to_rgb8(const glm::vec3& color);
 
 }  // namespace gs::app

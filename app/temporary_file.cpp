@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string plain(const std::string& name) {
+std::string file_name_part(const std::string& name) {
   std::string result;
   for (const char c : name.substr(0, 100))
     result += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ? c : '_';
@@ -29,7 +29,7 @@ TemporaryFile::TemporaryFile(const std::string& name, std::span<const std::byte>
     return;
   }
   folder_ = folder;
-  path_ = (fs::path(folder) / ("x" + plain(name))).string();
+  path_ = (fs::path(folder) / ("x" + file_name_part(name))).string();
   if (const auto failed = net::write_file_atomically(path_, bytes)) problem_ = failed->message;
 }
 

@@ -38,7 +38,7 @@ void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
 
 /// `label` so that Dear ImGui takes no part of it for an identifier.
-std::string plain(const std::string& label) {
+std::string without_identifier(const std::string& label) {
   std::string result = shortened(label, kLabelLength);
   for (std::size_t at = 0; (at = result.find("##", at)) != std::string::npos; ++at) result.insert(at + 1, " ");
   return result;
@@ -49,13 +49,14 @@ std::optional<std::size_t> choose(const char* id, const std::string& preview, co
                                   std::optional<std::size_t> chosen, float width) {
   std::optional<std::size_t> result;
   ImGui::SetNextItemWidth(width);
-  if (!ImGui::BeginCombo(id, plain(preview).c_str(), ImGuiComboFlags_HeightLarge)) return result;
+  if (!ImGui::BeginCombo(id, without_identifier(preview).c_str(), ImGuiComboFlags_HeightLarge)) return result;
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(labels.size()));
   while (clipper.Step()) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
       const auto index = static_cast<std::size_t>(i);
-      if (ImGui::Selectable((plain(labels[index]) + "##" + std::to_string(i)).c_str(), chosen == index)) result = index;
+      if (ImGui::Selectable((without_identifier(labels[index]) + "##" + std::to_string(i)).c_str(), chosen == index))
+        result = index;
     }
   }
   ImGui::EndCombo();

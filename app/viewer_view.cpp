@@ -10,7 +10,6 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kManyItems = 2000;
-constexpr float kFarthest = 1e15f;  // of what a pose can hold
 
 bool usable(const vrml::Bounds& bounds) {
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());

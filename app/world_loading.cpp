@@ -2,6 +2,7 @@
 
 #include "app/importance.h"
 #include "app/local_file.h"
+#include "app/text.h"
 #include "app/world_loading_state.h"
 #include "net/schemes.h"
 #include "net/transport.h"
@@ -17,9 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using vrml::Severity;
 
-constexpr std::size_t kMaxFiles = 20'000;                // of all kinds, one world
-constexpr std::size_t kPiece = std::size_t{4} << 20;     // of a local file, between two looks at the clock
-constexpr std::chrono::milliseconds kLongestWait{1000};  // so that a limit is noticed
+constexpr std::size_t kMaxFiles = 20'000;                  // of all kinds, one world
+constexpr std::size_t kLocalBytes = std::size_t{4} << 20;  // of a local file, between two looks at the clock
 
 std::string title_of(const vrml::SceneGraph& scene) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
@@ -32,8 +32,6 @@ std::string title_of(const vrml::SceneGraph& scene) {
   }
   return {};
 }
-
-std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 }  // namespace
 
@@ -172,7 +170,7 @@ void WorldLoading::State::local_step() {
     }
   }
   if (!fetch.refused && !fetch.rest.empty()) {
-    const auto piece = fetch.rest.first(std::min(kPiece, fetch.rest.size()));
+    const auto piece = fetch.rest.first(std::min(kLocalBytes, fetch.rest.size()));
     fetch.rest = fetch.rest.subspan(piece.size());
     deliver(fetch, piece);
   }

@@ -14,6 +14,7 @@
 #include "qnv/decoder.h"
 #include "vrml/parser.h"
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -104,6 +105,9 @@ class Fetch {
 enum class Urgency : int { texture = 0, vectors = 1, inline_scene = 2, prototypes = 3, world = 4 };
 /// Of the loader's priorities between two urgencies; in between, how large something is seen.
 inline constexpr int kUrgencyStep = 1000;
+inline constexpr std::chrono::milliseconds kLongestWait{1000};  // so that a limit is noticed
+/// So much of a file tells its type.
+inline constexpr std::size_t kTypeBytes = 4096;
 /// Of a long stream on a server, before views choose.
 inline constexpr std::uint64_t kFrontBytes = std::uint64_t{1} << 16;
 

@@ -12,7 +12,6 @@
 namespace gs::app {
 namespace {
 
-constexpr std::chrono::milliseconds kLongestWait{1000};           // so that a limit is noticed
 constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are simply read
 
 std::string without_fragment(net::Url url) {

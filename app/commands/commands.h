@@ -2,6 +2,7 @@
 
 #include "app/opened_world.h"
 #include "app/options.h"
+#include "render/renderer.h"
 
 #include <cstddef>
 #include <optional>
@@ -26,6 +27,9 @@ int run_fetch(const Options& options);
 std::optional<std::string> check_encode(const Options& options);
 std::optional<std::string> check_export(const Options& options);
 std::optional<std::string> check_fetch(const Options& options);
+
+/// Which path draws vectors, by the value of `--splats`.
+[[nodiscard]] render::SplatPath splat_path(const std::string& name);
 
 /// Draws one world without a window (`--snapshot`).
 int run_snapshot(const Options& options, const std::string& file);

@@ -20,7 +20,7 @@ namespace gs::app {
 namespace {
 
 // Of the diagonal: what a group may deviate from its plane.
-constexpr double kTolerance = 1.0 / 200;
+constexpr double kOutlineTolerance = 1.0 / 200;
 
 std::string_view extension(const std::string& path) {
   for (const std::string_view known : {".qnv", ".wrl", ".wrz"})
@@ -97,7 +97,7 @@ int encode_outlines(const Options& options) {
   auto& model = std::get<OutlineModel>(built);
   qnv::OutlineOptions settings;
   const double diagonal = qnv::model_diagonal(model.model);
-  settings.outline_tolerance = options.tolerance.value_or(kTolerance * diagonal);
+  settings.outline_tolerance = options.tolerance.value_or(kOutlineTolerance * diagonal);
   settings.tolerance = settings.outline_tolerance;
   if (options.groups > 0) {
     // As many as were asked for, however bent they are.

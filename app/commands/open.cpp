@@ -8,10 +8,6 @@
 namespace gs::app {
 namespace {
 
-render::SplatPath splat_path(const std::string& name) {
-  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
-}
-
 constexpr double kNoTimeout = 1e6;  // seconds
 
 }  // namespace

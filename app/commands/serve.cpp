@@ -11,7 +11,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::chrono::seconds kGrace{10};
-constexpr std::uint16_t kStandardPort = 8080;
+constexpr std::uint16_t kHttpPort = 8080;
 
 std::string place(const ArchiveOptions& options, std::uint16_t port) {
   const bool six = options.bind.find(':') != std::string::npos;
@@ -57,7 +57,7 @@ int run_serve(const Options& options) {
   archive.folder = options.files.front();
   archive.http_port = options.http_port;
   archive.cells_port = options.cells_port;
-  if (!archive.http_port && !archive.cells_port) archive.http_port = kStandardPort;
+  if (!archive.http_port && !archive.cells_port) archive.http_port = kHttpPort;
   archive.bind = options.bind;
   archive.rate = options.rate;
   archive.congestion = options.congestion;

@@ -40,6 +40,10 @@ bool write_stats(const std::string& path, const std::string& json) {
   return !problem;
 }
 
+render::SplatPath splat_path(const std::string& name) {
+  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
+}
+
 int fail(const std::string& what) {
   std::fprintf(stderr, "ghostspace: error: %s\n", what.c_str());
   return kFailed;

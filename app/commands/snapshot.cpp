@@ -79,17 +79,13 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-render::SplatPath splat_path(const std::string& name) {
-  return name == "gl" ? render::SplatPath::gl : name == "cpu" ? render::SplatPath::cpu : render::SplatPath::automatic;
-}
-
-struct View {
+struct SnapshotView {
   render::Camera camera;
   bool headlight = true;
 };
 
-std::optional<View> choose_view(const Options& options, const render::RenderList& list, std::string& error) {
-  View view;
+std::optional<SnapshotView> choose_view(const Options& options, const render::RenderList& list, std::string& error) {
+  SnapshotView view;
   view.headlight = options.headlight.value_or(list.navigation.headlight);
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
   constexpr float kFieldOfView = 0.785398f;

@@ -4,6 +4,7 @@
 #include "app/commands/commands.h"
 #include "app/content_types.h"
 #include "app/surface_triangles.h"
+#include "app/text.h"
 #include "app/world_loader.h"
 #include "net/file.h"
 #include "net/url.h"
@@ -26,8 +27,6 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 using qnv::EncodeError;
 
 bool is_raw(const Options& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
-
-std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 std::optional<Opened> open_volume_input(const Options& options, const std::string& path) {
   auto opened = open_volume(path, options.raw);

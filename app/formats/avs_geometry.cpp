@@ -60,9 +60,9 @@ bool is_step(std::string_view line) {
   return line.starts_with("step") && line.size() > 4 && std::isdigit(static_cast<unsigned char>(line[4]));
 }
 
-class Importer {
+class AvsGeometryImporter {
  public:
-  Importer(std::span<const std::byte> bytes, SceneBuilder& builder)
+  AvsGeometryImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
 
   void run() {
@@ -318,7 +318,7 @@ void import_avs_geometry(std::span<const std::byte> bytes, vrml::SceneGraph& sce
         {1, 1});
     return;
   }
-  Importer(bytes, builder).run();
+  AvsGeometryImporter(bytes, builder).run();
 }
 
 }  // namespace gs::app

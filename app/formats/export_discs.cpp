@@ -1,5 +1,6 @@
 #include "app/formats/export_discs.h"
 
+#include "app/finite.h"
 #include "app/formats/splats.h"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 
 namespace gs::app {
 namespace {
-
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// The shortest turn from +Z to a unit vector.
 glm::vec4 rotation_to(const glm::vec3& n) {

@@ -5,7 +5,7 @@
 namespace gs::app {
 namespace {
 
-constexpr ExportFormat kFormats[] = {
+constexpr ExportFormat kExportFormats[] = {
     {"ply", ".ply", "PLY points with normals, colours and areas", export_points_ply},
     {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), degree 0", export_splats_ply},
     {"glb", ".glb", "glTF binary with KHR_gaussian_splatting", export_glb},
@@ -25,20 +25,20 @@ bool ends_with(std::string_view path, std::string_view extension) {
 
 }  // namespace
 
-std::span<const ExportFormat> export_formats() { return kFormats; }
+std::span<const ExportFormat> export_formats() { return kExportFormats; }
 
 const ExportFormat* export_format_of(std::string_view path) {
   const ExportFormat* best = nullptr;
-  for (const ExportFormat& format : kFormats)
+  for (const ExportFormat& format : kExportFormats)
     if (ends_with(path, format.extension) && (!best || format.extension.size() > best->extension.size()))
       best = &format;
   return best;
 }
 
 const ExportFormat* export_format_named(std::string_view name) {
-  const auto* found =
-      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const ExportFormat& f) { return f.name == name; });
-  return found == std::end(kFormats) ? nullptr : found;
+  const auto* found = std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
+                                   [&](const ExportFormat& f) { return f.name == name; });
+  return found == std::end(kExportFormats) ? nullptr : found;
 }
 
 }  // namespace gs::app

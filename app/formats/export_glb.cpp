@@ -1,6 +1,8 @@
 #include "app/formats/byte_order.h"
 #include "app/formats/export.h"
 #include "app/formats/export_discs.h"
+#include "app/formats/glb.h"
+#include "app/formats/ranges.h"
 #include "app/formats/scene_builder.h"
 #include "app/formats/splats.h"
 
@@ -15,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 constexpr int kFloat = 5126, kUnsignedByte = 5121, kArrayBuffer = 34962, kPoints = 0;
 constexpr std::size_t kSplatBytes = 12 + 16 + 12 + 4 + 12 + 4;
 
@@ -51,10 +52,6 @@ class Attributes {
  private:
   const std::vector<ExportSplat>& splats_;
 };
-
-std::uint8_t byte_of(float value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
-}
 
 /// Linear light for a display's colour (IEC 61966-2-1).
 float linear_of_display(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
@@ -130,7 +127,7 @@ Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
   const std::size_t total = 12 + 8 + text.size() + binary;
   if (total > std::numeric_limits<std::uint32_t>::max()) return "a GLB file holds no more than 4 GiB";
   bytes.reserve(total);
-  for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, total, text.size(), std::size_t{kJsonChunk}})
+  for (const std::size_t word : {std::size_t{kGlbMagic}, std::size_t{2}, total, text.size(), std::size_t{kJsonChunk}})
     put_little(bytes, static_cast<std::uint32_t>(word));
   const auto* first = reinterpret_cast<const std::byte*>(text.data());
   bytes.insert(bytes.end(), first, first + text.size());

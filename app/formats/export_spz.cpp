@@ -75,7 +75,7 @@ std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& sp
 /// What versions 3 and 4 have in common: 16 bytes, the last of which is `streams` in version 4.
 void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t count, int fraction_bits,
                 std::uint8_t streams) {
-  put_little(to, kMagic);
+  put_little(to, kSpzMagic);
   put_little(to, version);
   put_little(to, static_cast<std::uint32_t>(count));
   for (const int byte : {0, fraction_bits, 0, static_cast<int>(streams)}) to.push_back(static_cast<std::byte>(byte));
@@ -132,8 +132,8 @@ Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
   const int fraction_bits = fraction_bits_for(splats);
   const auto planes = planes_of(splats, fraction_bits);
   put_header(file, 4, splats.size(), fraction_bits, plane_count);
-  put_little(file, static_cast<std::uint32_t>(kHeaderBytes4));  // where the table of streams stands
-  file.resize(kHeaderBytes4);
+  put_little(file, static_cast<std::uint32_t>(kSpzHeaderBytes4));  // where the table of streams stands
+  file.resize(kSpzHeaderBytes4);
   std::vector<std::byte> streams;
   for (const PlaneBytes& plane : planes) {
     const auto packed = zstd_packed(plane);

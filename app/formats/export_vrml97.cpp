@@ -27,7 +27,7 @@ constexpr std::string_view kInterface =
 constexpr glm::vec3 kLight{0.27f, 0.53f, 0.80f};
 constexpr float kAmbient = 0.3f;
 
-class Text {
+class Vrml97Text {
  public:
   void add(std::string_view text) { out_ += text; }
   void number(float value) { append_number(out_, value); }
@@ -55,7 +55,7 @@ glm::vec3 rgb_of(const qnv::Rgb8& color) {
   return {static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255, static_cast<float>(color.b) / 255};
 }
 
-void put_points(const std::vector<ExportDisc>& discs, bool shaded, Text& text) {
+void put_points(const std::vector<ExportDisc>& discs, bool shaded, Vrml97Text& text) {
   text.add("  PointSet {\n    coord Coordinate { point [\n");
   for (const ExportDisc& disc : discs) text.vector(disc.position);
   text.add("    ] }\n    color Color { color [\n");
@@ -81,7 +81,7 @@ std::array<glm::vec3, 4> corners_of(const ExportDisc& disc) {
   return {disc.position - a, disc.position - b, disc.position + a, disc.position + b};
 }
 
-void put_patches(const std::vector<ExportDisc>& discs, Text& text) {
+void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
   text.add("  IndexedFaceSet {\n    solid FALSE\n    normalPerVertex FALSE\n    colorPerVertex FALSE\n");
   text.add("    coord Coordinate { point [\n");
   for (const ExportDisc& disc : discs) {
@@ -101,7 +101,7 @@ void put_patches(const std::vector<ExportDisc>& discs, Text& text) {
 }
 
 /// Looks at the whole box from the front.
-void put_viewpoint(const qnv::Box& box, Text& text) {
+void put_viewpoint(const qnv::Box& box, Vrml97Text& text) {
   const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
   const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
   constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
@@ -110,7 +110,7 @@ void put_viewpoint(const qnv::Box& box, Text& text) {
   text.add("}\n");
 }
 
-void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Text& text) {
+void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Vrml97Text& text) {
   text.add("}\n");
   if (!cloud.description.box.empty()) put_viewpoint(cloud.description.box, text);
   text.add("Shape {\n  appearance Appearance { material Material { } }\n  geometry QNV {\n");
@@ -132,7 +132,7 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Text& t
 std::vector<std::byte> world_of(const qnv::Cloud& cloud, const ExportOptions& options, bool patches) {
   const ExportDiscs all(cloud);
   const std::vector<ExportDisc> discs = visible_discs(all);
-  Text text;
+  Vrml97Text text;
   text.add("#VRML V2.0 utf8 written by GhostSpace\n");
   if (!options.title.empty()) {
     text.add("WorldInfo { title ");

@@ -1,4 +1,5 @@
 #include "app/formats/geometry_check.h"
+#include "app/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,12 +8,9 @@
 namespace gs::app {
 namespace {
 
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool is_finite(const glm::vec2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
-
 template <class Vector>
 bool all_finite(const vrml::Array<Vector>& values) {
-  return std::all_of(values.begin(), values.end(), [](const Vector& v) { return is_finite(v); });
+  return std::all_of(values.begin(), values.end(), [](const Vector& v) { return finite(v); });
 }
 
 template <class Vector>
@@ -20,7 +18,7 @@ void clear_not_finite(vrml::Array<Vector>& values) {
   if (all_finite(values)) return;
   Vector* v = values.mutable_data();
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_finite(v[i])) v[i] = Vector(0);
+    if (!finite(v[i])) v[i] = Vector(0);
 }
 
 void clamp_colors(vrml::MFColor& colors) {
@@ -61,7 +59,7 @@ GeometryLoss check_points(Geometry& data) {
   glm::vec3* positions = data.positions.mutable_data();
   vrml::Color* colors = data.colors.mutable_data();
   for (std::size_t i = 0; i < data.positions.size(); ++i) {
-    if (!is_finite(positions[i])) continue;
+    if (!finite(positions[i])) continue;
     positions[kept] = positions[i];
     if (colors) colors[kept] = colors[i];
     ++kept;
@@ -77,7 +75,7 @@ enum class Verdict : std::uint8_t { good, too_small, bad_index, not_finite };
 /// The four index arrays as the walk over the faces needs them.
 struct Corners {
   const Geometry& data;
-  bool finite;  // all positions are
+  bool known_finite;  // all positions are
 
   [[nodiscard]] Verdict judge(std::size_t first, std::size_t end) const {
     const std::size_t least = data.kind == Geometry::Kind::faces ? 3 : 2;
@@ -88,7 +86,7 @@ struct Corners {
           (!data.normal_index.empty() && beyond(data.normal_index[i], data.normals.size())) ||
           (!data.texture_index.empty() && beyond(data.texture_index[i], data.texture_coordinates.size())))
         return Verdict::bad_index;
-      if (!finite && !is_finite(data.positions[static_cast<std::size_t>(data.coord_index[i])]))
+      if (!known_finite && !finite(data.positions[static_cast<std::size_t>(data.coord_index[i])]))
         verdict = Verdict::not_finite;
     }
     return verdict;

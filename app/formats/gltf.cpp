@@ -90,9 +90,9 @@ vrml::Rotation axis_and_angle(glm::quat q) {
   return {axis.x / sine, axis.y / sine, axis.z / sine, 2 * std::atan2(sine, q.w)};
 }
 
-class Importer {
+class GltfImporter {
  public:
-  Importer(const tinygltf::Model& model, SceneBuilder& builder)
+  GltfImporter(const tinygltf::Model& model, SceneBuilder& builder)
       : model_(model),
         builder_(builder),
         accessors_(model),
@@ -286,7 +286,7 @@ void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml
                  const ReadFile& read_file) {
   SceneBuilder builder(scene, diagnostics);
   const auto model = load_gltf(bytes, read_file, builder);
-  if (model) Importer(*model, builder).run();
+  if (model) GltfImporter(*model, builder).run();
 }
 
 }  // namespace gs::app

@@ -1,4 +1,6 @@
 #include "app/formats/gltf_load.h"
+#include "app/formats/glb.h"
+#include "app/text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +27,6 @@ constexpr std::size_t kMaxBuffers = 1000;
 constexpr std::size_t kMaxExternalBytes = std::size_t{1} << 32;
 constexpr std::size_t kMaxMessage = 500;
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -43,10 +44,6 @@ struct Parts {
   std::string_view json;
   std::string_view bin;  // of the GLB's own buffer
 };
-
-std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// Cuts a GLB into its chunks (glTF 2.0 4.4), or tells why it cannot be.
 std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {

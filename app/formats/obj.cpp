@@ -19,7 +19,7 @@ namespace {
 // Each Shape costs nodes: a file of nothing but groups must not become a scene much larger than itself.
 constexpr std::size_t kMaxParts = 100'000;
 // A cube has corners and a scan has none: edges sharper than this stay when the file has no normals.
-constexpr float kCreaseAngle = std::numbers::pi_v<float> / 3;
+constexpr float kObjCreaseAngle = std::numbers::pi_v<float> / 3;
 constexpr std::size_t kMaxLibraries = 1000;
 constexpr std::int32_t kNone = -2;
 
@@ -52,13 +52,13 @@ class Names {
   std::vector<const std::string*> names_;
 };
 
-struct Corner {
+struct ObjCorner {
   std::int32_t position = kNone, texture = kNone, normal = kNone;
 };
 
-class Importer {
+class ObjImporter {
  public:
-  Importer(std::span<const std::byte> bytes, SceneBuilder& builder, const ReadFile& read_file)
+  ObjImporter(std::span<const std::byte> bytes, SceneBuilder& builder, const ReadFile& read_file)
       : cursor_(bytes), lines_(cursor_.next), builder_(builder), read_file_(read_file) {}
 
   void run() {
@@ -213,7 +213,7 @@ class Importer {
     return true;
   }
 
-  bool corner(Corner& c) {
+  bool corner(ObjCorner& c) {
     if (!index(positions_.size(), c.position)) return false;
     const auto slash = [this] {
       if (cursor_.next == cursor_.end || *cursor_.next != '/') return false;
@@ -235,7 +235,7 @@ class Importer {
     corners_.clear();
     bool good = true, textured = true, has_normals = true;
     while (good && skip_blanks()) {
-      Corner c;
+      ObjCorner c;
       good = corner(c);
       textured = textured && c.texture != kNone;
       has_normals = has_normals && c.normal != kNone;
@@ -251,7 +251,7 @@ class Importer {
 
   void add(Geometry::Kind kind, bool textured, bool has_normals) {
     Part& to = part(kind, textured, has_normals);
-    for (const Corner& c : corners_) {
+    for (const ObjCorner& c : corners_) {
       to.corners.push(c.position);
       if (textured) to.texture.push(c.texture);
       if (has_normals) to.normals.push(c.normal);
@@ -327,7 +327,7 @@ class Importer {
     if (key.smooth_known)
       geometry.crease_angle = key.smooth ? std::numbers::pi_v<float> : 0;
     else
-      geometry.crease_angle = kCreaseAngle;
+      geometry.crease_angle = kObjCreaseAngle;
     if (key.kind == Geometry::Kind::points) {
       take_points(geometry);
     } else if (order_.size() == 1) {
@@ -431,7 +431,7 @@ class Importer {
   std::vector<std::pair<const PartKey, Part>*> order_;
   PartKey key_;
   Part* current_ = nullptr;
-  std::vector<Corner> corners_;  // of the element being read
+  std::vector<ObjCorner> corners_;  // of the element being read
   std::vector<std::string> libraries_;
   ObjMaterials materials_;
   std::map<std::pair<std::uint32_t, bool>, vrml::NodeId> appearances_;
@@ -444,7 +444,7 @@ class Importer {
 void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
                 const ReadFile& read_file) {
   SceneBuilder builder(scene, diagnostics);
-  Importer(bytes, builder, read_file).run();
+  ObjImporter(bytes, builder, read_file).run();
 }
 
 std::vector<std::string> obj_material_libraries(std::span<const std::byte> bytes) {

@@ -36,18 +36,18 @@ constexpr std::string_view kTextureUse = "    texCoord TextureCoordinate { point
 
 constexpr std::size_t kFirstBatch = 128, kBatchGrowth = 4;  // groups of a node
 
-class Text {
+class OutlineText {
  public:
-  explicit Text(std::string& out) : out_(out) {}
-  Text& operator<<(std::string_view text) {
+  explicit OutlineText(std::string& out) : out_(out) {}
+  OutlineText& operator<<(std::string_view text) {
     out_ += text;
     return *this;
   }
-  Text& operator<<(float value) {
+  OutlineText& operator<<(float value) {
     append_number(out_, value);
     return *this;
   }
-  Text& operator<<(std::size_t value) {
+  OutlineText& operator<<(std::size_t value) {
     out_ += std::to_string(value);
     return *this;
   }
@@ -63,7 +63,7 @@ struct List {
   std::size_t corners = 0;
 
   void add(const qnv::OutlinePolygon& polygon, std::size_t group) {
-    Text index_text(index), point_text(points), coordinate_text(coordinates), group_text(groups);
+    OutlineText index_text(index), point_text(points), coordinate_text(coordinates), group_text(groups);
     // What a bridge passes twice stands there once.
     for (const std::uint32_t corner : qnv::bridged_ring(polygon)) index_text << corners + corner << " ";
     index += "-1\n";
@@ -83,13 +83,13 @@ struct Batch {
   std::vector<const qnv::OutlineGroup*> groups;
 };
 
-void put_color(Text& text, const char* field, const qnv::Rgb8& color) {
+void put_color(OutlineText& text, const char* field, const qnv::Rgb8& color) {
   text << field;
   for (const std::uint8_t c : {color.r, color.g, color.b})
     text << " " << std::round(static_cast<float>(c) / 0.255f) / 1000;
 }
 
-void put_appearance(Text& text, const qnv::OutlineAppearance& look, std::size_t number) {
+void put_appearance(OutlineText& text, const qnv::OutlineAppearance& look, std::size_t number) {
   const auto part = [](std::uint8_t v) { return std::round(static_cast<float>(v) / 0.255f) / 1000; };
   text << "DEF A" << number << " Appearance {\n";
   if (look.lit) {
@@ -142,10 +142,10 @@ class Writer {
         const qnv::OutlineGroup& group = *batch.groups[i];
         List& list = group.inner.empty() ? stays : outline;
         for (std::size_t k = 0; k < group.outline.size(); ++k) list.add(group.outline[k], i);
-        Text(sizes) << group.inner.size() << " ";
+        OutlineText(sizes) << group.inner.size() << " ";
         any_inner = any_inner || !group.inner.empty();
       }
-      Text text(out);
+      OutlineText text(out);
       head(text, batch);
       if (any_inner) text << "  groupSize [ " << sizes << "]\n  outlineGroup [\n" << outline.groups << "  ]\n";
       put(text, "outlineIndex", "outline", {}, outline);
@@ -160,7 +160,7 @@ class Writer {
       for (std::size_t i = 0; i < batch.groups.size(); ++i)
         for (std::size_t k = 0; k < batch.groups[i]->inner.size(); ++k) list.add(batch.groups[i]->inner[k], i);
       if (list.corners == 0) continue;
-      Text text(out);
+      OutlineText text(out);
       text << "Shape { appearance USE A" << std::size_t{batch.appearance} << " geometry OutlineGroup {\n";
       look(text, batch);
       text << "  refines USE O" << batch.number << "\n  group [\n" << list.groups << "  ]\n";
@@ -172,12 +172,12 @@ class Writer {
  private:
   static constexpr std::size_t kNone = ~std::size_t{0};
 
-  void look(Text& text, const Batch& batch) {
+  void look(OutlineText& text, const Batch& batch) {
     const qnv::OutlineAppearance& appearance = appearances_[batch.appearance];
     if (appearance.crease_angle > 0) text << "  creaseAngle " << appearance.crease_angle << "\n";
     if (!appearance.solid) text << "  solid FALSE\n";
   }
-  void head(Text& text, const Batch& batch) {
+  void head(OutlineText& text, const Batch& batch) {
     text << "Shape { appearance ";
     if (used_[batch.appearance])
       text << "USE A" << std::size_t{batch.appearance};
@@ -187,7 +187,7 @@ class Writer {
     text << " geometry DEF O" << batch.number << " OutlineGroup {\n";
     look(text, batch);
   }
-  static void put(Text& text, std::string_view index, std::string_view points, std::string_view coordinates,
+  static void put(OutlineText& text, std::string_view index, std::string_view points, std::string_view coordinates,
                   const List& list) {
     if (list.corners == 0) return;
     text << "  " << index << " [\n" << list.index << "  ]\n";
@@ -210,7 +210,7 @@ std::string fallback(bool textured) {
 
 std::string begun(const std::string& title, bool textured) {
   std::string out = "#VRML V2.0 utf8 outlines, written by GhostSpace\n";
-  Text text(out);
+  OutlineText text(out);
   if (!title.empty()) {
     text << "WorldInfo { title ";
     text.quoted(title);

@@ -56,13 +56,13 @@ float color_scale(PlyType type) {
 }
 
 /// Finds the properties of the first meaning that is complete: their places, or nothing.
-struct Found {
+struct FoundProperties {
   const Meaning* meaning = nullptr;
   std::array<std::size_t, 3> at{};
 };
-Found find(const PlyElement& element, std::span<const Meaning> meanings) {
+FoundProperties find(const PlyElement& element, std::span<const Meaning> meanings) {
   for (const Meaning& meaning : meanings) {
-    Found found{&meaning, {}};
+    FoundProperties found{&meaning, {}};
     bool complete = true;
     for (std::size_t i = 0; i < 3 && complete; ++i) {
       if (meaning.names[i].empty()) break;
@@ -80,7 +80,7 @@ Found find(const PlyElement& element, std::span<const Meaning> meanings) {
 template <class T>
 bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, vrml::Array<T>& array,
              std::vector<Column>& columns) {
-  const Found found = find(element, meanings);
+  const FoundProperties found = find(element, meanings);
   if (!found.meaning || rows == 0) return false;
   array.resize(rows);
   constexpr std::size_t kWidth = sizeof(T) / sizeof(float);
@@ -92,7 +92,7 @@ bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::
 
 void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& colors, std::vector<Column>& columns) {
   if (!connect(element, kColor, rows, colors, columns)) return;
-  const Found found = find(element, kColor);
+  const FoundProperties found = find(element, kColor);
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
 
@@ -107,9 +107,9 @@ void scale_large_colors(vrml::MFColor& colors) {
 }
 
 template <class Source>
-class Importer {
+class PlyImporter {
  public:
-  Importer(const PlyHeader& header, Source source, SceneBuilder& builder)
+  PlyImporter(const PlyHeader& header, Source source, SceneBuilder& builder)
       : header_(header), source_(source), builder_(builder) {}
 
   void run() {
@@ -406,13 +406,13 @@ void import_ply(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml:
   const std::span<const std::byte> data = bytes.subspan(used);
   switch (header->format) {
     case PlyFormat::ascii:
-      Importer(*header, PlyTextSource(cursor, reinterpret_cast<const char*>(bytes.data())), builder).run();
+      PlyImporter(*header, PlyTextSource(cursor, reinterpret_cast<const char*>(bytes.data())), builder).run();
       break;
     case PlyFormat::little_endian:
-      Importer(*header, PlyBinarySource<false>(data), builder).run();
+      PlyImporter(*header, PlyBinarySource<false>(data), builder).run();
       break;
     case PlyFormat::big_endian:
-      Importer(*header, PlyBinarySource<true>(data), builder).run();
+      PlyImporter(*header, PlyBinarySource<true>(data), builder).run();
       break;
   }
 }

@@ -2,6 +2,7 @@
 
 #include "app/formats/ply_table.h"
 #include "app/formats/point_areas.h"
+#include "app/formats/ranges.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +13,6 @@
 
 namespace gs::app {
 namespace {
-
-constexpr float kMostCoordinate = 1e18f;
 
 /// Points as a file has them; `areas` and `colors` may be empty.
 struct Points {
@@ -126,7 +125,7 @@ float color_scale(const PlyTable& table) {
 }
 
 /// The numbers of a line, at most nine; -1 where something else stands there.
-int numbers_of(std::string_view line, std::array<float, 9>& numbers) {
+int point_numbers(std::string_view line, std::array<float, 9>& numbers) {
   TextCursor cursor(line.data(), line.data() + line.size());
   int count = 0;
   while (cursor.skip_space() && count < 9)
@@ -177,7 +176,7 @@ ImportedCloud import_points_xyz(std::span<const std::byte> bytes) {
     const std::string_view line = trimmed(cursor.line());
     if (line.empty() || line.front() == '#') continue;
     std::array<float, 9> values{};
-    const int count = numbers_of(line, values);
+    const int count = point_numbers(line, values);
     if (count < 6)
       return "xyz points: line " + std::to_string(number) + ": expected x y z nx ny nz, six numbers or more";
     points.positions.emplace_back(values[0], values[1], values[2]);

@@ -1,4 +1,5 @@
 #include "app/formats/splats.h"
+#include "app/formats/ranges.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +9,6 @@
 namespace gs::app {
 namespace {
 
-// Squares of differences of such coordinates are still finite floats.
-constexpr float kMostCoordinate = 1e18f;
 // Flatter than this across z: made as a disc, its normal along z.
 constexpr float kFlatDisc = 1.0f / 50;
 
@@ -34,9 +33,6 @@ glm::vec3 rotated_axis(const glm::vec4& q, int axis) {
 
 float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-std::uint8_t byte_of(float value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
-}
 qnv::Rgb8 color_of(const glm::vec3& dc) {
   const auto part = [](float c) { return byte_of(std::isfinite(c) ? 0.5f + kSphericalHarmonic0 * c : 0.5f); };
   return {part(dc.x), part(dc.y), part(dc.z)};

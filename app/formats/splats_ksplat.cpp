@@ -7,7 +7,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 4096, kSectionHeaderBytes = 1024, kCenterBytes = 12;
+constexpr std::size_t kKsplatHeaderBytes = 4096, kSectionHeaderBytes = 1024, kCenterBytes = 12;
 constexpr std::array<std::size_t, 4> kHarmonics = {0, 9, 24, 45};  // numbers a splat, by degree
 
 /// Where the numbers of a splat stand, by compression mode.
@@ -121,7 +121,7 @@ void read_splat(const std::byte* from, std::size_t mode, const Section& section,
 }  // namespace
 
 ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes) {
-  if (bytes.size() < kHeaderBytes) return "not a .ksplat file: expected a header of 4096 bytes";
+  if (bytes.size() < kKsplatHeaderBytes) return "not a .ksplat file: expected a header of 4096 bytes";
   const auto word = [&](std::size_t at) { return load_little<std::uint32_t>(&bytes[at]); };
   if (bytes[0] != std::byte{0} || bytes[1] == std::byte{0})
     return "unknown .ksplat version " + std::to_string(std::to_integer<int>(bytes[0])) + "." +
@@ -129,14 +129,15 @@ ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes) {
   const std::uint64_t most_sections = word(4), sections = word(8);
   const std::size_t mode = load_little<std::uint16_t>(&bytes[20]);
   if (mode >= kModes.size()) return "unknown compression mode " + std::to_string(mode) + "; expected 0, 1 or 2";
-  if (sections > most_sections || most_sections > (bytes.size() - kHeaderBytes) / kSectionHeaderBytes)
+  if (sections > most_sections || most_sections > (bytes.size() - kKsplatHeaderBytes) / kSectionHeaderBytes)
     return "the file ends too early: expected " + std::to_string(most_sections) + " headers of sections";
 
   SplatModel model;
   model.format = "ksplat";
-  std::uint64_t start = kHeaderBytes + most_sections * kSectionHeaderBytes;
+  std::uint64_t start = kKsplatHeaderBytes + most_sections * kSectionHeaderBytes;
   for (std::uint64_t s = 0; s < sections; ++s) {
-    auto read = read_section(bytes, static_cast<std::size_t>(kHeaderBytes + s * kSectionHeaderBytes), start, mode);
+    auto read =
+        read_section(bytes, static_cast<std::size_t>(kKsplatHeaderBytes + s * kSectionHeaderBytes), start, mode);
     if (auto* problem = std::get_if<std::string>(&read)) return std::move(*problem);
     const Section& section = std::get<Section>(read);
     if (section.splats > kMostSplats - model.size()) return "more than " + std::to_string(kMostSplats) + " splats";

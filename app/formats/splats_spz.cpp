@@ -31,7 +31,7 @@ struct Header {
 
 /// The fields that all versions share, from 16 bytes; or what is wrong with them. `file_bytes`: of the packed file.
 std::optional<std::string> read_header(const std::byte* from, std::size_t file_bytes, Header& header) {
-  if (load_little<std::uint32_t>(from) != kMagic) return "not an SPZ file: expected NGSP at the start";
+  if (load_little<std::uint32_t>(from) != kSpzMagic) return "not an SPZ file: expected NGSP at the start";
   header.version = load_little<std::uint32_t>(from + 4);
   header.count = load_little<std::uint32_t>(from + 8);
   header.harmonics_degree = std::to_integer<std::uint8_t>(from[12]);
@@ -140,15 +140,15 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model) {
   Header header;
   std::optional<std::string> problem;
   bool known = false;
-  std::size_t wanted = kHeaderBytes;
+  std::size_t wanted = kSpzHeaderBytes;
   const auto stopped = gunzip(bytes, std::numeric_limits<std::size_t>::max(), [&](std::string_view piece) {
     const auto* first = reinterpret_cast<const std::byte*>(piece.data());
     data.insert(data.end(), first, first + piece.size());
-    if (!known && data.size() >= kHeaderBytes) {
+    if (!known && data.size() >= kSpzHeaderBytes) {
       known = true;
       problem = read_header(data.data(), bytes.size(), header);
       if (!problem && header.version > 3) problem = "SPZ version 4 within gzip; expected 1 to 3";
-      wanted = kHeaderBytes + header.count * kMostSplatBytes + kMostExtensionBytes;
+      wanted = kSpzHeaderBytes + header.count * kMostSplatBytes + kMostExtensionBytes;
     }
     return !problem && (!known || data.size() < wanted);
   });
@@ -156,7 +156,7 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model) {
   if (!known) return stopped ? "not an SPZ file: " + *stopped : "not an SPZ file: expected a header of 16 bytes";
   model.announced = header.count;
   std::array<Bytes, plane_count> planes;
-  std::size_t at = kHeaderBytes;
+  std::size_t at = kSpzHeaderBytes;
   const auto widths = plane_widths(header.version);
   for (std::size_t plane = 0; plane < plane_count; ++plane) {
     const std::size_t length = widths[plane] * header.count;
@@ -173,16 +173,16 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model) {
 }
 
 std::optional<std::string> read_version4(Bytes bytes, SplatModel& model) {
-  if (bytes.size() < kHeaderBytes4) return "the file ends within its header of 32 bytes";
+  if (bytes.size() < kSpzHeaderBytes4) return "the file ends within its header of 32 bytes";
   Header header;
   if (auto problem = read_header(bytes.data(), bytes.size(), header)) return problem;
   if (header.version != 4) return "SPZ version " + std::to_string(header.version) + " outside gzip; expected 4";
   const std::size_t streams = std::to_integer<std::size_t>(bytes[15]);
   const std::size_t table = load_little<std::uint32_t>(bytes.data() + 16);
   if (streams < plane_count) return std::to_string(streams) + " streams; expected at least 5";
-  if (table < kHeaderBytes4 || table > bytes.size() || streams * 16 > bytes.size() - table)
+  if (table < kSpzHeaderBytes4 || table > bytes.size() || streams * 16 > bytes.size() - table)
     return "the table of streams lies beyond the end of the file";
-  if (header.flags & kHasExtensions) read_extensions(bytes.subspan(kHeaderBytes4, table - kHeaderBytes4), model);
+  if (header.flags & kHasExtensions) read_extensions(bytes.subspan(kSpzHeaderBytes4, table - kSpzHeaderBytes4), model);
   model.announced = header.count;
   std::array<std::vector<std::byte>, plane_count> data;
   std::array<Bytes, plane_count> planes;
@@ -208,7 +208,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model) {
 }  // namespace
 
 bool is_splats_spz(std::span<const std::byte> bytes) {
-  return bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kMagic;
+  return bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kSpzMagic;
 }
 
 ImportedCloud import_splats_spz(std::span<const std::byte> bytes) {

@@ -7,10 +7,10 @@
 /// The numbers of Niantic's SPZ format that reading and writing share.
 namespace gs::app::spz {
 
-inline constexpr std::uint32_t kMagic = 0x5053474e;  // "NGSP"
-inline constexpr std::size_t kHeaderBytes = 16;      // versions 1 to 3, at the start of the unpacked stream
-inline constexpr std::size_t kHeaderBytes4 = 32;     // version 4, in the open
-inline constexpr std::uint8_t kHasExtensions = 2;    // in the flags
+inline constexpr std::uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
+inline constexpr std::size_t kSpzHeaderBytes = 16;      // versions 1 to 3, at the start of the unpacked stream
+inline constexpr std::size_t kSpzHeaderBytes4 = 32;     // version 4, in the open
+inline constexpr std::uint8_t kHasExtensions = 2;       // in the flags
 inline constexpr std::uint32_t kCoordinateSystem = 0xadbe0003;
 
 /// The planes that are read, in their order. (Behind them: harmonics.)

@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80, kDataStart = 84, kFacetBytes = 50;
+constexpr std::size_t kStlHeaderBytes = 80, kDataStart = 84, kFacetBytes = 50;
 constexpr std::uint16_t kColorBit = 0x8000;
 
 std::uint32_t word_at(const std::byte* from) {
@@ -108,7 +108,7 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
         "not an STL file: expected a header of 80 bytes and the number of facets, or a text that begins with 'solid'");
     return;
   }
-  const std::uint32_t announced = word_at(bytes.data() + kHeaderBytes);
+  const std::uint32_t announced = word_at(bytes.data() + kStlHeaderBytes);
   const std::size_t there = (bytes.size() - kDataStart) / kFacetBytes;
   if (announced > there)
     builder.fail("the file ends too early: expected " + std::to_string(announced) + " facets, found " +
@@ -133,7 +133,7 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
 
   Geometry geometry;
   Look look;
-  const auto object_color = magics_color(bytes.first(kHeaderBytes));
+  const auto object_color = magics_color(bytes.first(kStlHeaderBytes));
   if (object_color) look.diffuse = *object_color;
   // Without either sign the two bytes are anything; most programs leave rubbish or nothing there.
   if (count > 0 && (object_color ? colored < count : colored == count)) {
@@ -281,7 +281,7 @@ class TextImporter {
 
 bool is_text(std::span<const std::byte> bytes) {
   if (bytes.size() >= kDataStart) {
-    const std::uint64_t announced = word_at(bytes.data() + kHeaderBytes);
+    const std::uint64_t announced = word_at(bytes.data() + kStlHeaderBytes);
     if (bytes.size() == kDataStart + announced * kFacetBytes) return false;
   }
   TextCursor cursor(bytes);

@@ -10,7 +10,7 @@ namespace gs::app {
 namespace {
 
 // Between flat faces and a smooth surface: what bends less than this is shaded as if round.
-constexpr float kCreaseAngle = 0.5f;
+constexpr float kUcdCreaseAngle = 0.5f;
 constexpr std::int8_t kNoCorner = -1;
 
 using LocalFace = std::array<std::int8_t, 4>;
@@ -135,7 +135,7 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   geometry.colors = colors.take();
   geometry.color_per_vertex = !by_cell;
   geometry.convex = false;  // a quadrilateral may be anything
-  geometry.crease_angle = kCreaseAngle;
+  geometry.crease_angle = kUcdCreaseAngle;
   if (const vrml::NodeId node = builder.geometry(std::move(geometry)))
     builder.add_root(builder.shape(node, builder.appearance(Look{})));
 }

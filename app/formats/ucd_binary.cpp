@@ -6,24 +6,24 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 25, kCellBytes = 16, kLabelBytes = 2048;
+constexpr std::size_t kUcdHeaderBytes = 25, kCellBytes = 16, kLabelBytes = 2048;
 
 template <bool big>
-class Reader {
+class UcdBinaryReader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {
-    if (bytes.size() < kHeaderBytes) return;
+  explicit UcdBinaryReader(std::span<const std::byte> bytes) : bytes_(bytes) {
+    if (bytes.size() < kUcdHeaderBytes) return;
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] = word(1 + 4 * i);
   }
 
   /// Bytes of nodes, cells and the list of corners. 32-bit counts: no overflow.
   [[nodiscard]] std::uint64_t mesh_bytes() const {
-    return kHeaderBytes + kCellBytes * cells() + 4 * corners() + 12 * nodes();
+    return kUcdHeaderBytes + kCellBytes * cells() + 4 * corners() + 12 * nodes();
   }
   [[nodiscard]] std::uint64_t block_bytes(std::uint64_t values, std::uint64_t rows) const {
     return values == 0 ? 0 : kLabelBytes + 4 + values * (16 + 4 * rows);
   }
-  [[nodiscard]] bool holds_mesh() const { return bytes_.size() >= kHeaderBytes && mesh_bytes() <= bytes_.size(); }
+  [[nodiscard]] bool holds_mesh() const { return bytes_.size() >= kUcdHeaderBytes && mesh_bytes() <= bytes_.size(); }
   /// With all data and no bytes behind them (model data are not used by anyone).
   [[nodiscard]] bool is_exact() const {
     return holds_mesh() && counts_[2] < (1u << 24) && counts_[3] < (1u << 24) &&
@@ -31,14 +31,14 @@ class Reader {
   }
 
   [[nodiscard]] std::optional<UcdProblem> read(UcdMesh& mesh) const {
-    const std::size_t list = kHeaderBytes + kCellBytes * cells(), coordinates = list + 4 * corners();
+    const std::size_t list = kUcdHeaderBytes + kCellBytes * cells(), coordinates = list + 4 * corners();
     mesh.nodes.resize(nodes());
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t i = 0; i < nodes(); ++i)
         mesh.nodes[i][static_cast<int>(k)] = number(coordinates + 4 * (k * nodes() + i));
     std::uint64_t next = 0;
     for (std::size_t i = 0; i < cells(); ++i) {
-      const std::size_t at = kHeaderBytes + kCellBytes * i;
+      const std::size_t at = kUcdHeaderBytes + kCellBytes * i;
       const std::uint32_t length = word(at + 8), type = word(at + 12);
       if (type >= kUcdCorners.size())
         return UcdProblem{"cell " + std::to_string(i + 1) + " is of unknown type " + std::to_string(type) +
@@ -100,8 +100,8 @@ class Reader {
 
 std::optional<UcdProblem> read_ucd_binary(std::span<const std::byte> bytes, UcdMesh& mesh) {
   // Nothing in the file tells its byte order: the right one is that in which the counts fit the file.
-  const Reader<false> little(bytes);
-  const Reader<true> big(bytes);
+  const UcdBinaryReader<false> little(bytes);
+  const UcdBinaryReader<true> big(bytes);
   if (little.is_exact()) return little.read(mesh);
   if (big.is_exact()) return big.read(mesh);
   if (little.holds_mesh() && (!big.holds_mesh() || little.mesh_bytes() >= big.mesh_bytes())) return little.read(mesh);

@@ -44,9 +44,9 @@ class Numbers {
   bool sorted_ = true;
 };
 
-class Reader {
+class UcdTextReader {
  public:
-  Reader(std::span<const std::byte> bytes, UcdMesh& mesh) : cursor_(bytes), lines_(cursor_.next), mesh_(mesh) {}
+  UcdTextReader(std::span<const std::byte> bytes, UcdMesh& mesh) : cursor_(bytes), lines_(cursor_.next), mesh_(mesh) {}
 
   std::optional<UcdProblem> read() {
     (void)(read_counts() && read_nodes() && read_cells() && read_late_counts() &&
@@ -204,7 +204,7 @@ class Reader {
 }  // namespace
 
 std::optional<UcdProblem> read_ucd_text(std::span<const std::byte> bytes, UcdMesh& mesh) {
-  return Reader(bytes, mesh).read();
+  return UcdTextReader(bytes, mesh).read();
 }
 
 }  // namespace gs::app

@@ -16,7 +16,7 @@ VolumeResult open_without_header(const VolumeFile&) {
   return "the file has no header; give its size and type with --dims XxYxZ --type " + std::string(kVoxelTypes);
 }
 
-constexpr VolumeFormat kFormats[] = {
+constexpr VolumeFormat kVolumeFormats[] = {
     {{"AVS field", ".fld "}, is_avs_field, open_avs_field},
     {{"NRRD", ".nrrd .nhdr "}, is_nrrd, open_nrrd},
     {{"MetaImage", ".mhd .mha "}, is_meta_image, open_meta_image},
@@ -27,21 +27,21 @@ constexpr VolumeFormat kFormats[] = {
 };
 
 const VolumeFormat* format_of(std::string_view path, std::span<const std::byte> bytes) {
-  for (const VolumeFormat& format : kFormats)
+  for (const VolumeFormat& format : kVolumeFormats)
     if (format.sniff && format.sniff(bytes)) return &format;
   std::string name = lower_case(path);
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   const std::size_t point = name.rfind('.');
   if (point == std::string::npos) return nullptr;
   const std::string extension = name.substr(point) + ' ';
-  for (const VolumeFormat& format : kFormats)
+  for (const VolumeFormat& format : kVolumeFormats)
     if (format.name.extensions.find(extension) != std::string_view::npos) return &format;
   return nullptr;
 }
 
 std::string known_formats() {
   std::string text;
-  for (const VolumeFormat& format : kFormats) text += (text.empty() ? "" : ", ") + std::string(format.name.name);
+  for (const VolumeFormat& format : kVolumeFormats) text += (text.empty() ? "" : ", ") + std::string(format.name.name);
   return text;
 }
 
@@ -87,7 +87,7 @@ bool read_voxel_type(std::string_view text, RawVolume& raw) {
   return false;
 }
 
-std::span<const VolumeFormat> volume_formats() { return kFormats; }
+std::span<const VolumeFormat> volume_formats() { return kVolumeFormats; }
 
 VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
   qnv::VolumeLayout layout;
@@ -125,10 +125,10 @@ bool is_volume(std::string_view path, std::span<const std::byte> bytes) {
 
 std::span<const VolumeFormatName> volume_format_names() {
   static constexpr auto kNames = [] {
-    std::array<VolumeFormatName, std::size(kFormats)> names{};
+    std::array<VolumeFormatName, std::size(kVolumeFormats)> names{};
     for (std::size_t i = 0; i < names.size(); ++i) {
-      names[i] = kFormats[i].name;
-      names[i].sniff = kFormats[i].sniff;
+      names[i] = kVolumeFormats[i].name;
+      names[i].sniff = kVolumeFormats[i].sniff;
     }
     return names;
   }();

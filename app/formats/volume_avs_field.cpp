@@ -29,7 +29,7 @@ struct FieldType {
   bool big_endian = false;
 };
 
-std::optional<FieldType> type_of(std::string_view name) {
+std::optional<FieldType> avs_field_type_of(std::string_view name) {
   const bool xdr = name.starts_with("xdr_");
   if (xdr) name.remove_prefix(4);
   if (name == "byte") return FieldType{StoredType::u8, false};
@@ -81,7 +81,7 @@ void read_line(std::string_view line, FieldHeader& header, qnv::VolumeLayout& la
   if (key == "label" || key == "unit") add_metadata(layout, key == "unit" ? "units" : key, value);
 }
 
-FieldHeader read_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
+FieldHeader read_avs_field_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   FieldHeader header;
   constexpr std::size_t kMostHeader = std::size_t{1} << 20;
   std::string_view text = text_of(bytes.first(std::min(bytes.size(), kMostHeader)));
@@ -171,10 +171,10 @@ bool is_avs_field(std::span<const std::byte> bytes) { return text_of(bytes).star
 VolumeResult open_avs_field(const VolumeFile& file) {
   if (!is_avs_field(file.content.bytes)) return std::string("the file does not begin with '# AVS field file'");
   qnv::VolumeLayout layout;
-  const FieldHeader header = read_header(file.content.bytes, layout);
+  const FieldHeader header = read_avs_field_header(file.content.bytes, layout);
   if (header.field != "uniform" && header.field != "rectilinear")
     return "the field is '" + header.field.substr(0, 80) + "'; expected uniform or rectilinear";
-  const std::optional<FieldType> type = type_of(header.data);
+  const std::optional<FieldType> type = avs_field_type_of(header.data);
   if (!type)
     return "data is '" + header.data.substr(0, 80) +
            "'; expected byte, short, integer, float or double, or xdr_ and these";

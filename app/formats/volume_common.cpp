@@ -1,5 +1,6 @@
 #include "app/formats/volume_common.h"
 
+#include "app/finite.h"
 #include "app/formats/text_cursor.h"
 #include "app/gunzip.h"
 #include "net/file.h"
@@ -19,8 +20,6 @@ namespace gs::app {
 namespace {
 
 std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
-
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 qnv::VoxelType voxel_type_of(StoredType type) {
   return type < StoredType::u64 ? static_cast<qnv::VoxelType>(type) : qnv::VoxelType::f64;
@@ -201,20 +200,13 @@ std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte
 }
 
 void mend(qnv::VolumeLayout& layout) {
-  if (!is_finite(layout.origin)) layout.origin = glm::vec3(0);
+  if (!finite(layout.origin)) layout.origin = glm::vec3(0);
   if (!std::isfinite(layout.slope) || layout.slope == 0) layout.slope = 1;
   if (!std::isfinite(layout.intercept)) layout.intercept = 0;
   qnv::VolumeLayout space;
   space.dimensions = {1, 1, 1};
   space.axes = layout.axes;
   if (qnv::check(space)) layout.axes = qnv::VolumeLayout{}.axes;
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
-  return lower;
 }
 
 std::vector<double> numbers_of(std::string_view text, std::size_t most) {

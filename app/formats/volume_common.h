@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/volume.h"
+#include "app/text.h"
 #include "qnv/volume.h"
 
 #include <cstddef>
@@ -79,8 +80,6 @@ struct StoredVoxels {
 /// space become the unit axes, an origin that is not finite 0, a slope of 0 or one that is not finite 1.
 void mend(qnv::VolumeLayout& layout);
 
-/// Lower case, ASCII.
-[[nodiscard]] std::string lower_case(std::string_view text);
 /// All numbers of a text in which blanks, commas, parentheses and brackets part them; stops at anything
 /// else, and at `most`.
 [[nodiscard]] std::vector<double> numbers_of(std::string_view text, std::size_t most);
@@ -90,10 +89,6 @@ void mend(qnv::VolumeLayout& layout);
 /// Adds a pair to the metadata, unless it is empty: at most some thousand bytes, bytes that are no UTF-8
 /// replaced by '?'.
 void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_view value);
-
-inline std::string_view text_of(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 /// A row of the table of formats.
 struct VolumeFormat {

@@ -19,7 +19,7 @@ struct MetaHeader {
   std::size_t end = 0;  // where LOCAL data begins
 };
 
-std::optional<StoredType> type_of(std::string_view name) {
+std::optional<StoredType> meta_image_type_of(std::string_view name) {
   static constexpr std::pair<std::string_view, StoredType> kNames[] = {
       {"met_uchar", StoredType::u8},       {"met_char", StoredType::i8},         {"met_ushort", StoredType::u16},
       {"met_short", StoredType::i16},      {"met_uint", StoredType::u32},        {"met_int", StoredType::i32},
@@ -57,7 +57,7 @@ void read_tag(std::string_view name, std::string_view value, MetaHeader& header,
   if (key == "elementdatafile") header.data_file = value;
 }
 
-MetaHeader read_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
+MetaHeader read_meta_image_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   MetaHeader header;
   constexpr std::size_t kMostHeader = std::size_t{1} << 20;
   TextCursor cursor(bytes.first(std::min(bytes.size(), kMostHeader)));
@@ -130,9 +130,9 @@ bool is_meta_image(std::span<const std::byte> bytes) {
 
 VolumeResult open_meta_image(const VolumeFile& file) {
   qnv::VolumeLayout layout;
-  const MetaHeader header = read_header(file.content.bytes, layout);
+  const MetaHeader header = read_meta_image_header(file.content.bytes, layout);
   if (header.data_file.empty()) return std::string("the header has no ElementDataFile; expected LOCAL or a file name");
-  const std::optional<StoredType> type = type_of(header.type);
+  const std::optional<StoredType> type = meta_image_type_of(header.type);
   if (!type) return "ElementType is '" + header.type.substr(0, 80) + "'; expected an integer or float type";
   std::vector<double> sizes = header.sizes;
   if (header.dimensions != static_cast<double>(sizes.size()) || sizes.empty())

@@ -127,7 +127,7 @@ struct NiftiType {
   std::uint64_t components = 1;
 };
 
-std::optional<NiftiType> type_of(int code) {
+std::optional<NiftiType> nifti_type_of(int code) {
   switch (code) {
     case 2:  // DT_UINT8
       return NiftiType{StoredType::u8};
@@ -252,7 +252,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
   const auto header = NiftiHeader::read(bytes.bytes);
   if (!header) return std::string("no header of 348 (NIfTI-1, ANALYZE) or 540 bytes (NIfTI-2) stands at its begin");
   if (!header->known_dimensions()) return std::string("the dimensions are wrong; expected 1 to 7 counts from 1 on");
-  const std::optional<NiftiType> type = type_of(header->data_type());
+  const std::optional<NiftiType> type = nifti_type_of(header->data_type());
   if (!type)
     return "the data type is " + std::to_string(header->data_type()) +
            "; expected integers, floats or RGB of 8 to 64 bits";

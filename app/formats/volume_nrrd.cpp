@@ -18,7 +18,7 @@ struct NrrdHeader {
   std::size_t size = 0;  // of the header, the blank line included
 };
 
-std::optional<StoredType> type_of(std::string_view name) {
+std::optional<StoredType> nrrd_type_of(std::string_view name) {
   struct Name {
     std::string_view names;
     StoredType type;
@@ -66,7 +66,7 @@ void read_field(std::string_view name, std::string_view value, NrrdHeader& heade
   if (key == "space" || key == "space units" || key == "sample units") add_metadata(layout, key, value);
 }
 
-NrrdHeader read_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
+NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
   NrrdHeader header;
   constexpr std::size_t kMostHeader = std::size_t{1} << 20;
   TextCursor cursor(bytes.first(std::min(bytes.size(), kMostHeader)));
@@ -223,8 +223,8 @@ bool is_nrrd(std::span<const std::byte> bytes) { return text_of(bytes).starts_wi
 VolumeResult open_nrrd(const VolumeFile& file) {
   if (!is_nrrd(file.content.bytes)) return std::string("the file does not begin with NRRD000");
   qnv::VolumeLayout layout;
-  const NrrdHeader header = read_header(file.content.bytes, layout);
-  const std::optional<StoredType> type = type_of(header.type);
+  const NrrdHeader header = read_nrrd_header(file.content.bytes, layout);
+  const std::optional<StoredType> type = nrrd_type_of(header.type);
   if (!type) return "the type is '" + header.type.substr(0, 80) + "'; expected an integer or float type";
   auto found = axes_of(header);
   if (auto* problem = std::get_if<std::string>(&found)) return std::move(*problem);

@@ -256,7 +256,7 @@ class VtiData {
   SharedBytes bytes_;
 };
 
-std::optional<StoredType> type_of(std::string_view name) {
+std::optional<StoredType> vti_type_of(std::string_view name) {
   static constexpr std::pair<std::string_view, StoredType> kNames[] = {
       {"uint8", StoredType::u8},   {"int8", StoredType::i8},    {"uint16", StoredType::u16},
       {"int16", StoredType::i16},  {"uint32", StoredType::u32}, {"int32", StoredType::i32},
@@ -274,7 +274,7 @@ const VtiArray* choose(const VtiHeader& header) {
     const std::string& scalars = of_points ? header.point_scalars : header.cell_scalars;
     const VtiArray *named = nullptr, *single = nullptr, *first = nullptr;
     for (const VtiArray& array : header.arrays) {
-      if (array.of_points != of_points || !type_of(array.type)) continue;
+      if (array.of_points != of_points || !vti_type_of(array.type)) continue;
       if (!first) first = &array;
       if (!single && array.components == 1) single = &array;
       if (!named && !scalars.empty() && array.name == scalars) named = &array;
@@ -362,7 +362,7 @@ VolumeResult open_vti(const VolumeFile& file) {
   qnv::VolumeLayout layout;
   if (auto problem = place(header, array->of_points, layout)) return std::move(*problem);
   add_metadata(layout, "array", array->name);
-  const StoredType type = *type_of(array->type);
+  const StoredType type = *vti_type_of(array->type);
   const auto size = stored_size(layout, type, array->components);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   auto voxels = voxels_of(file, header, *array, type, std::get<std::uint64_t>(size));

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cmath>
+
+namespace gs::app {
+
+/// Whether no component is infinite or not a number.
+[[nodiscard]] inline bool finite(float x) { return std::isfinite(x); }
+[[nodiscard]] inline bool finite(const glm::vec2& v) { return finite(v.x) && finite(v.y); }
+[[nodiscard]] inline bool finite(const glm::vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }
+[[nodiscard]] inline bool finite(const glm::quat& q) {
+  return finite(q.w) && finite(q.x) && finite(q.y) && finite(q.z);
+}
+
+}  // namespace gs::app
