@@ -17,10 +17,9 @@ constexpr std::array<unsigned char, 8> kMagic{0x89, 'Q', 'N', 'V', 0x0d, 0x0a, 0
 constexpr std::uint16_t kSync = 0x4351;  // "QC"
 constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
-constexpr std::size_t kMostProblems = 100;
 constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
 enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4 };
-enum Flag : std::uint16_t { kTwoSided = 1, kColored = 2 };
+enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
   if (bytes.empty()) return from;  // crc32_z takes a null pointer for a request of the first value

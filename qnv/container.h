@@ -22,6 +22,8 @@ constexpr std::uint16_t kVersion = 1;
 /// More than this no header has, and no chunk's payload.
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20, kMostChunkBytes = 65535;
 constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
+/// A reader takes no further directory chunk once it has more entries than this, and notes no more problems.
+constexpr std::size_t kMostDirectoryEntries = std::size_t{1} << 22, kMostProblems = 100;
 
 /// What the payloads of a stream's chunks are.
 enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2 };

@@ -9,7 +9,6 @@ namespace {
 
 // Chunks that wait for a parent that may never come.
 constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
-constexpr std::size_t kMostDirectory = std::size_t{1} << 22;
 
 }  // namespace
 
@@ -27,7 +26,7 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   if (!missing.empty() && type != ChunkType::records) {
     ++refused_chunks_;
   } else if (type == ChunkType::directory) {
-    if (directory_.size() > kMostDirectory) return;
+    if (directory_.size() > kMostDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if (type == ChunkType::packed && header()->payload == Payload::packed) {

@@ -1,4 +1,5 @@
 #include "qnv/encode_surface.h"
+#include "qnv/finite.h"
 #include "qnv/palette.h"
 #include "qnv/records_payload.h"
 #include "qnv/stream_writer.h"
@@ -15,8 +16,6 @@ namespace {
 constexpr std::size_t kFirstLayer = 160;
 // A record, and its part of the headers of its chunk.
 constexpr double kBytesPerVector = 8.35;
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 // What the header says of the vectors that can be sent: the stream's total is theirs, because a receiver shares out
 // as much over what arrives.

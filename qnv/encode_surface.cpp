@@ -1,5 +1,6 @@
 #include "qnv/encode_surface.h"
 
+#include "qnv/finite.h"
 #include "qnv/packed.h"
 #include "qnv/stream_writer.h"
 #include "qnv/voxels.h"
@@ -27,8 +28,6 @@ struct Survey {
   bool colored = false;
   Rgb8 color;
 };
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 bool survey(const TriangleSource& source, Survey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {

@@ -68,9 +68,9 @@ struct Cut {
   std::uint64_t ties = kMostVectors;  // how many of exactly that length are kept, in the order of voxels
 };
 
-class Encoder {
+class GradientEncoder {
  public:
-  Encoder(const VolumeSource& source, const GradientOptions& options, Progress* progress)
+  GradientEncoder(const VolumeSource& source, const GradientOptions& options, Progress* progress)
       : source_(source), layout_(source.layout), options_(options), progress_(progress) {
     const glm::dmat3 axes(layout_.axes[0], layout_.axes[1], layout_.axes[2]);
     to_world_ = glm::transpose(glm::inverse(axes));
@@ -335,7 +335,7 @@ std::variant<Cloud, VolumeError> gradient_vectors(const VolumeSource& source, co
   if (options.vectors > kMostVectors)
     return VolumeError{std::to_string(options.vectors) + " vectors are asked for; expected at most " +
                        std::to_string(kMostVectors)};
-  return Encoder(source, options, progress).run();
+  return GradientEncoder(source, options, progress).run();
 }
 
 std::vector<TransferPoint> default_transfer(float least, float most) {

@@ -13,7 +13,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr double kMost = std::numeric_limits<float>::max();
+constexpr double kLargestLength = std::numeric_limits<float>::max();
 
 // With the missing neighbour stands the voxel itself, and the step is one voxel instead of two.
 inline double difference(float before, float here, float after, double factor) {
@@ -24,7 +24,7 @@ inline double difference(float before, float here, float after, double factor) {
 }
 
 inline float magnitude_of(const glm::dvec3& g) {
-  return static_cast<float>(std::min(std::sqrt((g.x * g.x + g.y * g.y) + g.z * g.z), kMost));
+  return static_cast<float>(std::min(std::sqrt((g.x * g.x + g.y * g.y) + g.z * g.z), kLargestLength));
 }
 
 inline float magnitude_at(const GradientRow& row, std::uint32_t x, const glm::dmat3& to_world) {
@@ -53,7 +53,7 @@ GHOSTSPACE_AVX2 void interior_avx2(const GradientRow& row, const glm::dmat3& m, 
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) columns[c][r] = _mm256_set1_pd(m[c][r]);
   const __m256d half = _mm256_set1_pd(0.5), factor_y = _mm256_set1_pd(row.factor[0]),
-                factor_z = _mm256_set1_pd(row.factor[1]), most = _mm256_set1_pd(kMost);
+                factor_z = _mm256_set1_pd(row.factor[1]), most = _mm256_set1_pd(kLargestLength);
   for (std::uint32_t x = 1; x < end; x += 4) {
     const __m256d here = load(row.here + x);
     const __m256d d[3] = {difference<gaps>(row.here + x - 1, here, row.here + x + 1, half),

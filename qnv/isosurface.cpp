@@ -21,13 +21,13 @@ using marching_cubes::kEdges;
 using marching_cubes::kFaces;
 
 // A cell of eight voxels that the surface crosses.
-struct Cube {
+struct CrossedCell {
   std::uint32_t x = 0, y = 0, z = 0;
   std::uint8_t inside = 0;        // a bit a corner
   std::array<double, 8> above{};  // value - isovalue, a corner each
 };
 
-struct Corner {
+struct SurfaceVertex {
   glm::vec3 position{0}, normal{0};
 };
 
@@ -109,7 +109,7 @@ class Marcher {
       next = column(x + 1);
       const unsigned inside = here | next << 1;
       if (inside == 0 || inside == 0xff) continue;
-      Cube cell{x, y, z, static_cast<std::uint8_t>(inside), {}};
+      CrossedCell cell{x, y, z, static_cast<std::uint8_t>(inside), {}};
       bool whole = true;
       for (unsigned corner = 0; corner < 8; ++corner) {
         const float value = rows[corner >> 1].here[x + (corner & 1)];
@@ -120,11 +120,11 @@ class Marcher {
     }
   }
 
-  void march_cell(const Cube& cell, const std::array<GradientRow, 4>& rows, std::vector<Triangle>& to) const {
+  void march_cell(const CrossedCell& cell, const std::array<GradientRow, 4>& rows, std::vector<Triangle>& to) const {
     const Cases& cases = cases_;
     const std::span<const EdgeTriangle> triangles =
         cases.triangles(cell.inside, joined_faces(cell, cases.ambiguous_faces(cell.inside)));
-    std::array<Corner, 12> corners;
+    std::array<SurfaceVertex, 12> corners;
     unsigned known = 0;
     for (const EdgeTriangle& edges : triangles) {
       for (const std::uint8_t e : edges) {
@@ -132,8 +132,8 @@ class Marcher {
         known |= 1u << e;
         corners[e] = corner_at(cell, e, rows);
       }
-      const Corner &a = corners[edges[0]], &b = corners[edges[mirrored_ ? 2 : 1]],
-                   &c = corners[edges[mirrored_ ? 1 : 2]];
+      const SurfaceVertex &a = corners[edges[0]], &b = corners[edges[mirrored_ ? 2 : 1]],
+                          &c = corners[edges[mirrored_ ? 1 : 2]];
       if (a.position == b.position || b.position == c.position || c.position == a.position) continue;
       to.push_back({{a.position, b.position, c.position},
                     {a.normal, b.normal, c.normal},
@@ -142,7 +142,7 @@ class Marcher {
   }
 
   // The value of a face's saddle is (ac - bd) / (a + c - b - d) with a, c inside and b, d outside.
-  static std::uint8_t joined_faces(const Cube& cell, std::uint8_t ambiguous) {
+  static std::uint8_t joined_faces(const CrossedCell& cell, std::uint8_t ambiguous) {
     unsigned joined = 0;
     for (unsigned face = 0; ambiguous >> face != 0; ++face) {
       if ((ambiguous >> face & 1) == 0) continue;
@@ -155,7 +155,7 @@ class Marcher {
   }
 
   // Computed from the lower to the upper corner, so that all cells at an edge get the same bits.
-  Corner corner_at(const Cube& cell, std::uint8_t e, const std::array<GradientRow, 4>& rows) const {
+  SurfaceVertex corner_at(const CrossedCell& cell, std::uint8_t e, const std::array<GradientRow, 4>& rows) const {
     const auto [lower, upper] = kEdges[e];
     const double low = cell.above[lower], high = cell.above[upper];
     const double t = std::clamp(low / (low - high), 0.0, 1.0);
@@ -163,7 +163,7 @@ class Marcher {
                                    static_cast<double>(cell.y + (lower >> 1 & 1u)),
                                    static_cast<double>(cell.z + (lower >> 2 & 1u))};
     place[e / 4] += t;
-    Corner corner;
+    SurfaceVertex corner;
     corner.position = voxel_position(layout_, place[0], place[1], place[2]);
     const auto gradient = [&](std::uint8_t c) { return gradient_at(rows[c >> 1], cell.x + (c & 1u), to_world_); };
     const glm::dvec3 slope = gradient(lower) * (1 - t) + gradient(upper) * t;

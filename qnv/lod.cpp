@@ -7,10 +7,9 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMostProblems = 100;
 // A directory that is wrong shows in one of so many chunks.
 constexpr std::size_t kSamples = 8;
-constexpr std::size_t kPiece = std::size_t{1} << 18;
+constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 
 }  // namespace
 
@@ -106,7 +105,7 @@ void LodStream::scan() {
     if (!why.empty()) problem(offset, std::move(why));
   };
   StreamReader reader;
-  std::vector<std::byte> piece(static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, source_->size())));
+  std::vector<std::byte> piece(static_cast<std::size_t>(std::min<std::uint64_t>(kBytesPerRead, source_->size())));
   for (std::uint64_t at = 0;;) {
     const std::size_t count = source_->read(at, piece);
     if (count == 0 || !reader.push(std::span(piece).first(count), arrive)) break;

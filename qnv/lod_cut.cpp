@@ -21,8 +21,6 @@ constexpr float kGivenUp = 0.7f;
 constexpr float kStays = 1e30f;
 // One is decoded after the other as long as what is known of them changes the choice; each goes a level deeper.
 constexpr int kMostRounds = 24;
-// A plane meets about four of the eight children of a voxel.
-constexpr std::uint32_t kTypicalChildren = 4;
 // Radians: by how much more than its parents' normals the normals of a cluster may be turned, when it is not looked
 // into for facing away; and what rounding may do.
 constexpr float kFinerTurn = 0.3f, kTurnMargin = 0.01f;

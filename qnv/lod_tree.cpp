@@ -10,13 +10,9 @@ namespace {
 
 // A stream of more has billions of vectors.
 constexpr std::size_t kMostNodes = std::size_t{1} << 22;
-// The decoder gives no more for a byte.
-constexpr std::uint64_t kVoxelsPerByte = 64;
-// A plane meets about four of the eight children of a voxel.
-constexpr std::uint32_t kTypicalChildren = 4;
 
 std::uint32_t possible_voxels(std::uint64_t claimed, std::uint32_t bytes) {
-  const std::uint64_t most = std::min<std::uint64_t>(kMostVoxels, kVoxelsPerByte * bytes);
+  const std::uint64_t most = std::min<std::uint64_t>(kMostVoxels, std::uint64_t{kVoxelsPerByte} * bytes);
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(claimed, 1, std::max<std::uint64_t>(most, 1)));
 }
 

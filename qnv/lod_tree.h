@@ -15,6 +15,8 @@
 namespace gs::qnv {
 
 constexpr std::uint32_t kNoNode = 0xffffffff;
+/// A plane meets about four of the eight children of a voxel.
+constexpr std::uint32_t kTypicalChildren = 4;
 
 /// Directions around an axis.
 struct NormalCone {

@@ -11,32 +11,33 @@
 namespace gs::qnv::order {
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 16;  // of points, for one thread at a time
+constexpr std::size_t kPointsPerTask = std::size_t{1} << 16;  // of points, for one thread at a time
 
 // work(first, last) over all of `count`.
 template <class Work>
 void in_blocks(std::size_t count, unsigned threads, const Work& work) {
-  const std::size_t blocks = (count + kBlock - 1) / kBlock;
+  const std::size_t blocks = (count + kPointsPerTask - 1) / kPointsPerTask;
   parallel_for(
-      blocks, [&](std::size_t b) { work(b * kBlock, std::min(count, (b + 1) * kBlock)); }, blocks > 1 ? threads : 1);
+      blocks, [&](std::size_t b) { work(b * kPointsPerTask, std::min(count, (b + 1) * kPointsPerTask)); },
+      blocks > 1 ? threads : 1);
 }
 
 constexpr unsigned kDigit = 11;  // bits
-using Histogram = std::array<std::uint32_t, std::size_t{1} << kDigit>;
+using DigitHistogram = std::array<std::uint32_t, std::size_t{1} << kDigit>;
 
 // One pass of the sort: by one digit.
 void sort_by_digit(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, unsigned shift, unsigned mask,
-                   std::vector<Histogram>& histograms, unsigned threads) {
+                   std::vector<DigitHistogram>& histograms, unsigned threads) {
   in_blocks(from.size(), threads, [&](std::size_t first, std::size_t last) {
-    Histogram& histogram = histograms[first / kBlock];
+    DigitHistogram& histogram = histograms[first / kPointsPerTask];
     histogram.fill(0);
     for (std::size_t i = first; i < last; ++i) ++histogram[from[i].key >> shift & mask];
   });
   std::uint32_t sum = 0;
   for (std::size_t digit = 0; digit <= mask; ++digit)
-    for (Histogram& histogram : histograms) sum += std::exchange(histogram[digit], sum);
+    for (DigitHistogram& histogram : histograms) sum += std::exchange(histogram[digit], sum);
   in_blocks(from.size(), threads, [&](std::size_t first, std::size_t last) {
-    Histogram& next = histograms[first / kBlock];
+    DigitHistogram& next = histograms[first / kPointsPerTask];
     for (std::size_t i = first; i < last; ++i) to[next[from[i].key >> shift & mask]++] = from[i];
   });
 }
@@ -119,7 +120,7 @@ std::size_t GoldenStride::next() {
 
 void sort_by_key(std::vector<KeyedIndex>& entries, unsigned bits, unsigned threads) {
   std::vector<KeyedIndex> other(entries.size());
-  std::vector<Histogram> histograms((entries.size() + kBlock - 1) / kBlock);
+  std::vector<DigitHistogram> histograms((entries.size() + kPointsPerTask - 1) / kPointsPerTask);
   for (unsigned shift = 0; shift < bits; shift += kDigit) {
     const unsigned digit = std::min(kDigit, bits - shift);
     sort_by_digit(entries, other, shift, (1u << digit) - 1, histograms, threads);

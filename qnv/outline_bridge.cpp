@@ -4,11 +4,8 @@
 #include <cmath>
 #include <utility>
 
-namespace gs::qnv {
+namespace gs::qnv::outline {
 namespace {
-
-using outline::kNone;
-using outline::turn;
 
 // Rings as linked lists, into which holes are hung one after the other (Eberly, Triangulation by Ear Clipping, section
 // 3): from a hole's leftmost vertex to the left there is the ring or a hole that is hung up already, if holes come by
@@ -19,10 +16,10 @@ class Bridges {
     glm::dvec3 normal(0);
     for (std::size_t i = 0; i < polygon.rings(); ++i) {
       const auto ring = polygon.ring(i);
-      normal += outline::ring_area(ring.size(), [&](std::size_t k) { return glm::dvec3(ring[k]); });
+      normal += ring_area(ring.size(), [&](std::size_t k) { return glm::dvec3(ring[k]); });
     }
     const double length = glm::length(normal);
-    const outline::PlaneAxes axes(length > 0 ? normal / length : glm::dvec3(0, 0, 1));
+    const PlaneAxes axes(length > 0 ? normal / length : glm::dvec3(0, 0, 1));
     nodes_.reserve(polygon.positions.size() + 2 * polygon.rings());
     for (std::size_t i = 0; i < polygon.rings(); ++i) {
       const std::size_t begin = polygon.ring_begin(i), end = polygon.ring_end(i);
@@ -188,7 +185,10 @@ class Bridges {
 };
 
 }  // namespace
+}  // namespace gs::qnv::outline
 
-std::vector<std::uint32_t> bridged_ring(const OutlinePolygon& polygon) { return Bridges(polygon).run(); }
+namespace gs::qnv {
+
+std::vector<std::uint32_t> bridged_ring(const OutlinePolygon& polygon) { return outline::Bridges(polygon).run(); }
 
 }  // namespace gs::qnv

@@ -9,9 +9,9 @@
 namespace gs::qnv::outline {
 namespace {
 
-constexpr std::size_t kChecksumAt = 10;
+constexpr std::size_t kHeadChecksumAt = 10;
 constexpr int kFirstGroupOrder = 4;
-enum Flag : std::uint8_t { kInner = 1, kTextured = 2 };
+enum ChunkFlag : std::uint8_t { kInnerChunk = 1, kTexturedChunk = 2 };
 
 template <class Integer, Integer kPolynomial>
 constexpr auto make_table() {
@@ -165,7 +165,7 @@ std::vector<std::byte> ChunkHead::encode(const LatticeBits& bits) const {
   const int length_bits = static_cast<int>(std::bit_width(static_cast<unsigned>(*longest - *shortest)));
   write.integer(number);
   write.integer(appearance);
-  write.integer(static_cast<std::uint8_t>((inner ? kInner : 0) | (textured ? kTextured : 0)));
+  write.integer(static_cast<std::uint8_t>((inner ? kInnerChunk : 0) | (textured ? kTexturedChunk : 0)));
   write.integer(static_cast<std::uint8_t>(frames.size()));
   write.integer(std::uint16_t{0});  // bytes of the head, below
   write.integer(std::uint16_t{0});  // checksum, below
@@ -186,7 +186,7 @@ std::vector<std::byte> ChunkHead::encode(const LatticeBits& bits) const {
     out[at + 1] = static_cast<std::byte>(value >> 8 & 255);
   };
   put(8, out.size());
-  put(kChecksumAt, crc16(out));
+  put(kHeadChecksumAt, crc16(out));
   return out;
 }
 
@@ -202,13 +202,15 @@ bool decode_head(std::span<const std::byte> payload, const LatticeBits& bits, Ch
   head.first_group = read.integer<std::uint32_t>();
   const std::size_t records = read.integer<std::uint16_t>(), shortest = read.integer<std::uint16_t>();
   const auto length_bits = read.integer<std::uint8_t>();
-  if (!read.good() || flags > (kInner | kTextured) || frames == 0 || records == 0 || length_bits > 16) return false;
+  if (!read.good() || flags > (kInnerChunk | kTexturedChunk) || frames == 0 || records == 0 || length_bits > 16)
+    return false;
   if (head_bytes < ChunkHead::kFixedBytes || head_bytes > payload.size()) return false;
   constexpr std::array<std::byte, 2> kZero{};
-  const std::uint16_t before = crc16(payload.first(kChecksumAt));
-  if (crc16(payload.subspan(kChecksumAt + 2, head_bytes - kChecksumAt - 2), crc16(kZero, before)) != sum) return false;
-  head.inner = (flags & kInner) != 0;
-  head.textured = (flags & kTextured) != 0;
+  const std::uint16_t before = crc16(payload.first(kHeadChecksumAt));
+  if (crc16(payload.subspan(kHeadChecksumAt + 2, head_bytes - kHeadChecksumAt - 2), crc16(kZero, before)) != sum)
+    return false;
+  head.inner = (flags & kInnerChunk) != 0;
+  head.textured = (flags & kTexturedChunk) != 0;
   BitReader pack(payload.subspan(ChunkHead::kFixedBytes, head_bytes - ChunkHead::kFixedBytes));
   if (records * std::max<std::size_t>(shortest, 1) > payload.size() || pack.left() < records * length_bits)
     return false;

@@ -24,7 +24,7 @@ struct Bounds {
   float angle = 0;          // between the normal and that of any face
 };
 
-struct Cluster {
+struct FaceCluster {
   glm::dvec3 sum{0};               // of its faces' vector areas
   glm::dvec3 moment{0};            // of its faces' centers times their areas
   double length = 0;               // of the sum
@@ -90,7 +90,7 @@ class Clustering {
     clusters_.resize(regions.count);
     bounds_.resize(regions.count);
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
-      Cluster& cluster = clusters_[regions.of[face]];
+      FaceCluster& cluster = clusters_[regions.of[face]];
       (cluster.first == kNone ? cluster.first : next_face_[cluster.last]) = face;
       cluster.last = face;
       ++cluster.faces;
@@ -100,7 +100,7 @@ class Clustering {
     });
   }
 
-  void measure(Cluster& cluster, Bounds& bounds) const {
+  void measure(FaceCluster& cluster, Bounds& bounds) const {
     for (std::uint32_t face = cluster.first; face != kNone; face = next_face_[face]) {
       const double area = std::max(mesh_.areas[face], 1e-200);
       glm::dvec3 center(0);
@@ -137,7 +137,7 @@ class Clustering {
   }
 
   // Extends the union's bounds to a cluster's corners and normals exactly; stops where they go too far, if asked to.
-  bool scan(const Cluster& cluster, Union& whole, bool limited) const {
+  bool scan(const FaceCluster& cluster, Union& whole, bool limited) const {
     double least = 1, radius2 = whole.radius * whole.radius;
     const double least_allowed = std::cos(angle_);
     bool fits = true;
@@ -184,7 +184,7 @@ class Clustering {
   // What Cohen-Steiner et al. call the L2,1 error that merging adds, |a| + |b| - |a + b| but for a factor, here without
   // cancellation; times how little of a boundary goes. Infinite where the union is too bent or too thick for sure.
   [[nodiscard]] double cost(const Edge& edge) const {
-    const Cluster &a = clusters_[edge.a], &b = clusters_[edge.b];
+    const FaceCluster &a = clusters_[edge.a], &b = clusters_[edge.b];
     const glm::dvec3 sum = a.sum + b.sum;
     const double length = glm::length(sum), dot = glm::dot(a.sum, b.sum), product = a.length * b.length;
     if (!(length > 0)) return a.firm_area == 0 && b.firm_area == 0 ? 0 : INFINITY;
@@ -312,8 +312,8 @@ class Clustering {
   // Makes one cluster of two, in the place of a, if it keeps within the tolerances. Without `thorough`, only if that is
   // plain from the bounds of the two.
   bool merge(std::uint32_t a, std::uint32_t b, bool thorough) {
-    Cluster &to = clusters_[a], &from = clusters_[b];
-    Cluster both = to;
+    FaceCluster &to = clusters_[a], &from = clusters_[b];
+    FaceCluster both = to;
     both.sum += from.sum;
     both.moment += from.moment;
     both.length = glm::length(both.sum);
@@ -384,7 +384,7 @@ class Clustering {
   double tolerance_, angle_;
   std::size_t target_;
   std::vector<std::uint32_t> next_face_;
-  std::vector<Cluster> clusters_;
+  std::vector<FaceCluster> clusters_;
   std::vector<Bounds> bounds_;
   std::vector<Edge> edges_;
   std::vector<std::uint64_t> keys_;

@@ -11,25 +11,25 @@
 namespace gs::qnv::outline {
 namespace {
 
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoIndex = std::numeric_limits<std::size_t>::max();
 
 /// Corners of a ring on one side, from one crossing to the next.
 struct Chain {
   std::vector<Corner> corners;
-  std::size_t to = kNone;  // the crossing at its end
+  std::size_t to = kNoIndex;  // the crossing at its end
 };
 
 struct Crossing {
   double along = 0;      // where on the line
   bool upwards = false;  // the ring leaves the lower side
   Corner corner;
-  std::size_t chain = kNone;  // that begins here
-  std::size_t partner = kNone;
+  std::size_t chain = kNoIndex;  // that begins here
+  std::size_t partner = kNoIndex;
 };
 
-class Cutter {
+class PolygonCutter {
  public:
-  Cutter(const Polygon& polygon, std::size_t across, std::size_t along)
+  PolygonCutter(const Polygon& polygon, std::size_t across, std::size_t along)
       : polygon_(polygon), across_(across), along_(along) {
     std::vector<std::uint32_t> values;
     for (const Corner& corner : polygon.corners) values.push_back(corner.p[across]);
@@ -182,7 +182,7 @@ bool cut_polygon(const Polygon& polygon, std::vector<LatticeRings>& pieces) {
   if (extent(along) > extent(across)) std::swap(across, along);
   for (int turn = 0; turn < 2; ++turn, std::swap(across, along)) {
     std::vector<LatticeRings> parts;
-    if (!Cutter(polygon, across, along).cut(parts)) continue;
+    if (!PolygonCutter(polygon, across, along).cut(parts)) continue;
     // Each part has to be smaller, or cutting would not end.
     const auto smaller = [&](const LatticeRings& part) { return part.corners.size() < polygon.corners.size(); };
     if (!std::all_of(parts.begin(), parts.end(), smaller)) continue;

@@ -8,13 +8,10 @@
 #include <optional>
 #include <utility>
 
-namespace gs::qnv {
+namespace gs::qnv::outline {
 namespace {
 
-using namespace outline;
-
 constexpr std::size_t kCornersAPolygon = 8;
-constexpr std::size_t kMostDirectory = std::size_t{1} << 22;
 
 /// A record, read: on the lattice.
 struct ReadPolygon {
@@ -108,7 +105,7 @@ class RecordReader {
 };
 
 /// Half the sum of its rings' normals, holes running the other way: units^2.
-double area_of(std::span<const glm::vec3> positions, std::span<const std::uint32_t> ring_ends, std::size_t first) {
+double polygon_area(std::span<const glm::vec3> positions, std::span<const std::uint32_t> ring_ends, std::size_t first) {
   const glm::dvec3 origin(positions[0]);
   glm::dvec3 sum(0);
   std::size_t begin = 0;
@@ -126,7 +123,7 @@ double area_of(std::span<const glm::vec3> positions, std::span<const std::uint32
   return std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z) / 2;
 }
 
-void append(const ReadPolygon& polygon, const OutlineHeader& header, OutlineBatch& batch) {
+void append_polygon(const ReadPolygon& polygon, const OutlineHeader& header, OutlineBatch& batch) {
   OutlinePolygons& to = batch.polygons;
   const std::size_t first = to.positions.size(), first_ring = to.ring_ends.size();
   batch.groups.push_back(polygon.group);
@@ -140,8 +137,8 @@ void append(const ReadPolygon& polygon, const OutlineHeader& header, OutlineBatc
   }
   for (const std::uint32_t end : polygon.ring_ends) to.ring_ends.push_back(static_cast<std::uint32_t>(first + end));
   to.polygon_ends.push_back(static_cast<std::uint32_t>(to.ring_ends.size()));
-  to.areas.push_back(area_of(std::span<const glm::vec3>(to.positions).subspan(first),
-                             std::span<const std::uint32_t>(to.ring_ends).subspan(first_ring), first));
+  to.areas.push_back(polygon_area(std::span<const glm::vec3>(to.positions).subspan(first),
+                                  std::span<const std::uint32_t>(to.ring_ends).subspan(first_ring), first));
 }
 
 bool overlaps(std::span<const ByteRange> missing, std::size_t first, std::size_t last) {
@@ -150,6 +147,9 @@ bool overlaps(std::span<const ByteRange> missing, std::size_t first, std::size_t
 }
 
 }  // namespace
+}  // namespace gs::qnv::outline
+
+namespace gs::qnv {
 
 bool OutlineDecoder::is_outlines() {
   if (refused_) return false;
@@ -184,7 +184,7 @@ void OutlineDecoder::finish() {
 void OutlineDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   if (!header() || !is_outlines()) return;
   if (type == ChunkType::directory && missing.empty()) {
-    if (directory_.size() > kMostDirectory) return;
+    if (directory_.size() > kMostDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if ((type != ChunkType::outlines && type != ChunkType::inner) || !add_polygons(type, payload, missing)) {
@@ -195,27 +195,28 @@ void OutlineDecoder::add(ChunkType type, std::span<const std::byte> payload, std
 bool OutlineDecoder::add_polygons(ChunkType type, std::span<const std::byte> payload,
                                   std::span<const ByteRange> missing) {
   const OutlineHeader& outlines = header()->outlines;
-  ChunkHead head;
+  outline::ChunkHead head;
   std::size_t at = 0;
-  if (!decode_head(payload, LatticeBits(outlines), head, at) || overlaps(missing, 0, at)) return false;
+  if (!outline::decode_head(payload, outline::LatticeBits(outlines), head, at) || outline::overlaps(missing, 0, at))
+    return false;
   if (head.inner != (type == ChunkType::inner) || head.appearance >= outlines.appearances.size()) return false;
   const auto known = handed_out_.find(head.number);
   // Another chunk of the same number.
   if (known != handed_out_.end() && known->second.size() != head.lengths.size()) return false;
   std::vector<bool> done = known == handed_out_.end() ? std::vector<bool>(head.lengths.size()) : known->second;
   bool any = false;
-  ReadPolygon polygon;
+  outline::ReadPolygon polygon;
   for (std::size_t i = 0; i < head.lengths.size(); at += head.lengths[i++]) {
-    if (done[i] || overlaps(missing, at, at + head.lengths[i])) continue;
+    if (done[i] || outline::overlaps(missing, at, at + head.lengths[i])) continue;
     const auto record = payload.subspan(at, head.lengths[i]);
-    const bool good =
-        crc8(record) == 0 && RecordReader(record.first(record.size() - 1), head, outlines, polygon).read();
+    const bool good = outline::crc8(record) == 0 &&
+                      outline::RecordReader(record.first(record.size() - 1), head, outlines, polygon).read();
     if (!good || outline_polygons_ + inner_polygons_ >= most_polygons_ ||
-        corners_ + polygon.corners.size() > kCornersAPolygon * most_polygons_) {
+        corners_ + polygon.corners.size() > outline::kCornersAPolygon * most_polygons_) {
       ++refused_records_;
       continue;
     }
-    append(polygon, outlines, batch(head.appearance, head.inner, polygon.textured));
+    outline::append_polygon(polygon, outlines, batch(head.appearance, head.inner, polygon.textured));
     corners_ += polygon.corners.size();
     ++(head.inner ? inner_polygons_ : outline_polygons_);
     done[i] = any = true;

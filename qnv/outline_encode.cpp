@@ -10,10 +10,8 @@
 #include <optional>
 #include <utility>
 
-namespace gs::qnv {
+namespace gs::qnv::outline {
 namespace {
-
-using namespace outline;
 
 /// Polygons of one appearance that are cut into chunks at a time: what is left over at their end makes a chunk of its
 /// own, whatever its size.
@@ -173,7 +171,8 @@ class Pass {
 };
 
 /// Numbers the chunks behind those that are there already.
-void append(std::vector<Finished> finished, bool inner, const LatticeBits& bits, std::vector<OutgoingChunk>& chunks) {
+void append_chunks(std::vector<Finished> finished, bool inner, const LatticeBits& bits,
+                   std::vector<OutgoingChunk>& chunks) {
   for (Finished& f : finished) {
     OutgoingChunk& out = chunks.emplace_back();
     f.chunk.head.number = static_cast<std::uint32_t>(chunks.size() - 1);
@@ -227,44 +226,48 @@ std::optional<EncodeError> problem_of(const StreamHeader& header) {
 }
 
 }  // namespace
+}  // namespace gs::qnv::outline
+
+namespace gs::qnv {
 
 std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& groups,
                                                          std::span<const OutlineAppearance> appearances,
                                                          const OutlineEncodeOptions& options, Progress* progress) {
   const OutlineAppearance plain;
   if (appearances.empty()) appearances = {&plain, 1};
-  if (auto problem = problem_of(groups, appearances.size())) return std::move(*problem);
-  const auto lattices = choose_lattices(groups, std::clamp(options.position_bits, 1, kMostLatticeBits),
-                                        std::clamp(options.texture_bits, 1, 20));
+  if (auto problem = outline::problem_of(groups, appearances.size())) return std::move(*problem);
+  const auto lattices = outline::choose_lattices(groups, std::clamp(options.position_bits, 1, kMostLatticeBits),
+                                                 std::clamp(options.texture_bits, 1, 20));
   if (!lattices) return EncodeError{"no polygon that is finite and not too far from the origin for the model's size"};
-  StreamHeader header = header_of(groups, appearances, *lattices, options);
-  const LatticeBits bits(header.outlines);
+  StreamHeader header = outline::header_of(groups, appearances, *lattices, options);
+  const outline::LatticeBits bits(header.outlines);
   const std::size_t chunk_bytes = std::clamp<std::size_t>(options.chunk_bytes, 100, 60000);
 
   std::vector<std::uint32_t> order(groups.groups.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return groups.groups[a].area > groups.groups[b].area; });
-  Pass outlines(groups, header.outlines, false, chunk_bytes), inner(groups, header.outlines, true, chunk_bytes);
-  const std::size_t most = most_corners(bits);
-  if (!place_polygons(groups, order, true, *lattices, most, inner.pool) ||
-      !place_polygons(groups, order, false, *lattices, most, outlines.pool))
+  outline::Pass outlines(groups, header.outlines, false, chunk_bytes),
+      inner(groups, header.outlines, true, chunk_bytes);
+  const std::size_t most = outline::most_corners(bits);
+  if (!outline::place_polygons(groups, order, true, *lattices, most, inner.pool) ||
+      !outline::place_polygons(groups, order, false, *lattices, most, outlines.pool))
     return EncodeError{"a polygon of more than " + std::to_string(most) + " corners whose rings cross cannot be cut"};
   if (inner.pool.polygons.empty() && outlines.pool.polygons.empty())
     return EncodeError{"no polygon has an area at this precision"};
   outlines.counts.resize(groups.groups.size());
-  for (const Placed& polygon : inner.pool.polygons) ++outlines.counts[polygon.group];
+  for (const outline::Placed& polygon : inner.pool.polygons) ++outlines.counts[polygon.group];
   header.outlines.outline_polygons = static_cast<std::uint32_t>(outlines.pool.polygons.size());
   header.outlines.inner_polygons = static_cast<std::uint32_t>(inner.pool.polygons.size());
-  if (auto problem = problem_of(header)) return std::move(*problem);
+  if (auto problem = outline::problem_of(header)) return std::move(*problem);
 
   if (progress) progress->stage = "encoding";
   std::vector<OutgoingChunk> chunks;
-  for (Pass* pass : {&outlines, &inner}) {
-    std::vector<Finished> finished;
+  for (outline::Pass* pass : {&outlines, &inner}) {
+    std::vector<outline::Finished> finished;
     if (!pass->encode(options.threads, progress, finished))
       return EncodeError{pass->too_long ? "a polygon does not fit into a chunk" : "cancelled"};
-    append(std::move(finished), pass == &inner, bits, chunks);
+    outline::append_chunks(std::move(finished), pass == &inner, bits, chunks);
     pass->pool = {};
   }
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);

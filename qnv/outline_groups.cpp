@@ -1,6 +1,7 @@
 #include "qnv/outline_groups.h"
 
 #include "qnv/cloud.h"
+#include "qnv/finite.h"
 #include "qnv/outline_parts.h"
 
 #include <glm/geometric.hpp>
@@ -13,16 +14,8 @@
 #include <optional>
 #include <utility>
 
-namespace gs::qnv {
+namespace gs::qnv::outline {
 namespace {
-
-using outline::boundary_rings;
-using outline::FaceLists;
-using outline::kNone;
-using outline::Labels;
-using outline::Mesh;
-using outline::PolygonMaker;
-using outline::Ring;
 
 std::optional<OutlineError> problem_of(const PolygonModel& model) {
   constexpr std::size_t kMost = 0xfffffff0u;
@@ -67,8 +60,8 @@ glm::dvec3 normal_of(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   const std::uint32_t largest =
       *std::max_element(faces.begin(), faces.end(), [&](auto a, auto b) { return mesh.areas[a] < mesh.areas[b]; });
   const std::uint32_t begin = mesh.begins[largest];
-  sum = outline::ring_area(mesh.begins[largest + 1] - begin,
-                           [&](std::size_t i) { return mesh.position(begin + static_cast<std::uint32_t>(i)); });
+  sum = ring_area(mesh.begins[largest + 1] - begin,
+                  [&](std::size_t i) { return mesh.position(begin + static_cast<std::uint32_t>(i)); });
   return glm::length(sum) > 0 ? glm::normalize(sum) : glm::dvec3(0, 0, 1);
 }
 
@@ -85,7 +78,7 @@ Merged merge_regions(const Mesh& mesh, const Labels& regions, const FaceLists& l
   merged.rings.resize(regions.count);
   merged.normals.resize(regions.count);
   std::atomic<std::size_t> fewer{0};
-  outline::for_ranges(regions.count, 256, threads, [&](std::size_t first, std::size_t last) {
+  for_ranges(regions.count, 256, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const auto faces = lists[static_cast<std::uint32_t>(i)];
       if (faces.size() == 1 && (mesh.thin[faces[0]] || !bridged(mesh, faces[0]))) continue;
@@ -93,7 +86,7 @@ Merged merge_regions(const Mesh& mesh, const Labels& regions, const FaceLists& l
       for (const std::uint32_t face : faces) area += mesh.areas[face];
       auto rings = boundary_rings(mesh, regions.of, faces, visited, 1);
       const glm::dvec3 normal = normal_of(mesh, faces);
-      if (!outline::bounds_surface(mesh, rings, normal, area)) continue;
+      if (!bounds_surface(mesh, rings, normal, area)) continue;
       merged.rings[i] = std::move(rings);
       merged.normals[i] = normal;
       fewer.fetch_add(faces.size() - 1, std::memory_order_relaxed);
@@ -149,15 +142,15 @@ class Assembly {
         boundary[h] = mate == kNone || labels.of[mesh.faces[mate]] != labels.of[face] ||
                       (faces_apart && merged_.rings[regions.of[face]].empty());
       }
-      return outline::kept_vertices(mesh, boundary, tolerance);
+      return kept_vertices(mesh, boundary, tolerance);
     };
-    exact_ = kept(regions, outline::merge_limits(mesh, options).line, true);
+    exact_ = kept(regions, merge_limits(mesh, options).line, true);
     if (options.outline_tolerance > 0) coarse_ = kept(groups, options.outline_tolerance, false);
   }
 
   std::vector<OutlineGroup> run(Progress* progress) {
     std::vector<OutlineGroup> made(groups_.count);
-    outline::for_ranges(
+    for_ranges(
         groups_.count, 64, options_.threads,
         [&](std::size_t first, std::size_t last) {
           for (std::size_t i = first; i < last; ++i) made[i] = make(static_cast<std::uint32_t>(i));
@@ -249,6 +242,9 @@ void finish(const Mesh& mesh, const Labels& labels, std::vector<OutlineGroup> ma
 }
 
 }  // namespace
+}  // namespace gs::qnv::outline
+
+namespace gs::qnv {
 
 OutlinePolygon OutlinePolygons::operator[](std::size_t polygon) const {
   const std::size_t ring = polygon == 0 ? 0 : polygon_ends[polygon - 1], end = polygon_ends[polygon];
@@ -265,8 +261,8 @@ OutlinePolygon OutlinePolygons::operator[](std::size_t polygon) const {
 
 std::variant<OutlineGroups, OutlineError> group_outlines(const PolygonModel& model, const OutlineOptions& asked,
                                                          Progress* progress) {
-  if (auto problem = problem_of(model)) return std::move(*problem);
-  const OutlineOptions options = sane(asked);
+  if (auto problem = outline::problem_of(model)) return std::move(*problem);
+  const OutlineOptions options = outline::sane(asked);
   const auto enter = [&](const char* stage, std::size_t total) {
     if (!progress) return true;
     progress->stage = stage;
@@ -277,25 +273,26 @@ std::variant<OutlineGroups, OutlineError> group_outlines(const PolygonModel& mod
   const OutlineError cancelled{"cancelled"};
   OutlineGroups result;
   if (!enter("welding", 1)) return cancelled;
-  const Mesh mesh = outline::make_mesh(model, options.threads, result.counts);
+  const outline::Mesh mesh = outline::make_mesh(model, options.threads, result.counts);
   if (!enter("merging", 1)) return cancelled;
   const auto limits = outline::merge_limits(mesh, options);
-  const Labels regions = outline::coplanar_regions(model, mesh, limits, options.threads);
+  const outline::Labels regions = outline::coplanar_regions(model, mesh, limits, options.threads);
   if (!enter("grouping", mesh.face_count())) return cancelled;
-  const Labels groups = options.tolerance > 0 ? outline::cluster_regions(mesh, regions, options, progress) : regions;
+  const outline::Labels groups =
+      options.tolerance > 0 ? outline::cluster_regions(mesh, regions, options, progress) : regions;
   if (!enter("outlines", groups.count / 64 + 1)) return cancelled;
-  Assembly assembly(model, mesh, regions, groups, options);
+  outline::Assembly assembly(model, mesh, regions, groups, options);
   auto made = assembly.run(progress);
   if (progress && progress->cancelled) return cancelled;
   result.counts.merged = assembly.merged();
-  finish(mesh, groups, std::move(made), result);
+  outline::finish(mesh, groups, std::move(made), result);
   return result;
 }
 
 double model_diagonal(const PolygonModel& model) {
   glm::dvec3 lower(INFINITY), upper(-INFINITY);
   for (const glm::vec3& p : model.positions) {
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+    if (!finite(p)) continue;
     lower = {std::min<double>(lower.x, p.x), std::min<double>(lower.y, p.y), std::min<double>(lower.z, p.z)};
     upper = {std::max<double>(upper.x, p.x), std::max<double>(upper.y, p.y), std::max<double>(upper.z, p.z)};
   }

@@ -9,9 +9,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::int64_t kMostOrigin = std::int64_t{1} << 52;
 constexpr std::size_t kAppearanceBytes = 19;  // without the URL
-enum Flag : std::uint8_t { kLit = 1, kSolid = 2, kTextured = 4 };
+enum AppearanceFlag : std::uint8_t { kLit = 1, kSolid = 2, kTextured = 4 };
 
 template <std::size_t Axes>
 void put(ByteWriter& write, const OutlineLattice<Axes>& lattice) {
@@ -27,7 +26,7 @@ bool get(ByteReader& read, OutlineLattice<Axes>& lattice) {
   for (std::uint32_t& size : lattice.size) size = read.integer<std::uint32_t>();
   if (lattice.exponent < -149 || lattice.exponent > 127) return false;
   for (std::size_t axis = 0; axis < Axes; ++axis) {
-    if (lattice.origin[axis] < -kMostOrigin || lattice.origin[axis] > kMostOrigin) return false;
+    if (lattice.origin[axis] < -kMostLatticeOrigin || lattice.origin[axis] > kMostLatticeOrigin) return false;
     if (lattice.size[axis] >> kMostLatticeBits != 0) return false;
     if (!std::isfinite(lattice.at(axis, 0)) || !std::isfinite(lattice.at(axis, lattice.size[axis]))) return false;
   }

@@ -16,6 +16,8 @@ namespace gs::qnv {
 constexpr std::size_t kMostOutlineAppearances = 65535;
 /// A lattice has coordinates 0..2^30 - 1 an axis at most.
 constexpr int kMostLatticeBits = 30;
+/// How far from 0 its origin may be, in steps.
+constexpr std::int64_t kMostLatticeOrigin = std::int64_t{1} << 52;
 
 /// How polygons of an outline stream look: VRML97's Material and the fields of IndexedFaceSet that a face's look
 /// depends on. Fractions are in 1/255.
@@ -36,7 +38,7 @@ struct OutlineAppearance {
 template <std::size_t Axes>
 struct OutlineLattice {
   int exponent = 0;                         // -149..127
-  std::array<std::int64_t, Axes> origin{};  // at most 2^52 from 0
+  std::array<std::int64_t, Axes> origin{};  // at most kMostLatticeOrigin from 0
   std::array<std::uint32_t, Axes> size{};   // the largest coordinate
 
   [[nodiscard]] double step() const { return std::ldexp(1.0, exponent); }

@@ -1,5 +1,7 @@
 #include "qnv/outline_mesh.h"
 
+#include "qnv/finite.h"
+
 #include <glm/geometric.hpp>
 
 #include <array>
@@ -12,8 +14,6 @@
 
 namespace gs::qnv::outline {
 namespace {
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 std::uint64_t mixed(std::uint64_t x) {  // the finaliser of splitmix64
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

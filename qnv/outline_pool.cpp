@@ -1,5 +1,7 @@
 #include "qnv/outline_pool.h"
 
+#include "qnv/finite.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,15 +12,13 @@
 namespace gs::qnv::outline {
 namespace {
 
-constexpr double kMostOrigin = 4503599627370496.0;  // 2^52
 constexpr float kMostTextureCoordinate = 65536;
 
 /// What is no number, or beyond all sense, would spoil the lattice of all others.
-float sane(float t) { return t >= -kMostTextureCoordinate && t <= kMostTextureCoordinate ? t : 0; }
+float sane_coordinate(float t) { return t >= -kMostTextureCoordinate && t <= kMostTextureCoordinate ? t : 0; }
 
-bool finite(std::span<const glm::vec3> positions) {
-  return std::all_of(positions.begin(), positions.end(),
-                     [](const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); });
+bool finite_positions(std::span<const glm::vec3> positions) {
+  return std::all_of(positions.begin(), positions.end(), [](const glm::vec3& p) { return finite(p); });
 }
 
 /// The exponent of the coarsest lattice, of powers of two, that a number lies on.
@@ -57,7 +57,7 @@ struct Extent {
     lattice.exponent = exponent;
     for (std::size_t axis = 0; axis < Axes; ++axis) {
       const double origin = steps(lower[axis], exponent), size = steps(upper[axis], exponent) - origin;
-      if (std::abs(origin) > kMostOrigin || size > most) return false;
+      if (std::abs(origin) > static_cast<double>(kMostLatticeOrigin) || size > most) return false;
       lattice.origin[axis] = static_cast<std::int64_t>(origin);
       lattice.size[axis] = static_cast<std::uint32_t>(size);
       // At the far end of f32 the nearest point may be beyond it.
@@ -73,7 +73,7 @@ void for_each_polygon(const OutlinePolygons& polygons, const Each& each) {
     const std::size_t ring = i == 0 ? 0 : polygons.polygon_ends[i - 1], end = polygons.polygon_ends[i];
     const std::size_t first = ring == 0 ? 0 : polygons.ring_ends[ring - 1];
     const std::size_t last = end == 0 ? 0 : polygons.ring_ends[end - 1];
-    if (end > ring && finite(std::span(polygons.positions).subspan(first, last - first)))
+    if (end > ring && finite_positions(std::span(polygons.positions).subspan(first, last - first)))
       each(i, first, last, std::span(polygons.ring_ends).subspan(ring, end - ring));
   }
 }
@@ -126,7 +126,7 @@ class Placer {
         corner.p[axis] = coordinate(polygons.positions[i][static_cast<glm::length_t>(axis)],
                                     lattices_.positions.exponent, lattices_.positions.origin[axis]);
       for (std::size_t axis = 0; axis < 2 && !polygons.texture_coordinates.empty(); ++axis)
-        corner.t[axis] = coordinate(sane(polygons.texture_coordinates[i][static_cast<glm::length_t>(axis)]),
+        corner.t[axis] = coordinate(sane_coordinate(polygons.texture_coordinates[i][static_cast<glm::length_t>(axis)]),
                                     lattices_.texture_coordinates.exponent, lattices_.texture_coordinates.origin[axis]);
     }
     for (const std::uint32_t end : ring_ends) rings_.ring_ends.push_back(static_cast<std::uint32_t>(end - first));
@@ -192,7 +192,7 @@ std::optional<Lattices> choose_lattices(const OutlineGroups& groups, int positio
           for (std::size_t axis = 0; axis < 3; ++axis)
             positions.add(axis, polygons->positions[i][static_cast<glm::length_t>(axis)]);
           for (std::size_t axis = 0; axis < 2 && !polygons->texture_coordinates.empty(); ++axis)
-            coordinates.add(axis, sane(polygons->texture_coordinates[i][static_cast<glm::length_t>(axis)]));
+            coordinates.add(axis, sane_coordinate(polygons->texture_coordinates[i][static_cast<glm::length_t>(axis)]));
         }
       });
   Lattices lattices;

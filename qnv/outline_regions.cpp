@@ -16,7 +16,7 @@ namespace {
 constexpr double kExactAngle = 1e-6;
 constexpr double kTextureTolerance = 1e-5;  // of the width of a texture
 
-struct Plane {
+struct RegionPlane {
   glm::dvec3 normal{0}, origin{0};
   double offset = 0;  // from the origin
 
@@ -75,7 +75,7 @@ class RegionGrower {
   [[nodiscard]] bool has_flat_neighbour(std::uint32_t face) const {
     constexpr std::size_t kMany = 64;  // corners; more are not looked at, as all the neighbours would
     if (mesh_.thin[face]) return false;
-    const Plane plane = plane_of(face);
+    const RegionPlane plane = plane_of(face);
     for (std::uint32_t h = mesh_.begins[face]; h < mesh_.begins[face + 1]; ++h) {
       if (mesh_.mates[h] == kNone) continue;
       const std::uint32_t other = mesh_.faces[mesh_.mates[h]];
@@ -86,13 +86,13 @@ class RegionGrower {
 
   [[nodiscard]] std::size_t corners_of(std::uint32_t face) const { return mesh_.begins[face + 1] - mesh_.begins[face]; }
 
-  [[nodiscard]] Plane plane_of(std::uint32_t face) const {
+  [[nodiscard]] RegionPlane plane_of(std::uint32_t face) const {
     glm::dvec3 center(0);
     for (std::uint32_t h = mesh_.begins[face]; h < mesh_.begins[face + 1]; ++h) center += mesh_.position(h);
     return {mesh_.normals[face], center / static_cast<double>(corners_of(face)), 0};
   }
 
-  [[nodiscard]] bool fits(std::uint32_t face, const Plane& plane, double slack, const TextureMap* map) const {
+  [[nodiscard]] bool fits(std::uint32_t face, const RegionPlane& plane, double slack, const TextureMap* map) const {
     if (limits_.exact && !model_.bent.empty() && model_.bent[mesh_.sources[face]] != 0) return false;
     if (mesh_.areas[face] > 0 && (limits_.exact || !mesh_.thin[face])) {
       const glm::dvec3 apart = mesh_.normals[face] - plane.normal;
@@ -133,7 +133,7 @@ class RegionGrower {
   }
 
   // The faces connected to the seed that fit the plane, in region_. With `adapt`, the plane follows them.
-  void collect(std::uint32_t seed, Plane& plane, double slack, const TextureMap* map, bool adapt) {
+  void collect(std::uint32_t seed, RegionPlane& plane, double slack, const TextureMap* map, bool adapt) {
     ++stamp_;
     region_.assign(1, seed);
     stamps_[seed] = stamp_;
@@ -165,7 +165,7 @@ class RegionGrower {
   // Small faces know their plane badly, so that a first round finds the plane of the region, and a second one who is
   // in.
   void grow(std::uint32_t seed) {
-    const Plane own = plane_of(seed);
+    const RegionPlane own = plane_of(seed);
     std::optional<TextureMap> map;
     if (!mesh_.corners.empty()) {
       map = map_of(seed);
@@ -174,7 +174,7 @@ class RegionGrower {
     const TextureMap* texture = map ? &*map : nullptr;
     if (!fits(seed, own, 1, texture)) return;
     origin_ = own.origin;
-    Plane plane = own;
+    RegionPlane plane = own;
     collect(seed, plane, 2, texture, true);
     if (region_.size() == 1) return;
     double lowest = INFINITY, highest = -INFINITY;

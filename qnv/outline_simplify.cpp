@@ -9,7 +9,7 @@
 namespace gs::qnv::outline {
 namespace {
 
-constexpr std::uint32_t kMany = 0xfffffffeu;
+constexpr std::uint32_t kMoreThanTwo = 0xfffffffeu;
 
 double distance2_to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 along = b - a, from = p - a;
@@ -62,11 +62,11 @@ class Simplifier {
     if (first == kNone)
       first = neighbour;
     else
-      second = second == kNone ? neighbour : kMany;
+      second = second == kNone ? neighbour : kMoreThanTwo;
   }
 
   // Whether two edges meet there, no more and no fewer.
-  [[nodiscard]] bool inner(std::uint32_t vertex) const { return neighbours_[vertex][1] < kMany; }
+  [[nodiscard]] bool inner(std::uint32_t vertex) const { return neighbours_[vertex][1] < kMoreThanTwo; }
 
   // Appends what follows the chain's end, up to a vertex that stays or is there already.
   void follow(std::uint32_t to, std::vector<std::uint8_t>& seen) {

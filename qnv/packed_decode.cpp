@@ -10,9 +10,6 @@
 namespace gs::qnv {
 namespace {
 
-// A cluster gives at most this many voxels a byte, so that a few bytes cannot ask for much.
-constexpr std::size_t kVoxelsPerByte = 64;
-
 bool take_bit(RansDecoder& rans, std::size_t lane, std::uint32_t probability) {
   const bool bit = rans.peek(lane) < probability;
   rans.advance(lane, bit ? 0 : probability, bit ? probability : kRansTotal - probability);

@@ -72,9 +72,9 @@ struct Node {
   std::vector<std::unique_ptr<Node>> children;
 };
 
-class Encoder {
+class PackedEncoder {
  public:
-  Encoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
+  PackedEncoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
       : pyramid_(std::move(pyramid)), cube_(cube), options_(options) {}
 
   [[nodiscard]] int deepest() const { return static_cast<int>(pyramid_.levels.size()) - 1; }
@@ -248,7 +248,7 @@ std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, 
                                           const PackedOptions& options, Progress* progress) {
   leave_out_touched(finest);
   if (finest.empty() || level < 1) return {};
-  const Encoder encoder(make_pyramid(std::move(finest), level), cube, options);
+  const PackedEncoder encoder(make_pyramid(std::move(finest), level), cube, options);
   std::unique_ptr<Node> base = encoder.base();
   std::vector<Node*> generation{base.get()};
   while (!generation.empty() && generation.front()->level < encoder.deepest()) {

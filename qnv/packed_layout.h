@@ -25,6 +25,8 @@ struct ClusterParameters {
   std::uint8_t luma = 0, chroma = 0;                               // models
 };
 constexpr std::size_t kClusterHeaderSize = 22;
+/// A cluster gives at most this many voxels a byte, so that a few bytes cannot ask for much.
+constexpr std::size_t kVoxelsPerByte = 64;
 constexpr std::uint32_t kDoubleProbability = 512;  // of 4096
 
 /// The normal of 1-norm kOctahedral that octahedral coordinates stand for.

@@ -19,7 +19,7 @@ constexpr double kDisplacementWeight = 20;
 // What area that a disc covers beside the surface weighs, beside area whose normal is wrong by one radian.
 constexpr double kOverspillWeight = 0.3;
 
-struct Plane {
+struct DiscPlane {
   glm::vec3 normal{0, 0, 1};  // unit
   float offset = 0;           // 1-norm units: -1/2..1/2
   bool doubled = false;
@@ -39,8 +39,8 @@ glm::vec3 principal_axis(const std::array<float, 6>& s) {
 
 float one_norm(const glm::vec3& n) { return std::abs(n.x) + std::abs(n.y) + std::abs(n.z); }
 
-Plane plane_of(const SurfaceMoments& m) {
-  Plane plane;
+DiscPlane plane_of(const SurfaceMoments& m) {
+  DiscPlane plane;
   const float length = std::sqrt(glm::dot(m.normal, m.normal));
   plane.doubled = !(length > kDoubleLength * m.area);
   if (plane.doubled) {
@@ -122,7 +122,7 @@ class Quantizer {
     const bool parent_double = (from_.state[index] & kDouble) != 0;
     s.code = static_cast<std::uint8_t>(voxel.key & 7);
     s.context = static_cast<std::uint8_t>(residual_context(from_.state[index]));
-    Plane plane = plane_of(voxel.moments);
+    DiscPlane plane = plane_of(voxel.moments);
     s.doubled = plane.doubled;
     int u = from_.u[index], v = from_.v[index], offset = from_.offset[index];
     if (plane.doubled || parent_double) {
@@ -177,8 +177,8 @@ class Quantizer {
     s.cg = channel(from_.cg, out_.voxels.cg, want[2], p_.color_shift + 1);
   }
 
-  void gain(const Voxel& voxel, const Plane& truth, const glm::vec3& before, const glm::vec3& after, int offset_before,
-            int offset_after) {
+  void gain(const Voxel& voxel, const DiscPlane& truth, const glm::vec3& before, const glm::vec3& after,
+            int offset_before, int offset_after) {
     const auto square = [](const glm::vec3& d) { return static_cast<double>(glm::dot(d, d)); };
     const double turned = square(truth.normal - before) - square(truth.normal - after);
     const double far = std::abs(truth.offset - static_cast<float>(offset_before) / kOffsetUnits);
@@ -192,11 +192,11 @@ class Quantizer {
   LevelSymbols& out_;
 };
 
-using Histogram = std::array<std::uint32_t, kResidualSymbols>;
+using ResidualHistogram = std::array<std::uint32_t, kResidualSymbols>;
 
-void count(Histogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
+void count(ResidualHistogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
 
-std::uint8_t cheapest(const Histogram& histogram) {
+std::uint8_t cheapest(const ResidualHistogram& histogram) {
   std::uint8_t best = 0;
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t m = 0; m < kResidualModels; ++m) {
@@ -265,8 +265,8 @@ LevelSymbols chosen_symbols(const LevelSymbols& all, std::size_t first, std::siz
 }
 
 void choose_models(std::span<const LevelSymbols> levels, ClusterParameters& p) {
-  std::array<Histogram, kResidualContexts> normal{}, offset{};
-  Histogram luma{}, chroma{};
+  std::array<ResidualHistogram, kResidualContexts> normal{}, offset{};
+  ResidualHistogram luma{}, chroma{};
   std::array<std::array<std::uint32_t, 2>, kOccupancyBins> occupied{};
   for (const LevelSymbols& level : levels) {
     for (const LevelSymbols::Parent& parent : level.parents)

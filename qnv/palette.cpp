@@ -11,7 +11,7 @@ namespace {
 constexpr unsigned kBinBits = 6;  // a component
 constexpr std::size_t kBins = std::size_t{1} << (3 * kBinBits);
 constexpr int kRounds = 5;  // of k-means: more change little
-constexpr std::size_t kBlock = 1 << 14;
+constexpr std::size_t kColorsPerTask = 1 << 14;
 
 // Colours that differ only in their lowest bits, together.
 struct Bin {
@@ -66,14 +66,14 @@ std::array<std::int32_t, 3> coordinates(const Rgb8& c) {
 }
 
 // Bins that will share a colour.
-struct Cluster {
+struct ColorCluster {
   std::size_t first, last;
   unsigned axis = 0;        // along which they differ most
   std::int32_t middle = 0;  // their mean there
   double error = 0;         // sum of squared differences from the mean, all axes
 };
 
-Cluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_t last) {
+ColorCluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_t last) {
   // In integers, so that the sums do not depend on the order: up to 2^32 colours of 2^20 fit.
   std::array<std::int64_t, 3> sum{}, squares{};
   std::int64_t count = 0;
@@ -86,7 +86,7 @@ Cluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_t las
       squares[axis] += weight * at[axis] * at[axis];
     }
   }
-  Cluster cluster{first, last};
+  ColorCluster cluster{first, last};
   double most = -1;
   for (unsigned axis = 0; axis < 3; ++axis) {
     const double mean = static_cast<double>(sum[axis]) / static_cast<double>(count);
@@ -104,10 +104,10 @@ Cluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_t las
 
 // Cuts the cluster of the largest error at its mean, until there are enough.
 std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
-  std::vector<Cluster> clusters{measure(bins, 0, bins.size())};
+  std::vector<ColorCluster> clusters{measure(bins, 0, bins.size())};
   while (clusters.size() < kPaletteColors) {
     const auto worst = std::max_element(clusters.begin(), clusters.end(),
-                                        [](const Cluster& a, const Cluster& b) { return a.error < b.error; });
+                                        [](const ColorCluster& a, const ColorCluster& b) { return a.error < b.error; });
     if (!(worst->error > 0)) break;
     const auto begin = bins.begin() + static_cast<std::ptrdiff_t>(worst->first);
     const auto end = bins.begin() + static_cast<std::ptrdiff_t>(worst->last);
@@ -123,7 +123,7 @@ std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
     clusters.push_back(measure(bins, cut, last));
   }
   std::vector<Rgb8> result;
-  for (const Cluster& cluster : clusters) {
+  for (const ColorCluster& cluster : clusters) {
     Bin all;
     for (std::size_t i = cluster.first; i < cluster.last; ++i) all.add(bins[i]);
     result.push_back(all.mean());
@@ -178,9 +178,10 @@ std::vector<Bin> cluster(const std::vector<Bin>& bins, std::vector<Rgb8> palette
   std::vector<Bin> sums;
   for (int round = 0; round < kRounds; ++round) {
     const Nearest find(palette);
-    parallel_for((bins.size() + kBlock - 1) / kBlock,
+    parallel_for((bins.size() + kColorsPerTask - 1) / kColorsPerTask,
                  [&](std::size_t block) {
-                   for (std::size_t i = block * kBlock; i < std::min(bins.size(), (block + 1) * kBlock); ++i)
+                   for (std::size_t i = block * kColorsPerTask; i < std::min(bins.size(), (block + 1) * kColorsPerTask);
+                        ++i)
                      nearest[i] = find(bins[i].mean());
                  },
                  threads);
@@ -213,7 +214,7 @@ std::vector<std::uint8_t> palette_indices(std::span<const Rgb8> colors, std::spa
                                           unsigned threads) {
   std::vector<std::uint8_t> result(colors.size());
   const Nearest find(palette);
-  parallel_for((colors.size() + kBlock - 1) / kBlock,
+  parallel_for((colors.size() + kColorsPerTask - 1) / kColorsPerTask,
                [&](std::size_t block) {
                  // Neighbours often have the same colour.
                  struct Known {
@@ -221,7 +222,8 @@ std::vector<std::uint8_t> palette_indices(std::span<const Rgb8> colors, std::spa
                    std::uint8_t index = 0;
                  };
                  std::array<Known, 1024> known;
-                 for (std::size_t i = block * kBlock; i < std::min(colors.size(), (block + 1) * kBlock); ++i) {
+                 for (std::size_t i = block * kColorsPerTask; i < std::min(colors.size(), (block + 1) * kColorsPerTask);
+                      ++i) {
                    const std::uint32_t color = packed(colors[i]);
                    Known& k = known[color * 2654435761u >> 22];
                    if (k.color != color) k = {color, find(colors[i])};

@@ -8,7 +8,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::uint32_t kNone = ~0u;
+constexpr std::uint32_t kNoOwner = ~0u;
 
 unsigned octant_at(const std::array<std::uint32_t, 3>& cell, unsigned depth) {
   const unsigned shift = kDeepestRecordsCell - depth;
@@ -95,20 +95,20 @@ void RecordsAssembly::descend() {
 
 RecordsAssembly::Sums RecordsAssembly::sum() const {
   const std::size_t count = nodes_.size();
-  Sums sums{std::vector<std::uint32_t>(count), std::vector<bool>(count), std::vector<std::uint32_t>(count, kNone),
+  Sums sums{std::vector<std::uint32_t>(count), std::vector<bool>(count), std::vector<std::uint32_t>(count, kNoOwner),
             std::vector<double>(count), std::vector<double>(count)};
   for (const std::uint32_t node : deepest_) ++sums.vectors[node];
   for (std::size_t node = count; --node > 0;) sums.vectors[nodes_[node].parent] += sums.vectors[node];
   for (std::size_t node = 0; node < count; ++node) {
-    const std::uint32_t around = node == 0 ? kNone : sums.owner[nodes_[node].parent];
+    const std::uint32_t around = node == 0 ? kNoOwner : sums.owner[nodes_[node].parent];
     sums.stands[node] =
-        nodes_[node].known && sums.vectors[node] > 0 && (around == kNone || sums.vectors[node] >= kFewestVectors);
+        nodes_[node].known && sums.vectors[node] > 0 && (around == kNoOwner || sums.vectors[node] >= kFewestVectors);
     sums.owner[node] = sums.stands[node] ? static_cast<std::uint32_t>(node) : around;
-    if (sums.stands[node] && around != kNone) sums.inside[around] += nodes_[node].weight;
+    if (sums.stands[node] && around != kNoOwner) sums.inside[around] += nodes_[node].weight;
   }
   for (std::size_t i = 0; i < size(); ++i) {
     const std::uint32_t owner = sums.owner[deepest_[i]];
-    if (owner != kNone) sums.own[owner] += weights_[i];
+    if (owner != kNoOwner) sums.own[owner] += weights_[i];
   }
   return sums;
 }
@@ -118,8 +118,8 @@ std::vector<double> RecordsAssembly::factors(const Sums& sums) const {
   std::vector<double> growth(nodes_.size(), 1), result(nodes_.size(), 1);
   for (std::size_t node = 0; node < nodes_.size(); ++node) {
     if (!sums.stands[node]) continue;
-    const std::uint32_t around = node == 0 ? kNone : sums.owner[nodes_[node].parent];
-    const double given = around == kNone ? 1 : growth[around];
+    const std::uint32_t around = node == 0 ? kNoOwner : sums.owner[nodes_[node].parent];
+    const double given = around == kNoOwner ? 1 : growth[around];
     const double weight = nodes_[node].weight * std::min(given, kLargestGrowth);
     // What is not inside of others weighs at least what arrived of it: a difference of large numbers is not exact.
     const double own = sums.own[node] > 0 ? std::max(nodes_[node].weight - sums.inside[node], sums.own[node]) : 0;
@@ -137,7 +137,7 @@ std::vector<float> RecordsAssembly::conserved_weights() {
   std::vector<float> result(size());
   for (std::size_t i = 0; i < size(); ++i) {
     const std::uint32_t owner = sums.owner[deepest_[i]];
-    const double weight = owner == kNone ? weights_[i] : weights_[i] * factor[owner];
+    const double weight = owner == kNoOwner ? weights_[i] : weights_[i] * factor[owner];
     result[i] = static_cast<float>(std::min<double>(weight, std::numeric_limits<float>::max()));
   }
   return result;

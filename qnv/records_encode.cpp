@@ -14,13 +14,13 @@ namespace {
 
 constexpr float kLargest = 1e37f;  // of positions and weights, so that no sum of a few overflows
 constexpr unsigned kKeyBits = 3 * kDeepestRecordsCell;
-constexpr std::size_t kBlock = 1 << 14;
+constexpr std::size_t kVectorsPerTask = 1 << 14;
 
 template <class Work>
 void in_blocks(std::size_t count, unsigned threads, const Work& work) {
-  parallel_for((count + kBlock - 1) / kBlock,
-               [&](std::size_t b) { work(b * kBlock, std::min(count, (b + 1) * kBlock)); },
-               count > kBlock ? threads : 1);
+  parallel_for((count + kVectorsPerTask - 1) / kVectorsPerTask,
+               [&](std::size_t b) { work(b * kVectorsPerTask, std::min(count, (b + 1) * kVectorsPerTask)); },
+               count > kVectorsPerTask ? threads : 1);
 }
 
 bool can_be_sent(const glm::vec3& p, float weight) {
@@ -90,9 +90,9 @@ class Divider {
   std::vector<Group>& groups_;
 };
 
-class Encoder {
+class RecordsEncoder {
  public:
-  Encoder(const Cloud& cloud, const RecordsOptions& options)
+  RecordsEncoder(const Cloud& cloud, const RecordsOptions& options)
       : cloud_(cloud), options_(options), cube_(cloud.description.box) {}
 
   std::vector<RecordsChunk> run() {
@@ -239,7 +239,7 @@ class Encoder {
 }  // namespace
 
 std::vector<RecordsChunk> encode_records(const Cloud& cloud, const RecordsOptions& options) {
-  return Encoder(cloud, options).run();
+  return RecordsEncoder(cloud, options).run();
 }
 
 }  // namespace gs::qnv

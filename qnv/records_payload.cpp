@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kCells = 1u << kDeepestRecordsCell;
 
-std::variant<RecordsHeader, RecordsError> decode_header(std::span<const std::byte> bytes) {
+std::variant<RecordsHeader, RecordsError> decode_records_header(std::span<const std::byte> bytes) {
   ByteReader in(bytes);
   RecordsHeader header;
   header.layer = in.integer<std::uint8_t>();
@@ -88,7 +88,7 @@ std::variant<RecordsPatch, RecordsError> decode_records(std::span<const std::byt
   });
   if (payload.size() < kRecordsHeaderBytes || header_missing)
     return RecordsError{"a records chunk without all of the 48 bytes of its header"};
-  auto header = decode_header(payload.first(kRecordsHeaderBytes));
+  auto header = decode_records_header(payload.first(kRecordsHeaderBytes));
   if (auto* error = std::get_if<RecordsError>(&header)) return std::move(*error);
   RecordsPatch patch;
   patch.header = std::get<RecordsHeader>(header);

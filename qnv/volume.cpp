@@ -1,5 +1,7 @@
 #include "qnv/volume_slices.h"
 
+#include "qnv/finite.h"
+
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -12,7 +14,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::uint64_t kMostVoxels = std::uint64_t{1} << 48;
+constexpr std::uint64_t kMostVolumeVoxels = std::uint64_t{1} << 48;
 constexpr std::uint64_t kMostSliceVoxels = std::uint64_t{1} << 34;
 
 template <class T>
@@ -64,8 +66,6 @@ void convert(const std::byte* from, float* to, std::size_t count, const VolumeLa
               : convert<T, false, false, false>(from, to, count, layout);
 }
 
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 }  // namespace
 
 std::size_t size_of(VoxelType type) {
@@ -91,7 +91,7 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   const std::string size = std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z);
   if (x == 0 || y == 0 || z == 0) return VolumeError{"the volume has " + size + " voxels; expected at least one"};
   const std::uint64_t slice = std::uint64_t{x} * y;
-  if (slice > kMostSliceVoxels || slice > kMostVoxels / z)
+  if (slice > kMostSliceVoxels || slice > kMostVolumeVoxels / z)
     return VolumeError{"the volume has " + size + " voxels; expected at most 2^34 a slice and 2^48 in all"};
   if (layout.type > VoxelType::f64) return VolumeError{"the volume is of an unknown type"};
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))

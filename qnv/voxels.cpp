@@ -1,5 +1,6 @@
 #include "qnv/voxels.h"
 
+#include "qnv/finite.h"
 #include "qnv/morton.h"
 
 #include <glm/geometric.hpp>
@@ -9,17 +10,9 @@
 #include <limits>
 
 namespace gs::qnv {
-namespace {
-
-// A block is 2^kBlockBits voxels along an edge: small enough that its table stays in the cache, large enough
-// that few triangles lie in two.
-constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;         // triangles that wait for the threads at most
-constexpr std::size_t kMostMeetings = std::size_t{1} << 22;  // of triangles with blocks, likewise
-constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
 // The voxels of one block: an open-addressing table from the Morton code inside the block to moments.
-struct Block {
+struct VoxelBlock {
   std::vector<std::uint32_t> slots;  // 0: free, else 1 + index
   std::vector<std::uint32_t> keys;
   std::vector<SurfaceMoments> moments;
@@ -49,25 +42,34 @@ struct Block {
   }
 };
 
+namespace {
+
+// A block is 2^kBlockBits voxels along an edge: small enough that its table stays in the cache, large enough
+// that few triangles lie in two.
+constexpr int kBlockBits = 5;
+constexpr std::size_t kBatch = std::size_t{1} << 19;         // triangles that wait for the threads at most
+constexpr std::size_t kMostMeetings = std::size_t{1} << 22;  // of triangles with blocks, likewise
+constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
+
 // A corner of a piece of a triangle: position in voxels from the block's corner, and its barycentric coordinates.
-struct Corner {
+struct ClippedCorner {
   glm::vec3 p;
   float b1, b2;
 };
 
-struct Polygon {
+struct ClippedPolygon {
   static constexpr int kMost = 12;  // a triangle cut by six planes has nine
-  std::array<Corner, kMost> corners;
+  std::array<ClippedCorner, kMost> corners;
   int size = 0;
-  Polygon() = default;
+  ClippedPolygon() = default;
   // Most have three or four corners: the rest is not copied.
-  Polygon(const Polygon& other) { *this = other; }
-  Polygon& operator=(const Polygon& other) {
+  ClippedPolygon(const ClippedPolygon& other) { *this = other; }
+  ClippedPolygon& operator=(const ClippedPolygon& other) {
     size = other.size;
     for (int i = 0; i < size; ++i) corners[static_cast<std::size_t>(i)] = other.corners[static_cast<std::size_t>(i)];
     return *this;
   }
-  void push(const Corner& corner) {
+  void push(const ClippedCorner& corner) {
     if (size < kMost) corners[static_cast<std::size_t>(size++)] = corner;
   }
 };
@@ -79,17 +81,17 @@ int floor_of(float v) {
 }
 
 // Cuts at the plane p[axis] = at: what is below goes to `below`, the rest to `above`.
-void cut(const Polygon& in, int axis, float at, Polygon& below, Polygon& above) {
+void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, ClippedPolygon& above) {
   below.size = above.size = 0;
   for (int i = 0; i < in.size; ++i) {
-    const Corner& a = in.corners[static_cast<std::size_t>(i)];
-    const Corner& b = in.corners[static_cast<std::size_t>(i + 1 < in.size ? i + 1 : 0)];
+    const ClippedCorner& a = in.corners[static_cast<std::size_t>(i)];
+    const ClippedCorner& b = in.corners[static_cast<std::size_t>(i + 1 < in.size ? i + 1 : 0)];
     const float da = a.p[axis] - at, db = b.p[axis] - at;
     if (da <= 0) below.push(a);
     if (da >= 0) above.push(a);
     if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
       const float t = da / (da - db);
-      Corner c{a.p + (b.p - a.p) * t, a.b1 + (b.b1 - a.b1) * t, a.b2 + (b.b2 - a.b2) * t};
+      ClippedCorner c{a.p + (b.p - a.p) * t, a.b1 + (b.b1 - a.b1) * t, a.b2 + (b.b2 - a.b2) * t};
       c.p[axis] = at;
       below.push(c);
       above.push(c);
@@ -100,8 +102,8 @@ void cut(const Polygon& in, int axis, float at, Polygon& below, Polygon& above) 
 glm::vec3 color_of(const Rgb8& c) { return {c.r, c.g, c.b}; }
 
 // One triangle while it is cut up inside one block.
-struct Cutter {
-  Block& block;
+struct VoxelCutter {
+  VoxelBlock& block;
   const Triangle& triangle;
   glm::vec3 face{0};  // unit
   std::array<glm::vec3, 3> normals{};
@@ -132,14 +134,14 @@ struct Cutter {
   }
 
   // A piece inside one voxel: a fan of triangles.
-  void piece(const Polygon& polygon, const std::array<int, 3>& voxel) {
+  void piece(const ClippedPolygon& polygon, const std::array<int, 3>& voxel) {
     if (polygon.size < 3) return;
     float area = 0, b1 = 0, b2 = 0;
     glm::vec3 center(0);
-    const Corner& a = polygon.corners[0];
+    const ClippedCorner& a = polygon.corners[0];
     for (int i = 1; i + 1 < polygon.size; ++i) {
-      const Corner& b = polygon.corners[static_cast<std::size_t>(i)];
-      const Corner& c = polygon.corners[static_cast<std::size_t>(i + 1)];
+      const ClippedCorner& b = polygon.corners[static_cast<std::size_t>(i)];
+      const ClippedCorner& c = polygon.corners[static_cast<std::size_t>(i + 1)];
       const float part = 0.5f * std::abs(glm::dot(glm::cross(b.p - a.p, c.p - a.p), face));
       area += part;
       center += (a.p + b.p + c.p) * (part / 3);
@@ -149,7 +151,7 @@ struct Cutter {
     if (area > 0) store(voxel, area, center / area, b1 / area, b2 / area);
   }
 
-  void slabs(const Polygon& polygon, int axis, std::array<int, 3>& voxel) {
+  void slabs(const ClippedPolygon& polygon, int axis, std::array<int, 3>& voxel) {
     if (polygon.size < 3) return;
     if (axis == 3) {
       piece(polygon, voxel);
@@ -168,7 +170,7 @@ struct Cutter {
       slabs(polygon, axis + 1, voxel);
       return;
     }
-    Polygon rest = polygon, below, above;
+    ClippedPolygon rest = polygon, below, above;
     if (first < 0) {
       cut(rest, axis, 0, below, above);
       rest = above;
@@ -190,7 +192,7 @@ struct Cutter {
 using BlockRange = std::array<int, 2>;
 
 // The blocks along an axis that a polygon reaches, with a little to spare for rounding; positions in voxels.
-BlockRange blocks_along(const Polygon& polygon, int axis, int last) {
+BlockRange blocks_along(const ClippedPolygon& polygon, int axis, int last) {
   constexpr float kSpare = 0.05f, kToBlock = 1.0f / static_cast<float>(kBlockEdge);
   float least = polygon.corners[0].p[axis], most = least;
   for (int i = 1; i < polygon.size; ++i) {
@@ -203,10 +205,10 @@ BlockRange blocks_along(const Polygon& polygon, int axis, int last) {
 
 // Visits the blocks that a triangle meets: not all of its box, most of which a large one that lies askew leaves empty.
 template <class Visit>
-void visit_blocks(const Polygon& polygon, int axis, int last, std::array<int, 3>& block, const Visit& visit) {
+void visit_blocks(const ClippedPolygon& polygon, int axis, int last, std::array<int, 3>& block, const Visit& visit) {
   if (polygon.size == 0) return;
   const BlockRange range = blocks_along(polygon, axis, last);
-  Polygon rest = polygon, below, above;
+  ClippedPolygon rest = polygon, below, above;
   for (int i = range[0]; i <= range[1]; ++i) {
     block[static_cast<std::size_t>(axis)] = i;
     if (axis == 2) {
@@ -219,8 +221,6 @@ void visit_blocks(const Polygon& polygon, int axis, int last, std::array<int, 3>
     if (above.size > 0) rest = above;
   }
 }
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 }  // namespace
 
@@ -252,7 +252,7 @@ struct SurfaceVoxelizer::State {
   int block_level;  // of the octree whose leaves are the blocks
   float scale;      // voxels per unit
   std::vector<std::uint64_t> block_keys;
-  std::vector<std::unique_ptr<Block>> blocks;
+  std::vector<std::unique_ptr<VoxelBlock>> blocks;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> block_table;  // large grids: open addressing
   std::vector<Triangle> waiting;
 
@@ -265,7 +265,7 @@ struct SurfaceVoxelizer::State {
       slot = (slot + 1) & mask;
     }
     block_keys.push_back(key);
-    blocks.push_back(std::make_unique<Block>());
+    blocks.push_back(std::make_unique<VoxelBlock>());
     block_table[slot] = {key, static_cast<std::uint32_t>(blocks.size())};
     return static_cast<std::uint32_t>(blocks.size() - 1);
   }
@@ -282,9 +282,9 @@ struct SurfaceVoxelizer::State {
 
   [[nodiscard]] glm::vec3 in_voxels(const glm::vec3& p) const { return (p - cube.lower) * scale; }
 
-  void add_to_block(Block& block, const glm::vec3& corner, const Triangle& triangle) const {
-    Cutter cutter{block, triangle};
-    Polygon polygon;
+  void add_to_block(VoxelBlock& block, const glm::vec3& corner, const Triangle& triangle) const {
+    VoxelCutter cutter{block, triangle};
+    ClippedPolygon polygon;
     polygon.size = 3;
     for (std::size_t i = 0; i < 3; ++i) {
       polygon.corners[i] = {in_voxels(triangle.positions[i]) - corner, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f};
@@ -341,7 +341,7 @@ struct SurfaceVoxelizer::State {
         }
         meetings.emplace_back(recent, static_cast<std::uint32_t>(t));
       };
-      Polygon polygon;
+      ClippedPolygon polygon;
       for (const glm::vec3& p : waiting[t].positions) polygon.push({in_voxels(p), 0, 0});
       std::array<int, 3> block{};
       bool single = true;  // most are
@@ -411,7 +411,7 @@ std::vector<Voxel> SurfaceVoxelizer::finish() {
   parallel_for(
       order.size(),
       [&](std::size_t i) {
-        Block& block = *state.blocks[order[i]];
+        VoxelBlock& block = *state.blocks[order[i]];
         std::vector<std::uint32_t> inside(block.keys.size());
         for (std::size_t k = 0; k < inside.size(); ++k) inside[k] = static_cast<std::uint32_t>(k);
         std::sort(inside.begin(), inside.end(), [&](auto a, auto b) { return block.keys[a] < block.keys[b]; });

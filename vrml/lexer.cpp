@@ -6,9 +6,9 @@
 namespace gs::vrml {
 namespace {
 
-enum Class : std::uint8_t { word_byte, blank, delimiter, unused };
+enum LexicalClass : std::uint8_t { word_byte, blank, delimiter, unused };
 
-constexpr std::array<std::uint8_t, 256> kClass = [] {
+constexpr std::array<std::uint8_t, 256> kLexicalClass = [] {
   std::array<std::uint8_t, 256> table{};
   for (int c = 0; c < 0x20; ++c) table[c] = unused;
   table[0x7f] = unused;
@@ -18,7 +18,7 @@ constexpr std::array<std::uint8_t, 256> kClass = [] {
   return table;
 }();
 
-std::uint8_t class_of(char c) { return kClass[static_cast<unsigned char>(c)]; }
+std::uint8_t lexical_class(char c) { return kLexicalClass[static_cast<unsigned char>(c)]; }
 
 // Length of the UTF-8 sequence at `p`, or 0 where there is none (overlong forms and surrogates included).
 std::size_t utf8_length(const unsigned char* p, const unsigned char* end) {
@@ -89,7 +89,7 @@ Lexer::Blank Lexer::skip_blanks() {
       while (p != end_ && *p != '\n' && *p != '\r') ++p;
       if (p == end_ && !last_) return Blank::need_more;
       next_ = p;
-    } else if (class_of(c) == blank) {
+    } else if (lexical_class(c) == blank) {
       ++next_;
     } else {
       return Blank::passed;
@@ -153,10 +153,10 @@ Token Lexer::next() {
     default:
       break;
   }
-  if (class_of(*next_) == unused) return single(TokenKind::bad);
+  if (lexical_class(*next_) == unused) return single(TokenKind::bad);
   const char* p = next_;
   for (; p != end_; ++p) {
-    if (class_of(*p) == word_byte) continue;
+    if (lexical_class(*p) == word_byte) continue;
     // What some programs print for no number (1.#QNAN, -1.#IND) is no comment.
     if (*p != '#' || p == next_ || p[-1] != '.') break;
     if (p + 1 == end_) {
@@ -206,7 +206,7 @@ bool looks_like_number(std::string_view word) {
 bool is_id(std::string_view word) {
   if (word.empty() || looks_like_number(word) || word.front() == ':') return false;
   for (const char c : word)
-    if (class_of(c) != word_byte || c == '.') return false;
+    if (lexical_class(c) != word_byte || c == '.') return false;
   return true;
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::ptrdiff_t kGuardSearch = 128;
 
-enum Class : std::uint8_t { other, separator, line_feed, carriage_return };
-constexpr std::array<std::uint8_t, 256> kClass = [] {
+enum SeparatorClass : std::uint8_t { other, separator, line_feed, carriage_return };
+constexpr std::array<std::uint8_t, 256> kSeparatorClass = [] {
   std::array<std::uint8_t, 256> table{};
   table[' '] = table['\t'] = table[','] = separator;
   table['\n'] = line_feed;
@@ -24,17 +24,17 @@ constexpr std::array<std::uint8_t, 256> kClass = [] {
 // So many digits always fit 64 bits.
 constexpr std::ptrdiff_t kMaxDigits = 19;
 
-std::uint8_t class_of(char c) { return kClass[static_cast<unsigned char>(c)]; }
+std::uint8_t separator_class(char c) { return kSeparatorClass[static_cast<unsigned char>(c)]; }
 unsigned digit_of(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
 bool is_digit(char c) { return digit_of(c) < 10; }
 
 // What may stand behind a number of a run. Everything else, `x` and `#` among it, is left to the slow path.
-bool ends_number(char c) { return class_of(c) != other || c == ']'; }
+bool ends_number(char c) { return separator_class(c) != other || c == ']'; }
 
 // Passes separators, as far as `guard`. A carriage return is one only in front of its line feed.
 const char* skip_separators(const char* p, const char* guard, NumberRun& run) {
   for (; p < guard; ++p) {
-    const std::uint8_t kind = class_of(*p);
+    const std::uint8_t kind = separator_class(*p);
     if (kind == separator) continue;
     if (kind == line_feed) {
       ++run.lines;

@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Shape and what gives it its look (VRML97 4.6.3, 4.6.11).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kAppearanceRows[] = {
     {"Appearance", "6.3", Role::appearance, R"(
   exposedField SFNode     material         NULL
   exposedField SFNode     texture          NULL
@@ -64,6 +64,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> appearance_rows() { return kRows; }
+std::span<const NodeRow> appearance_rows() { return kAppearanceRows; }
 
 }  // namespace gs::vrml

@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Bindable nodes (VRML97 4.6.10).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kBindablesRows[] = {
     {"Background", "6.5", Role::child | Role::bindable, R"(
   eventIn      SFBool     set_bind
   exposedField MFFloat    groundAngle      []               # [0,pi/2]
@@ -49,6 +49,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> bindables_rows() { return kRows; }
+std::span<const NodeRow> bindables_rows() { return kBindablesRows; }
 
 }  // namespace gs::vrml

@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Sound, Script and WorldInfo (VRML97 4.6.4).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kCommonRows[] = {
     {"AudioClip", "6.4", Role::sound_source | Role::time_dependent, R"(
   exposedField SFString   description      ""
   exposedField SFBool     loop             FALSE
@@ -40,6 +40,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> common_rows() { return kRows; }
+std::span<const NodeRow> common_rows() { return kCommonRows; }
 
 }  // namespace gs::vrml

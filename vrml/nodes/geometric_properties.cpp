@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Geometric property nodes (VRML97 4.6.3.2).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kGeometricPropertiesRows[] = {
     {"Color", "6.9", Role::geometric_property, R"(
   exposedField MFColor    color            []               # [0,1]
 )"},
@@ -21,6 +21,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> geometric_properties_rows() { return kRows; }
+std::span<const NodeRow> geometric_properties_rows() { return kGeometricPropertiesRows; }
 
 }  // namespace gs::vrml

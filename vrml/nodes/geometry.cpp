@@ -6,23 +6,26 @@ namespace {
 
 // Geometry nodes (VRML97 4.6.3) and the meshes they make. QNV and OutlineGroup are our own
 // (docs/formats.md): the renderer draws QNV from the vectors of its stream.
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kGeometryRows[] = {
     {"Box", "6.7", Role::geometry, R"(
   field        SFVec3f    size             2 2 2            # (0,inf)
-)", tessellate_box},
+)",
+     tessellate_box},
     {"Cone", "6.11", Role::geometry, R"(
   field        SFFloat    bottomRadius     1                # (0,inf)
   field        SFFloat    height           2                # (0,inf)
   field        SFBool     side             TRUE
   field        SFBool     bottom           TRUE
-)", tessellate_cone},
+)",
+     tessellate_cone},
     {"Cylinder", "6.14", Role::geometry, R"(
   field        SFBool     bottom           TRUE
   field        SFFloat    height           2                # (0,inf)
   field        SFFloat    radius           1                # (0,inf)
   field        SFBool     side             TRUE
   field        SFBool     top              TRUE
-)", tessellate_cylinder},
+)",
+     tessellate_cylinder},
     {"ElevationGrid", "6.17", Role::geometry, R"(
   eventIn      MFFloat    set_height
   exposedField SFNode     color            NULL
@@ -38,7 +41,8 @@ constexpr NodeRow kRows[] = {
   field        SFFloat    xSpacing         1.0              # (0,inf)
   field        SFInt32    zDimension       0                # [0,inf)
   field        SFFloat    zSpacing         1.0              # (0,inf)
-)", tessellate_elevation_grid},
+)",
+     tessellate_elevation_grid},
     {"Extrusion", "6.18", Role::geometry, R"(
   eventIn      MFVec2f    set_crossSection
   eventIn      MFRotation set_orientation
@@ -54,7 +58,8 @@ constexpr NodeRow kRows[] = {
   field        MFVec2f    scale            1 1              # (0,inf)
   field        SFBool     solid            TRUE
   field        MFVec3f    spine            [ 0 0 0, 0 1 0 ]  # (-inf,inf)
-)", tessellate_extrusion},
+)",
+     tessellate_extrusion},
     {"IndexedFaceSet", "6.23", Role::geometry, R"(
   eventIn      MFInt32    set_colorIndex
   eventIn      MFInt32    set_coordIndex
@@ -74,7 +79,8 @@ constexpr NodeRow kRows[] = {
   field        SFBool     normalPerVertex  TRUE
   field        SFBool     solid            TRUE
   field        MFInt32    texCoordIndex    []               # [-1,inf)
-)", tessellate_indexed_face_set},
+)",
+     tessellate_indexed_face_set},
     {"IndexedLineSet", "6.24", Role::geometry, R"(
   eventIn      MFInt32    set_colorIndex
   eventIn      MFInt32    set_coordIndex
@@ -83,7 +89,8 @@ constexpr NodeRow kRows[] = {
   field        MFInt32    colorIndex       []               # [-1,inf)
   field        SFBool     colorPerVertex   TRUE
   field        MFInt32    coordIndex       []               # [-1,inf)
-)", tessellate_indexed_line_set},
+)",
+     tessellate_indexed_line_set},
     {"OutlineGroup", "GhostSpace", Role::geometry, R"(
   exposedField MFString   url              []
   exposedField SFBool     complete         FALSE
@@ -99,11 +106,13 @@ constexpr NodeRow kRows[] = {
   field        MFVec3f    point            []               # (-inf,inf)
   field        MFInt32    coordIndex       []               # [-1,inf)
   field        MFVec2f    texCoord         []               # (-inf,inf)
-)", tessellate_outline_group},
+)",
+     tessellate_outline_group},
     {"PointSet", "6.36", Role::geometry, R"(
   exposedField SFNode     color            NULL
   exposedField SFNode     coord            NULL
-)", tessellate_point_set},
+)",
+     tessellate_point_set},
     {"QNV", "GhostSpace", Role::geometry, R"(
   exposedField MFString   url              []
   exposedField SFFloat    detail           1                # (0,inf)
@@ -117,7 +126,8 @@ constexpr NodeRow kRows[] = {
 )"},
     {"Sphere", "6.43", Role::geometry, R"(
   field        SFFloat    radius           1                # (0,inf)
-)", tessellate_sphere},
+)",
+     tessellate_sphere},
     {"Text", "6.47", Role::geometry, R"(
   exposedField MFString   string           []
   exposedField SFNode     fontStyle        NULL
@@ -128,6 +138,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> geometry_rows() { return kRows; }
+std::span<const NodeRow> geometry_rows() { return kGeometryRows; }
 
 }  // namespace gs::vrml

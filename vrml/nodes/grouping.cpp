@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Grouping and special group nodes (VRML97 4.6.5).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kGroupingRows[] = {
     {"Anchor", "6.2", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
@@ -70,6 +70,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> grouping_rows() { return kRows; }
+std::span<const NodeRow> grouping_rows() { return kGroupingRows; }
 
 }  // namespace gs::vrml

@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Interpolators (VRML97 4.6.8).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kInterpolatorsRows[] = {
     {"ColorInterpolator", "6.10", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
@@ -45,6 +45,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> interpolators_rows() { return kRows; }
+std::span<const NodeRow> interpolators_rows() { return kInterpolatorsRows; }
 
 }  // namespace gs::vrml

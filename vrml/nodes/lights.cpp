@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Light sources (VRML97 4.6.6).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kLightsRows[] = {
     {"DirectionalLight", "6.16", Role::child | Role::light, R"(
   exposedField SFFloat    ambientIntensity 0                # [0,1]
   exposedField SFColor    color            1 1 1            # [0,1]
@@ -37,6 +37,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> lights_rows() { return kRows; }
+std::span<const NodeRow> lights_rows() { return kLightsRows; }
 
 }  // namespace gs::vrml

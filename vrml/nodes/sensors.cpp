@@ -4,7 +4,7 @@ namespace gs::vrml {
 namespace {
 
 // Sensors (VRML97 4.6.7).
-constexpr NodeRow kRows[] = {
+constexpr NodeRow kSensorsRows[] = {
     {"CylinderSensor", "6.15", Role::child | Role::sensor, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFFloat    diskAngle        0.262            # (0,pi/2)
@@ -76,6 +76,6 @@ constexpr NodeRow kRows[] = {
 
 }  // namespace
 
-std::span<const NodeRow> sensors_rows() { return kRows; }
+std::span<const NodeRow> sensors_rows() { return kSensorsRows; }
 
 }  // namespace gs::vrml
