@@ -1,5 +1,7 @@
 #include "net/cell_driver.h"
 
+#include "net/clock.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -13,25 +15,14 @@
 #include <unistd.h>
 
 namespace gs::net {
-namespace {
-
-constexpr Instant kLongestWait{1'000'000};
-constexpr int kReceivedAtOnce = 256, kSentAtOnce = 256;
-
-Instant clock_now() { return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch()); }
-
-std::uint64_t random_number() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32 | device();
-}
 
 /// Wakes a thread that waits for a socket.
-class Bell {
+class DriverBell {
  public:
-  Bell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
-  Bell(const Bell&) = delete;
-  Bell& operator=(const Bell&) = delete;
-  ~Bell() {
+  DriverBell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+  DriverBell(const DriverBell&) = delete;
+  DriverBell& operator=(const DriverBell&) = delete;
+  ~DriverBell() {
     if (event_ >= 0) ::close(event_);
   }
   void ring() const {
@@ -47,6 +38,16 @@ class Bell {
  private:
   int event_;
 };
+
+namespace {
+
+constexpr Instant kLongestWait{1'000'000};
+constexpr int kReceivedAtOnce = 256, kSentAtOnce = 256;
+
+std::uint64_t random_number() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
 
 /// Sends, waiting a little where the system has no room; what finds none even
 /// then is lost, as on any network.
@@ -92,7 +93,7 @@ struct CellServerDriver::State {
 
   CellServer server;
   UdpSocket socket;
-  Bell bell;
+  DriverBell bell;
   std::atomic<bool> stopping = false;
   mutable std::mutex mutex;
   CellServerStatistics statistics;
@@ -213,7 +214,7 @@ struct CellClientDriver::State {
   std::function<void()> wake;
   UdpSocket socket;
   Endpoint server;
-  Bell bell;
+  DriverBell bell;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> waiting = 0;  // bytes of events
   mutable std::mutex mutex;              // of what follows

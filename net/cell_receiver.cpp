@@ -7,8 +7,7 @@
 namespace gs::net {
 namespace {
 
-constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestWait{2'000'000};
-constexpr std::uint64_t kPacketHeaders = 28;
+constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestBackoff{2'000'000};
 constexpr std::size_t kRepairs = 64;     // chunks asked for again in one report
 constexpr std::size_t kMostNamed = 128;  // in one report, all slots together: it must fit into one datagram
 constexpr std::size_t kMostEarly = 128;
@@ -16,7 +15,7 @@ constexpr std::uint64_t kFarAhead = 16384;
 
 Instant backed_off(Instant first, std::size_t tries) {
   constexpr std::size_t kQuick = 8;
-  return std::min(first * (1 << (std::clamp<std::size_t>(tries, kQuick, kQuick + 6) - kQuick)), kLongestWait);
+  return std::min(first * (1 << (std::clamp<std::size_t>(tries, kQuick, kQuick + 6) - kQuick)), kLongestBackoff);
 }
 
 }  // namespace
@@ -176,7 +175,7 @@ void CellClient::take_sync(const SyncMessage& sync, Instant now) {
   heard_ = now;
   stamp(sync.time, now);
   sync_next_ = std::max(sync_next_, sync.next);
-  round_trip_ = std::clamp(Instant(sync.round_trip), Instant(500), kLongestWait);
+  round_trip_ = std::clamp(Instant(sync.round_trip), Instant(500), kLongestBackoff);
   statistics_.granted = sync.granted;
   statistics_.server_rate = sync.rate;
   for (const SlotSync& said : sync.slots) {

@@ -7,13 +7,12 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kPacketHeaders = 28;
 constexpr std::size_t kMostAnswers = 1024;
 constexpr Instant kCookieLife{60'000'000};
 constexpr std::uint64_t kOpensPerSecond = 4, kOpensAtOnce = kMostSlots;
 constexpr std::size_t kMostBase = ErasureLayout::kMostBytes;
 
-std::uint64_t burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(4 * kMostDatagram, rate / 500); }
+std::uint64_t server_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(4 * kMostDatagram, rate / 500); }
 
 }  // namespace
 
@@ -21,7 +20,7 @@ CellServer::CellServer(CellServerOptions options, std::shared_ptr<CellLibrary> l
     : options_(std::move(options)),
       library_(std::move(library)),
       cookies_(options_.secret),
-      total_(options_.total_rate / 8, burst_of(options_.total_rate / 8), Instant{}) {}
+      total_(options_.total_rate / 8, server_burst_of(options_.total_rate / 8), Instant{}) {}
 
 void CellServer::receive(const Endpoint& from, std::span<const std::byte> bytes, Instant now) {
   const auto message = decode_contract(bytes);

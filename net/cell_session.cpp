@@ -6,7 +6,6 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kPacketHeaders = 28;  // IPv4 and UDP
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
 constexpr std::uint64_t kFirstDatagrams = 10;
 constexpr std::size_t kMostWished = 1024, kMostTried = 16384;
@@ -16,7 +15,7 @@ constexpr std::size_t kBegin = 6;
 
 std::uint32_t stamp(Instant now) { return static_cast<std::uint32_t>(now.count()); }
 
-std::uint64_t burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(2 * kMostDatagram, rate / 500); }
+std::uint64_t session_burst_of(std::uint64_t rate) { return std::max<std::uint64_t>(2 * kMostDatagram, rate / 500); }
 
 bool meet(const CellBox& left, const CellBox& right) {
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -31,7 +30,7 @@ CellSession::CellSession(const Options& options, std::uint64_t id, std::uint64_t
       id_(id),
       nonce_(nonce),
       controller_(options.response, 0, round_trip, now),
-      bucket_(0, burst_of(0), now),
+      bucket_(0, session_burst_of(0), now),
       parity_(options.parity),
       last_heard_(now) {}
 
@@ -48,7 +47,7 @@ void CellSession::grant(std::uint64_t bytes_per_second, Instant now) {
 
 void CellSession::update_rate(Instant now) {
   const auto rate = static_cast<std::uint64_t>(controller_.rate());
-  if (rate != bucket_.rate()) bucket_.set_rate(rate, burst_of(rate), now);
+  if (rate != bucket_.rate()) bucket_.set_rate(rate, session_burst_of(rate), now);
 }
 
 void CellSession::set(const RequestMessage& request, std::shared_ptr<CellSource> source,

@@ -26,6 +26,8 @@ constexpr std::size_t kDatagramHeader = 8;
 /// So many cells fit into a datagram of 1400 bytes.
 constexpr std::size_t kMostCells = 26;
 constexpr std::size_t kMostDatagram = kDatagramHeader + kMostCells * kPackedCell;
+/// Bytes that the headers of IPv4 and UDP add to a datagram.
+constexpr std::uint64_t kPacketHeaders = 28;
 /// Where MPLS in UDP is expected (RFC 7510).
 constexpr std::uint16_t kMplsPort = 6635;
 

@@ -25,8 +25,11 @@ class Descriptor {
 
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
-  void close() {
-    if (number_ >= 0) ::close(std::exchange(number_, -1));
+  [[nodiscard]] int release() { return std::exchange(number_, -1); }
+  /// False when the system could not keep what was written.
+  bool close() {
+    const int number = release();
+    return number < 0 || ::close(number) == 0;
   }
 
  private:

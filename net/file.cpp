@@ -1,5 +1,7 @@
 #include "net/file.h"
 
+#include "net/descriptor.h"
+
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -15,27 +17,6 @@
 
 namespace gs::net {
 namespace {
-
-/// A file descriptor with an owner.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
-  Descriptor& operator=(Descriptor&&) = delete;
-  ~Descriptor() { close(); }
-
-  [[nodiscard]] int get() const { return number_; }
-  [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
-  [[nodiscard]] int release() { return std::exchange(number_, -1); }
-  /// False when the system could not keep what was written.
-  bool close() {
-    const int number = std::exchange(number_, -1);
-    return number < 0 || ::close(number) == 0;
-  }
-
- private:
-  int number_;
-};
 
 std::string reason(int code) { return std::generic_category().message(code); }
 

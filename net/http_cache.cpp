@@ -33,7 +33,9 @@ std::uint64_t hash(std::string_view text, std::uint64_t seed) {
   return value * 0x9e3779b97f4a7c15;
 }
 
-std::string name_of(const std::string& key) { return hexadecimal(hash(key, 0)) + hexadecimal(hash(key, 0x5bd1e995)); }
+std::string entry_name_of(const std::string& key) {
+  return hexadecimal(hash(key, 0)) + hexadecimal(hash(key, 0x5bd1e995));
+}
 
 bool read_exactly(int file, std::span<std::byte> to, std::uint64_t offset) {
   while (!to.empty()) {
@@ -124,11 +126,11 @@ std::variant<std::unique_ptr<HttpCache>, FileError> HttpCache::open(HttpCacheOpt
 }
 
 std::string HttpCache::entry_path(const std::string& key) const {
-  return options_.folder + "/" + name_of(key) + ".entry";
+  return options_.folder + "/" + entry_name_of(key) + ".entry";
 }
 
 std::string HttpCache::data_path(const std::string& key, std::uint64_t data) const {
-  return options_.folder + "/" + name_of(key) + "-" + hexadecimal(data) + ".data";
+  return options_.folder + "/" + entry_name_of(key) + "-" + hexadecimal(data) + ".data";
 }
 
 Descriptor HttpCache::lock() const {

@@ -1,5 +1,7 @@
 #include "net/http_loop.h"
 
+#include "net/clock.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -20,10 +22,6 @@ namespace {
 constexpr std::size_t kConnectionMemory = 32768;
 constexpr Instant kLookEvery{100'000};
 
-Instant now_of_loop() {
-  return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch());
-}
-
 // Targets are decoded by parse_request_path: libmicrohttpd would end them at an
 // encoded NUL.
 std::size_t leave_encoded(void*, MHD_Connection*, char* text) { return std::strlen(text); }
@@ -34,7 +32,7 @@ std::optional<std::string> problem(const std::string& what) { return what + ": "
 
 HttpLoop::HttpLoop(HttpServerOptions options)
     : options_(std::move(options)),
-      limits_(options_.limits, now_of_loop()),
+      limits_(options_.limits, clock_now()),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
 
 HttpLoop::~HttpLoop() {
@@ -110,7 +108,7 @@ void HttpLoop::wake() const {
 void HttpLoop::stop(std::chrono::milliseconds grace) {
   {
     const std::lock_guard lock(mutex_);
-    const Instant at = now_of_loop() + std::chrono::duration_cast<Instant>(grace);
+    const Instant at = clock_now() + std::chrono::duration_cast<Instant>(grace);
     stop_at_ = stop_at_ ? std::min(*stop_at_, at) : at;
   }
   wake();
@@ -148,7 +146,7 @@ void HttpLoop::run() {
   pollfd waits[2] = {{info ? info->epoll_fd : -1, POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   for (;;) {
     (void)MHD_run(daemon_);
-    const Instant now = now_of_loop();
+    const Instant now = clock_now();
     if (finished(now)) break;
     // What goes on does so in MHD_run, which nothing else wakes for it.
     const std::size_t suspended = turns_.size() + waiting_.size();

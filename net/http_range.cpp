@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kPartCost = 120;  // bytes of a boundary and its headers, about
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
@@ -29,7 +29,7 @@ template <typename Each>
 void for_each_item(std::string_view list, const Each& each) {
   for (;;) {
     const std::size_t comma = list.find(',');
-    each(trimmed(list.substr(0, comma)));
+    each(without_blanks(list.substr(0, comma)));
     if (comma == std::string_view::npos) return;
     list.remove_prefix(comma + 1);
   }
@@ -45,7 +45,7 @@ std::optional<std::uint64_t> number(std::string_view digits) {
 bool add_range(std::string_view item, std::uint64_t size, std::vector<ServedRange>& out) {
   const std::size_t dash = item.find('-');
   if (dash == std::string_view::npos) return false;
-  const std::string_view first = trimmed(item.substr(0, dash)), last = trimmed(item.substr(dash + 1));
+  const std::string_view first = without_blanks(item.substr(0, dash)), last = without_blanks(item.substr(dash + 1));
   if (first.empty()) {
     const auto length = number(last);
     if (!length) return false;
@@ -86,7 +86,7 @@ std::string_view opaque(std::string_view etag) { return etag.starts_with("W/") ?
 
 // `strong`: weak tags match nothing.
 bool lists(std::string_view value, std::string_view etag, bool strong) {
-  if (trimmed(value) == "*") return true;
+  if (without_blanks(value) == "*") return true;
   if (strong && etag.starts_with("W/")) return false;
   bool found = false;
   for_each_item(value, [&](std::string_view item) {
@@ -100,7 +100,8 @@ bool lists(std::string_view value, std::string_view etag, bool strong) {
 std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> parse_ranges(std::string_view value,
                                                                             std::uint64_t size) {
   const std::size_t equals = value.find('=');
-  if (equals == std::string_view::npos || !equal_word(trimmed(value.substr(0, equals)), "bytes")) return WholeBody{};
+  if (equals == std::string_view::npos || !equal_word(without_blanks(value.substr(0, equals)), "bytes"))
+    return WholeBody{};
   std::vector<ServedRange> ranges;
   std::size_t items = 0;
   bool sound = true;
@@ -129,7 +130,7 @@ Verdict evaluate(const Conditions& conditions, const std::string& etag, std::int
 }
 
 bool range_counts(const Conditions& conditions, const std::string& etag, std::int64_t modified) {
-  const std::string_view value = trimmed(conditions.if_range);
+  const std::string_view value = without_blanks(conditions.if_range);
   if (value.empty()) return true;
   if (value.front() == '"') return value == etag;
   if (value.starts_with("W/")) return false;
@@ -141,10 +142,10 @@ bool accepts_gzip(std::string_view accept_encoding) {
   std::optional<bool> gzip, any;
   for_each_item(accept_encoding, [&](std::string_view item) {
     const std::size_t semicolon = item.find(';');
-    const std::string_view name = trimmed(item.substr(0, semicolon));
+    const std::string_view name = without_blanks(item.substr(0, semicolon));
     bool wanted = true;
     if (semicolon != std::string_view::npos) {
-      std::string_view weight = trimmed(item.substr(semicolon + 1));
+      std::string_view weight = without_blanks(item.substr(semicolon + 1));
       if (weight.starts_with("q=") || weight.starts_with("Q="))
         wanted = weight.substr(2).find_first_not_of("0.") != std::string_view::npos;
     }

@@ -1,4 +1,5 @@
 // What libmicrohttpd calls: connections, requests, bodies.
+#include "net/clock.h"
 #include "net/http_loop.h"
 
 #include <algorithm>
@@ -12,11 +13,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kBlock = 65536;
-
-Instant now_of_loop() {
-  return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch());
-}
+constexpr std::size_t kAnswerBlock = 65536;
 
 std::string header(MHD_Connection* handle, const char* name) {
   const char* value = MHD_lookup_connection_value(handle, MHD_HEADER_KIND, name);
@@ -50,7 +47,7 @@ struct HttpLoop::Transfer {
 
 void HttpLoop::on_connection(void* self, MHD_Connection* handle, void** context, MHD_ConnectionNotificationCode code) {
   auto* loop = static_cast<HttpLoop*>(self);
-  const Instant now = now_of_loop();
+  const Instant now = clock_now();
   if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
     const std::unique_ptr<Connection> connection(static_cast<Connection*>(*context));
     if (!connection) return;
@@ -82,7 +79,7 @@ void* HttpLoop::on_target(void* self, const char* target, MHD_Connection* handle
   if (const auto* info = MHD_get_connection_info(handle, MHD_CONNECTION_INFO_SOCKET_CONTEXT))
     request->connection = static_cast<Connection*>(info->socket_context);
   request->request.target = target;
-  request->begin = now_of_loop();
+  request->begin = clock_now();
   request->record.time = ::time(nullptr);
   request->record.client = client_name(address_of(handle));
   request->id = loop->next_id_++;
@@ -102,7 +99,7 @@ MHD_Result HttpLoop::on_request(void* self, MHD_Connection* handle, const char*,
 
 MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char* method, const char* version) {
   HttpRequest& asked = request.request;
-  const Instant now = now_of_loop();
+  const Instant now = clock_now();
   if (!request.seen) {
     request.seen = true;
     asked.method = method;
@@ -141,7 +138,7 @@ MHD_Result HttpLoop::reply(Request& request, MHD_Connection* handle) {
   HttpSite::Reply found = site_->answer(request.request);
   if (auto* answer = std::get_if<HttpAnswer>(&found)) return queue(request, handle, std::move(*answer));
   auto& wait = std::get<WaitForMade>(found);
-  if (!request.until) request.until = now_of_loop() + std::chrono::duration_cast<Instant>(wait.wait);
+  if (!request.until) request.until = clock_now() + std::chrono::duration_cast<Instant>(wait.wait);
   request.connection->phase = Phase::waiting;
   waiting_[request.id] = {handle, wait.lane, wait.key, *request.until};
   MHD_suspend_connection(handle);
@@ -162,7 +159,7 @@ MHD_Result HttpLoop::queue(Request& request, MHD_Connection* handle, HttpAnswer 
     return one.loop->read_paced(one, at, to, most);
   };
   const auto free_body = [](void* self) { delete static_cast<Transfer*>(self); };
-  const std::size_t block = static_cast<std::size_t>(std::clamp<std::uint64_t>(size, 1024, kBlock));
+  const std::size_t block = static_cast<std::size_t>(std::clamp<std::uint64_t>(size, 1024, kAnswerBlock));
   MHD_Response* response = size == 0
                                ? MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT)
                                : MHD_create_response_from_callback(size, block, read_body, transfer.get(), free_body);
@@ -183,7 +180,7 @@ void HttpLoop::on_completed(void*, MHD_Connection*, void** context, MHD_RequestT
 }
 
 void HttpLoop::completed(Request& request) {
-  const Instant now = now_of_loop();
+  const Instant now = clock_now();
   waiting_.erase(request.id);
   AccessRecord& record = request.record;
   if (request.connection) {
@@ -206,7 +203,7 @@ void HttpLoop::completed(Request& request) {
 ssize_t HttpLoop::read_paced(Transfer& transfer, std::uint64_t at, char* to, std::size_t most) {
   Connection& connection = *transfer.connection;
   if (aborting_) return MHD_CONTENT_READER_END_WITH_ERROR;
-  connection.since = now_of_loop();
+  connection.since = clock_now();
   if (limits_.paced()) {
     if (connection.credit == 0) {
       connection.phase = Phase::waiting;

@@ -8,7 +8,7 @@ namespace {
 
 /// Cached bytes handed out without looking at anything else.
 constexpr std::size_t kPumpBytes = std::size_t{1} << 20;
-constexpr std::size_t kBlock = std::size_t{64} << 10;
+constexpr std::size_t kPumpedBlock = std::size_t{64} << 10;
 
 bool has_control_or_blank(std::string_view text, bool blank_too) {
   return std::any_of(text.begin(), text.end(), [blank_too](char c) {
@@ -264,7 +264,7 @@ bool LoadJob::pump(TimePoint now) {
       check_done();
       break;
     }
-    const std::size_t room = std::min({context_.queue.room(id_), budget, kBlock});
+    const std::size_t room = std::min({context_.queue.room(id_), budget, kPumpedBlock});
     if (room == 0) return budget == 0;
     const ByteRange range = pending.ranges().front();
     const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(room, range.size()));

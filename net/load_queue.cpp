@@ -6,7 +6,7 @@ namespace gs::net {
 namespace {
 
 /// Neighbouring blocks are handed out as one up to this size.
-constexpr std::size_t kBlock = std::size_t{64} << 10;
+constexpr std::size_t kJoinedBlock = std::size_t{64} << 10;
 
 }  // namespace
 
@@ -140,12 +140,12 @@ void LoadQueue::push_data(RequestId id, std::uint64_t offset, std::span<const st
   queued_ += bytes.size();
   LoadData* const last = box->events.empty() ? nullptr : std::get_if<LoadData>(&box->events.back().what);
   const bool continues = last && last->offset + last->bytes.size() == offset;
-  if (continues && last->bytes.size() + bytes.size() <= kBlock) {
+  if (continues && last->bytes.size() + bytes.size() <= kJoinedBlock) {
     last->bytes.insert(last->bytes.end(), bytes.begin(), bytes.end());
   } else {
     LoadData data{offset, {}};
     // Room for what will probably follow; never much more than what is counted.
-    data.bytes.reserve(continues ? std::max(bytes.size(), kBlock) : bytes.size());
+    data.bytes.reserve(continues ? std::max(bytes.size(), kJoinedBlock) : bytes.size());
     data.bytes.assign(bytes.begin(), bytes.end());
     box->events.push_back({id, std::move(data)});
   }

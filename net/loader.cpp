@@ -39,13 +39,6 @@ class ConditionWaiter final : public Waiter {
   bool woken_ = false;
 };
 
-struct Command {
-  enum class Kind { request, cancel, priority } kind;
-  RequestId id;
-  int priority = 0;
-  Request request;
-};
-
 /// A writing end that is gone is an error value here, not the end of the program.
 void ignore_broken_pipes() {
   sigset_t signals;
@@ -53,6 +46,15 @@ void ignore_broken_pipes() {
   sigaddset(&signals, SIGPIPE);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
+
+}  // namespace
+
+struct LaneCommand {
+  enum class Kind { request, cancel, priority } kind;
+  RequestId id;
+  int priority = 0;
+  Request request;
+};
 
 /// A thread with its engine.
 class LaneThread {
@@ -70,7 +72,7 @@ class LaneThread {
     thread_.join();
   }
 
-  void send(Command command) {
+  void send(LaneCommand command) {
     {
       const std::lock_guard lock(mutex_);
       commands_.push_back(std::move(command));
@@ -83,9 +85,9 @@ class LaneThread {
   void run(const std::function<std::unique_ptr<LoadEngine>()>& make_engine) {
     ignore_broken_pipes();
     const std::unique_ptr<LoadEngine> engine = make_engine();
-    std::vector<Command> commands;
+    std::vector<LaneCommand> commands;
     while (take(commands)) {
-      for (Command& command : commands) obey(*engine, command);
+      for (LaneCommand& command : commands) obey(*engine, command);
       commands.clear();
       const TimePoint now = std::chrono::steady_clock::now();
       constexpr Milliseconds kLongest{60'000};
@@ -99,29 +101,31 @@ class LaneThread {
     }
   }
 
-  bool take(std::vector<Command>& commands) {
+  bool take(std::vector<LaneCommand>& commands) {
     const std::lock_guard lock(mutex_);
     commands.swap(commands_);
     return !stopping_;
   }
 
-  static void obey(LoadEngine& engine, Command& command) {
+  static void obey(LoadEngine& engine, LaneCommand& command) {
     switch (command.kind) {
-      case Command::Kind::request:
+      case LaneCommand::Kind::request:
         return engine.request(command.id, std::move(command.request));
-      case Command::Kind::cancel:
+      case LaneCommand::Kind::cancel:
         return engine.cancel(command.id);
-      case Command::Kind::priority:
+      case LaneCommand::Kind::priority:
         return engine.set_priority(command.id, command.priority);
     }
   }
 
   std::unique_ptr<Waiter> waiter_;
   std::mutex mutex_;
-  std::vector<Command> commands_;
+  std::vector<LaneCommand> commands_;
   bool stopping_ = false;
   std::thread thread_;  // last: it uses the others
 };
+
+namespace {
 
 /// Hands the calls on: the engine owns its transports, and the thread its waiter, which for http is the same object.
 class SharedHttp final : public Transport {
@@ -219,7 +223,7 @@ RequestId Loader::request(Request request) {
   const Lane lane = scheme ? scheme->lane : Lane::local;
   parts_->queue.open(id, request.priority);
   parts_->open[id.value] = lane;
-  parts_->lane(lane).send({Command::Kind::request, id, 0, std::move(request)});
+  parts_->lane(lane).send({LaneCommand::Kind::request, id, 0, std::move(request)});
   return id;
 }
 
@@ -227,7 +231,7 @@ void Loader::cancel(RequestId id) {
   const auto found = parts_->open.find(id.value);
   if (found == parts_->open.end()) return;
   parts_->queue.close(id);
-  parts_->lane(found->second).send({Command::Kind::cancel, id, 0, {}});
+  parts_->lane(found->second).send({LaneCommand::Kind::cancel, id, 0, {}});
   parts_->open.erase(found);
   parts_->wake_the_starved();
 }
@@ -236,7 +240,7 @@ void Loader::set_priority(RequestId id, int priority) {
   const auto found = parts_->open.find(id.value);
   if (found == parts_->open.end()) return;
   parts_->queue.set_priority(id, priority);
-  parts_->lane(found->second).send({Command::Kind::priority, id, priority, {}});
+  parts_->lane(found->second).send({LaneCommand::Kind::priority, id, priority, {}});
 }
 
 std::vector<LoadEvent> Loader::poll(std::size_t max_bytes) {

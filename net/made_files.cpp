@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostFailures = 256;
 constexpr std::time_t kAbandoned = 24 * 3600;  // seconds after which a half-made file is someone's who died
 
-std::string name_of(const std::string& key) {
+std::string made_name_of(const std::string& key) {
   const auto bytes = std::as_bytes(std::span(key));
   char text[40];
   std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(siphash(SipKey{}, bytes)),
@@ -45,7 +45,7 @@ MadeFiles::~MadeFiles() {
 }
 
 MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, const std::string& extension, Make make) {
-  const std::string name = name_of(key), path = options_.folder + "/" + name + extension;
+  const std::string name = made_name_of(key), path = options_.folder + "/" + name + extension;
   const std::lock_guard lock(mutex_);
   Lane& lane = lanes_[lane_number];
   for (const Job& job : lane.jobs)

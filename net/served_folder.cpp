@@ -1,5 +1,6 @@
 #include "net/served_folder.h"
 
+#include "net/hexadecimal.h"
 #include "net/siphash.h"
 
 #include <algorithm>
@@ -23,12 +24,6 @@ constexpr std::size_t kMostPathBytes = 4096;
 // Nonblocking: a pipe must not make the server wait for its other end.
 constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
 
-int digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
 bool is_plain(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
          std::strchr("-._~", c) != nullptr;
@@ -42,8 +37,9 @@ std::optional<std::string> decode(std::string_view text) {
       out += text[i];
       continue;
     }
-    if (i + 2 >= text.size() || digit(text[i + 1]) < 0 || digit(text[i + 2]) < 0) return std::nullopt;
-    out += static_cast<char>(digit(text[i + 1]) * 16 + digit(text[i + 2]));
+    if (i + 2 >= text.size() || hexadecimal_value(text[i + 1]) < 0 || hexadecimal_value(text[i + 2]) < 0)
+      return std::nullopt;
+    out += static_cast<char>(hexadecimal_value(text[i + 1]) * 16 + hexadecimal_value(text[i + 2]));
     i += 2;
   }
   return out;

@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-struct State {
+struct SipState {
   std::uint64_t v0, v1, v2, v3;
   void rounds(int count) {
     for (int i = 0; i < count; ++i) {
@@ -26,8 +26,8 @@ struct State {
 }  // namespace
 
 std::uint64_t siphash(const SipKey& key, std::span<const std::byte> bytes) {
-  State state{key[0] ^ 0x736f6d6570736575, key[1] ^ 0x646f72616e646f6d, key[0] ^ 0x6c7967656e657261,
-              key[1] ^ 0x7465646279746573};
+  SipState state{key[0] ^ 0x736f6d6570736575, key[1] ^ 0x646f72616e646f6d, key[0] ^ 0x6c7967656e657261,
+                 key[1] ^ 0x7465646279746573};
   const auto absorb = [&](std::uint64_t word) {
     state.v3 ^= word;
     state.rounds(2);

@@ -1,17 +1,11 @@
 #include <algorithm>
 #include <map>
 
+#include "net/hexadecimal.h"
 #include "net/transport.h"
 
 namespace gs::net {
 namespace {
-
-int hexadecimal_value(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 int base64_value(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';

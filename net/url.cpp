@@ -1,5 +1,7 @@
 #include "net/url.h"
 
+#include "net/hexadecimal.h"
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -13,13 +15,6 @@ constexpr std::string_view kHexadecimal = "0123456789ABCDEF";
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-int hexadecimal_value(char c) {
-  if (is_digit(c)) return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 void append_encoded(std::string& to, char c) {
   const auto byte = static_cast<unsigned char>(c);

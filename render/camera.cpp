@@ -37,6 +37,13 @@ std::array<glm::dvec3, 8> corners(const vrml::Bounds& bounds) {
 
 }  // namespace
 
+glm::dmat4 camera_from_world_of(const Camera& camera) {
+  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
+  glm::dmat4 matrix(rotation);
+  matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
+  return matrix;
+}
+
 glm::mat4 projection(const Camera& camera, float width, float height) {
   const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
   const double near_plane = camera.near_plane, far_plane = camera.far_plane;

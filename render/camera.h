@@ -16,6 +16,9 @@ struct Camera {
   float far_plane = 0;                // metres; 0: likewise
 };
 
+/// In double precision: the difference of two large coordinates must survive.
+[[nodiscard]] glm::dmat4 camera_from_world_of(const Camera& camera);
+
 /// Clip space of OpenGL from camera space. `near_plane` and `far_plane` must be set.
 [[nodiscard]] glm::mat4 projection(const Camera& camera, float width, float height);
 

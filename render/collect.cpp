@@ -23,7 +23,7 @@ constexpr std::size_t kMaxLightsOfAnItem = 16;
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
 
-bool finite(const dmat4& m) {
+bool fits_float(const dmat4& m) {
   double sum = 0;
   for (int i = 0; i < 4; ++i) sum += std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z);
   return sum < std::numeric_limits<float>::max();  // false for NaN too
@@ -133,7 +133,7 @@ void Collector::leave() {
 
 void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children,
                            const dmat4& world_from_local) {
-  if (!children || children->empty() || !finite(world_from_local)) return;
+  if (!children || children->empty() || !fits_float(world_from_local)) return;
   enter({parent.scene, parent.on_path, id.index, children->begin(), children->end(), world_from_local, 0, parent.main});
 }
 
@@ -238,7 +238,7 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
     return;
   }
   item.mesh = mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
-  if (!item.mesh || item.mesh->empty() || !finite(parent.world_from_local)) return;
+  if (!item.mesh || item.mesh->empty() || !fits_float(parent.world_from_local)) return;
   item.world_from_node = glm::mat4(parent.world_from_local);
   const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
@@ -249,7 +249,7 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
 
 void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
                            float detail) {
-  if ((cloud->empty() && !cloud->levels) || !finite(parent.world_from_local)) return;
+  if ((cloud->empty() && !cloud->levels) || !fits_float(parent.world_from_local)) return;
   SplatItem item;
   item.cloud = cloud;
   item.world_from_node = glm::mat4(parent.world_from_local);

@@ -1,10 +1,13 @@
 #include "render/collect_nodes.h"
 
+#include "render/finite.h"
+
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gs::render {
 namespace {
@@ -16,10 +19,8 @@ using glm::dvec3;
 constexpr std::size_t kMaxText = 1024;              // bytes kept of a description; USE could multiply a long one
 constexpr std::size_t kMaxBackgroundColors = 1024;  // rings; more than a screen has rows
 constexpr std::size_t kMaxNavigationTypes = 16;
-constexpr float kHalfPi = 1.57079633f, kPi = 3.14159265f;
+constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
 constexpr double kTiny = 1e-12;
-
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 float within(float value, float lowest, float highest, float otherwise) {
   return std::isnan(value) ? otherwise : std::clamp(value, lowest, highest);
@@ -187,7 +188,7 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   state.world_from_camera = glm::mat4(glm::mat3(rotation));
   if (finite(glm::vec3(position))) state.world_from_camera[3] = glm::vec4(glm::vec3(position), 1);
   const float angle = view.get(F::field_of_view, state.field_of_view);
-  if (angle > 0 && angle < kPi) state.field_of_view = angle;
+  if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
   return state;
 }
 
@@ -212,7 +213,7 @@ NavigationState navigation_state(const NodeView& view) {
 Background world_background(const NodeView& view, const dmat4& world_from_node) {
   using F = BackgroundFields;
   Background background;
-  rings(view, F::sky_color, F::sky_angle, kPi, background.sky_colors, background.sky_angles);
+  rings(view, F::sky_color, F::sky_angle, std::numbers::pi_v<float>, background.sky_colors, background.sky_angles);
   rings(view, F::ground_color, F::ground_angle, kHalfPi, background.ground_colors, background.ground_angles);
   if (background.sky_colors.empty()) background.sky_colors.emplace_back(0.0f);
   background.world_from_background = glm::mat3(rotation_part(world_from_node));

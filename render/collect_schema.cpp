@@ -9,7 +9,7 @@ struct SchemaRow {
   std::array<std::string_view, Schema::kFields> fields;  // in the order of the enums
 };
 
-constexpr SchemaRow kRows[] = {
+constexpr SchemaRow kSchemaRows[] = {
     {"Shape", NodeKind::shape, {"appearance", "geometry"}},
     {"Group", NodeKind::group, {"children"}},
     {"Anchor", NodeKind::group, {"children"}},
@@ -45,7 +45,7 @@ Schema make_schema(const vrml::NodeType& type) {
   Schema schema;
   schema.slots.fill(-1);
   if (type.kind != vrml::NodeType::Kind::built_in) return schema;
-  for (const SchemaRow& row : kRows) {
+  for (const SchemaRow& row : kSchemaRows) {
     if (row.type != type.name) continue;
     schema.kind = row.kind;
     for (std::size_t i = 0; i < row.fields.size(); ++i)

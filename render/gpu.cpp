@@ -81,4 +81,10 @@ std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view 
   return ContextError{"linking shaders: " + log};
 }
 
+bool take_errors(const Gl& gl) {
+  bool any = false;
+  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) any = true;
+  return any;
+}
+
 }  // namespace gs::render

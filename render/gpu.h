@@ -67,4 +67,10 @@ using Program = GpuHandle<GpuObject::program>;
                                                                std::string_view vertex_source,
                                                                std::string_view fragment_source);
 
+/// Empties the queue of errors of the driver; true when there was one.
+bool take_errors(const Gl& gl);
+
+/// An offset into the bound buffer, in bytes, as OpenGL takes it for a pointer.
+[[nodiscard]] inline const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
+
 }  // namespace gs::render

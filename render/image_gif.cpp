@@ -41,10 +41,10 @@ int read_bytes(GifFileType* gif, GifByteType* to, int count) {
   return static_cast<int>(given);
 }
 
-struct Closer {
+struct GifCloser {
   void operator()(GifFileType* gif) const { DGifCloseFile(gif, nullptr); }
 };
-using Gif = std::unique_ptr<GifFileType, Closer>;
+using Gif = std::unique_ptr<GifFileType, GifCloser>;
 
 ImageError gif_error(int code) {
   const char* text = GifErrorString(code);

@@ -16,7 +16,7 @@ namespace {
 
 // One frame draws no more than this: USE can ask for more than any driver ends in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
-constexpr float kPointSize = 2, kShininessScale = 128;  // VRML97 4.14.4
+constexpr float kPointSize = 2;
 constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE",  "INTENSITY",
                                     "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
 
@@ -287,9 +287,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   textures_.forget_unused();
   meshes_.forget_binding();
   View view;
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
-  view.camera_from_world = glm::dmat4(rotation);
-  view.camera_from_world[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
+  view.camera_from_world = camera_from_world_of(camera);
   view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;

@@ -55,17 +55,10 @@ const void* bytes_of(const vrml::Mesh& mesh, Location location) {
   }
 }
 
-const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
-
 bool indices_in_range(const vrml::Mesh& mesh) {
   std::uint32_t largest = 0;
   for (const std::uint32_t index : mesh.indices) largest = std::max(largest, index);
   return largest < mesh.positions.size();
-}
-
-void discard_errors(const Gl& gl) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
 }
 
 }  // namespace
@@ -154,7 +147,7 @@ bool MeshStore::add_page(unsigned format, std::size_t vertices, std::size_t indi
   page->index_buffer = make_buffer(gl_);
   const Layout arrays = layout(format, vertices);
 
-  discard_errors(gl_);
+  take_errors(gl_);
   gl_.BindVertexArray(page->vertex_array.name());
   bound_page_ = kNoPage;
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, page->index_buffer.name());

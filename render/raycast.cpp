@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 namespace gs::render {
@@ -18,7 +19,6 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kPi = 3.14159265358979323846;
 // What the splatters share, in double precision.
 constexpr double kCubeMargin = double{splat::kCubeMargin}, kSampleMargin = double{splat::kSampleMargin},
                  kBackMargin = double{splat::kBackMargin}, kCubeBell = double{splat::kCubeBell},
@@ -122,7 +122,7 @@ std::vector<Disc> discs_of(const qnv::Cloud& cloud, const Lens& lens, const dvec
     if (d.plane > 0 && !cloud.description.two_sided) continue;
     if (!(d.plane * d.plane > kGrazing * kGrazing * glm::dot(d.place, d.place))) continue;
     const double depth = -(lens.linear * d.place).z, sample = depth * step / scale;
-    const double radius = std::sqrt(static_cast<double>(cloud.weights[k]) / kPi);
+    const double radius = std::sqrt(static_cast<double>(cloud.weights[k]) / std::numbers::pi);
     d.cube = !cloud.cells.empty() && cloud.cells[k].edge > 0;
     if (d.cube) {
       const auto edge = static_cast<double>(cloud.cells[k].edge);

@@ -24,6 +24,8 @@ struct Material {
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
   bool lit = true;  // false without an Appearance or Material: colour is 1 1 1, unlit
 };
+/// The specular exponent of a material whose shininess is 1 (VRML97 4.14.4).
+inline constexpr float kShininessScale = 128;
 
 struct Light {
   enum class Kind : std::uint8_t { directional, point, spot };

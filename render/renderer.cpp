@@ -11,11 +11,6 @@
 #include <utility>
 
 namespace gs::render {
-namespace {
-
-// Off-screen pictures larger than this give up samples first.
-constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
-constexpr std::size_t kBytesPerSample = 8;  // colour and depth
 
 /// Where draw_to_image draws: with samples, and resolved to one a pixel.
 struct OffscreenTarget {
@@ -23,6 +18,12 @@ struct OffscreenTarget {
   Renderbuffer color, depth, resolved_color;
   Framebuffer framebuffer, resolved;
 };
+
+namespace {
+
+// Off-screen pictures larger than this give up samples first.
+constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
+constexpr std::size_t kBytesPerSample = 8;  // colour and depth
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
             int height) {
@@ -33,8 +34,7 @@ void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum atta
 
 /// Empty framebuffer when the driver cannot.
 OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
+  take_errors(gl);
   OffscreenTarget target{width, height, samples, {}, {}, {}, {}, {}};
   const auto complete = [&] {
     return gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && gl.GetError() == GL_NO_ERROR;

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace gs::render {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // This part of the budget is shared out evenly, so that small clouds do not vanish.
 constexpr double kEvenPart = 0.125;
 // A cut at full detail has voxels of a quarter of a pixel to one (levels are whole), on two sides.
@@ -51,7 +51,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const double distance = glm::length(center);
   if (distance <= radius) return all;
   const double seen = radius / std::sqrt(distance * distance - radius * radius) / t.y * 0.5 * height;  // pixels
-  return std::min(kPi * seen * seen, all);
+  return std::min(std::numbers::pi * seen * seen, all);
 }
 
 std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const BudgetView& view, std::size_t budget) {

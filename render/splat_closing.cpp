@@ -15,8 +15,8 @@ namespace gs::render {
 namespace {
 
 constexpr int kLeastClosing = 2, kMostClosing = 12;  // pixels
-constexpr std::size_t kSurveyed = 2048;              // discs
-constexpr int kRows = 16;                            // a task
+constexpr std::size_t kClosingSurvey = 2048;         // discs
+constexpr int kTaskRows = 16;                        // a task
 constexpr std::uint16_t kWhole = 65535;
 
 /// What becomes of a pixel.
@@ -27,9 +27,9 @@ struct Closed {
   int count = 0;
 };
 
-class Closer {
+class PinholeCloser {
  public:
-  Closer(const SplatLayer& layer, const SplatView& view, int closing)
+  PinholeCloser(const SplatLayer& layer, const SplatView& view, int closing)
       : layer_(layer), viewport_{view.width, view.height}, closing_(closing) {}
 
   void row(int y, std::vector<Closed>& out) const {
@@ -106,7 +106,7 @@ int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view)
   if (shared.empty() || shared.front().cloud->cells.empty()) return kLeastClosing;
   std::vector<SplatPiece> pieces;
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
-  const SplatSurvey survey = survey_surface(pieces, view, kSurveyed);
+  const SplatSurvey survey = survey_surface(pieces, view, kClosingSurvey);
   if (survey.discs == 0) return kLeastClosing;
   // The bounds of a disc are about 2.7 edges of its voxel wide.
   const double edge = std::sqrt(survey.samples / static_cast<double>(survey.discs)) / 2.7 / view.supersample;
@@ -115,13 +115,13 @@ int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view)
 
 void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {
   if (layer.empty()) return;
-  const Closer closer(layer, view, closing);
-  std::vector<std::vector<Closed>> found(static_cast<std::size_t>((layer.height + kRows - 1) / kRows));
+  const PinholeCloser closer(layer, view, closing);
+  std::vector<std::vector<Closed>> found(static_cast<std::size_t>((layer.height + kTaskRows - 1) / kTaskRows));
   qnv::parallel_for(
       found.size(),
       [&](std::size_t task) {
-        const int first = static_cast<int>(task) * kRows;
-        for (int y = first; y < std::min(first + kRows, layer.height); ++y) closer.row(y, found[task]);
+        const int first = static_cast<int>(task) * kTaskRows;
+        for (int y = first; y < std::min(first + kTaskRows, layer.height); ++y) closer.row(y, found[task]);
       },
       view.threads);
   // Not before all have been found: what was closed closes nothing else. Those that lend were covered, and stay as they

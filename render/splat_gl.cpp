@@ -12,13 +12,11 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSurveyed = 8192;  // discs
+constexpr std::size_t kSurveyedDiscs = 8192;  // discs
 // Clouds that would cover more samples than this, counted once a disc, are thinned out: a driver that is busy for
 // seconds is taken to hang. Clouds that are drawn as they were meant cover a thousandth.
-constexpr double kMostCovered = 2e10;
+constexpr double kMostCoveredSamples = 2e10;
 constexpr float kMargin = 0.05f;  // samples: of the rectangles, for the rounding of their corners
-
-const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
 /// The pixels that a box with `around` on all sides can cover; empty when it is out of view.
 template <class Rectangle>
@@ -62,10 +60,10 @@ void unite(Rectangle& all, const Rectangle& other) {
 float largest_radius(float weight) { return std::sqrt(weight * (1 / splat::kPi)); }
 
 std::size_t step_for(const SplatSurvey& survey) {
-  return static_cast<std::size_t>(std::clamp(survey.samples / kMostCovered, 0.0, 1e6)) + 1;
+  return static_cast<std::size_t>(std::clamp(survey.samples / kMostCoveredSamples, 0.0, 1e6)) + 1;
 }
 
-glm::vec3 row_of(const glm::mat4& matrix, int row) { return {matrix[0][row], matrix[1][row], matrix[2][row]}; }
+glm::vec3 linear_row_of(const glm::mat4& matrix, int row) { return {matrix[0][row], matrix[1][row], matrix[2][row]}; }
 
 }  // namespace
 
@@ -136,7 +134,7 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
     surface.kind.colored = surface.kind.colored || piece.tint || !piece.cloud->colors.empty();
     surface.kind.sides = surface.kind.sides || piece.cloud->description.two_sided;
   }
-  const SplatSurvey survey = survey_surface(in_view, view, kSurveyed);
+  const SplatSurvey survey = survey_surface(in_view, view, kSurveyedDiscs);
   surface.step = step_for(survey);
   std::vector<std::vector<Instance>> by_slab(store_.slabs());
   for (std::size_t i = 0; i < in_view.size(); ++i) {
@@ -183,7 +181,7 @@ std::optional<SplatTextures> SplatGl::draw(const SplatRecords& records, const Sp
     sampled += chunk.sample->size();
     all += chunk.records;
   }
-  SplatSurvey survey = survey_surface(samples, view, kSurveyed);
+  SplatSurvey survey = survey_surface(samples, view, kSurveyedDiscs);
   const double share = static_cast<double>(all) / static_cast<double>(std::max<std::size_t>(sampled, 1));
   survey.discs = static_cast<std::size_t>(static_cast<double>(survey.discs) * share);
   survey.samples *= share;
@@ -321,9 +319,9 @@ void SplatGl::draw_batches(const Shader& shader, const Surface& surface, const S
   const auto& at = shader.at;
   const auto vector = [&](Uniform uniform, const glm::vec3& v) { gl_.Uniform3fv(at[uniform], 1, glm::value_ptr(v)); };
   const Kind& kind = surface.kind;
-  vector(row_x, row_of(camera.camera_from_node, 0));
-  vector(row_y, row_of(camera.camera_from_node, 1));
-  vector(row_z, row_of(camera.camera_from_node, 2));
+  vector(row_x, linear_row_of(camera.camera_from_node, 0));
+  vector(row_y, linear_row_of(camera.camera_from_node, 1));
+  vector(row_z, linear_row_of(camera.camera_from_node, 2));
   vector(ray_origin, camera.rays.origin);
   vector(ray_right, camera.rays.right);
   vector(ray_up, camera.rays.up);

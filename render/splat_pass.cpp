@@ -20,17 +20,8 @@
 namespace gs::render {
 namespace {
 
-constexpr float kShininessScale = 128;  // VRML97 4.14.4
-
-glm::dmat4 camera_from_world_of(const Camera& camera) {
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
-  glm::dmat4 matrix(rotation);
-  matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
-  return matrix;
-}
-
 /// Whether all arrays that a cloud has belong to the same vectors.
-bool consistent(const qnv::Cloud& cloud) {
+bool has_whole_arrays(const qnv::Cloud& cloud) {
   const auto fits = [&](const auto& array) { return array.empty() || array.size() == cloud.size(); };
   return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() && fits(cloud.colors) &&
          fits(cloud.cells);
@@ -227,7 +218,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // how often, so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
-    if (item.cloud->description.kind == qnv::Kind::volume || !consistent(*item.cloud)) continue;
+    if (item.cloud->description.kind == qnv::Kind::volume || !has_whole_arrays(*item.cloud)) continue;
     view.camera_from_node = glm::mat4(camera_from_world * glm::dmat4(item.world_from_node));
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
     if (item.cloud->levels) {

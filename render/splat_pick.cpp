@@ -2,6 +2,7 @@
 
 #include "qnv/lod.h"
 #include "qnv/parallel.h"
+#include "render/finite.h"
 #include "render/splat_constants.h"
 
 #include <glm/geometric.hpp>
@@ -18,14 +19,12 @@
 namespace gs::render {
 namespace {
 
-using namespace splat;
-
-constexpr std::size_t kRange = 65536;   // vectors that one task looks at
-constexpr std::size_t kBlock = 256;     // vectors that are looked at together
-constexpr float kDiagonal = 1.7321f;    // of a cube of edge 1
-constexpr float kBeam = 4;              // pixels about the ray in which a cut is as fine as in the picture
-constexpr float kLeastOpacity = 0.01f;  // of a volume that counts
-constexpr float kVolumeReach = 4.5f;    // square of the spacings beyond which a vector's opacity is not seen
+constexpr std::size_t kPickedRange = 65536;  // vectors that one task looks at
+constexpr std::size_t kPickedBlock = 256;    // vectors that are looked at together
+constexpr float kDiagonal = 1.7321f;         // of a cube of edge 1
+constexpr float kBeam = 4;                   // pixels about the ray in which a cut is as fine as in the picture
+constexpr float kLeastOpacity = 0.01f;       // of a volume that counts
+constexpr float kVolumeReach = 4.5f;         // square of the spacings beyond which a vector's opacity is not seen
 constexpr float kLeastDeterminant = 1e-30f;
 
 /// The ray as a cloud sees it.
@@ -41,8 +40,6 @@ glm::vec3 any_perpendicular(const glm::vec3& unit) {
   const glm::vec3 other = std::abs(unit.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
   return glm::normalize(glm::cross(unit, other));
 }
-
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 std::optional<NodeRay> in_node(const PickRay& ray, const glm::mat4& world_from_node) {
   const glm::dmat3 linear{glm::dmat4(world_from_node)};
@@ -84,12 +81,13 @@ class DiscPicker {
   [[nodiscard]] float discs(std::size_t first, std::size_t last, float nearest) const {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
-    const float cover2 = growth_ * (kDiscCover * kDiscCover / kPi), least = ray_.sample * kLeastReach;
+    const float cover2 = growth_ * (splat::kDiscCover * splat::kDiscCover / splat::kPi),
+                least = ray_.sample * splat::kLeastReach;
     const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
                     forward = ray_.direction * (ray_.along * least);
-    std::array<float, kBlock> outside;  // > 0: the ray passes
-    for (std::size_t begin = first; begin < last; begin += kBlock) {
-      const std::size_t count = std::min(kBlock, last - begin);
+    std::array<float, kPickedBlock> outside;  // > 0: the ray passes
+    for (std::size_t begin = first; begin < last; begin += kPickedBlock) {
+      const std::size_t count = std::min(kPickedBlock, last - begin);
       for (std::size_t i = 0; i < count; ++i) {
         const glm::vec3 off = positions[begin + i] - origin;
         const float x = off.x * across.x + off.y * across.y + off.z * across.z;
@@ -108,14 +106,15 @@ class DiscPicker {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
     const qnv::Cell* cells = cloud_.cells.data();
-    const float cover = std::sqrt(growth_ / kPi) * kDiscCover;
+    const float cover = std::sqrt(growth_ / splat::kPi) * splat::kDiscCover;
     const glm::vec3 forward = ray_.direction * ray_.along;
     for (std::size_t i = first; i < last; ++i) {
       const glm::vec3 off = positions[i] - ray_.origin;
       const float x = glm::dot(off, ray_.across), y = glm::dot(off, ray_.up);
       const float sample = std::abs(glm::dot(off, forward)) * ray_.sample;
-      const float half = cells[i].edge > 0 ? cells[i].edge * (0.5f + kCubeMargin) : cover * std::sqrt(weights[i]);
-      const float reach = kDiagonal * (half + kLeastReach * sample) + std::abs(cells[i].offset);
+      const float half =
+          cells[i].edge > 0 ? cells[i].edge * (0.5f + splat::kCubeMargin) : cover * std::sqrt(weights[i]);
+      const float reach = kDiagonal * (half + splat::kLeastReach * sample) + std::abs(cells[i].offset);
       if (x * x + y * y > reach * reach) continue;
       nearest = exact(i, nearest);
     }
@@ -128,20 +127,20 @@ class DiscPicker {
     const glm::vec3& normal = cloud_.normals[i];
     const float plane = glm::dot(normal, place);
     if (plane > 0 && !two_sided_) return nearest;
-    if (!(plane * plane > kGrazing * kGrazing * glm::dot(place, place))) return nearest;
+    if (!(plane * plane > splat::kGrazing * splat::kGrazing * glm::dot(place, place))) return nearest;
     const float distance = plane / glm::dot(normal, ray_.direction);
     if (!(distance > 0 && distance < nearest)) return nearest;
-    const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / kPi));
+    const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / splat::kPi));
     const float sample = std::max(glm::dot(place, ray_.direction) * ray_.along, 0.0f) * ray_.sample;
     const bool cell = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
-    float reach = std::max(radius * kDiscCover, sample * kLeastReach);
+    float reach = std::max(radius * splat::kDiscCover, sample * splat::kLeastReach);
     glm::vec3 off = ray_.direction * distance - place;
     if (cell) {
       const qnv::Cell& cube = cloud_.cells[i];
       off += normal * cube.offset;
-      const float margin =
-          plane > 0 ? cube.edge * kBackMargin : std::max(cube.edge * kCubeMargin, sample * kSampleMargin);
-      reach = std::max(cube.edge * 0.5f + margin, sample * kLeastReach);
+      const float margin = plane > 0 ? cube.edge * splat::kBackMargin
+                                     : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
+      reach = std::max(cube.edge * 0.5f + margin, sample * splat::kLeastReach);
     }
     // What has no size that is a number is not drawn either.
     if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return nearest;
@@ -156,7 +155,7 @@ class DiscPicker {
   const NodeRay& ray_;
 };
 
-bool consistent(const qnv::Cloud& cloud) {
+bool can_be_picked(const qnv::Cloud& cloud) {
   return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() &&
          (cloud.cells.empty() || cloud.cells.size() == cloud.size());
 }
@@ -256,19 +255,21 @@ std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& worl
     const std::vector<qnv::Piece> pieces = cloud.levels->cut(view);
     cloud.levels->forget(kPickViewport);  // the next ray has nothing to do with this one
     for (const qnv::Piece& piece : pieces) {
-      if (!consistent(*piece.cloud)) continue;
+      if (!can_be_picked(*piece.cloud)) continue;
       const DiscPicker picker(*piece.cloud, 1, piece.cloud->description.two_sided, *node);
       nearest = picker.run(piece.first, piece.first + piece.count, nearest);
     }
-  } else if (consistent(cloud) && !cloud.empty()) {
+  } else if (can_be_picked(cloud) && !cloud.empty()) {
     const std::size_t count = std::min(cloud.size(), std::max<std::size_t>(limits.vectors, 1));
     const float growth = static_cast<float>(cloud.size()) / static_cast<float>(count);
     const DiscPicker picker(cloud, growth, cloud.description.two_sided, *node);
-    std::vector<float> found((count + kRange - 1) / kRange, nearest);
+    std::vector<float> found((count + kPickedRange - 1) / kPickedRange, nearest);
     qnv::parallel_for(
         found.size(),
-        [&](std::size_t r) { found[r] = picker.run(r * kRange, std::min(count, (r + 1) * kRange), nearest); },
-        count > kRange ? limits.threads : 1);
+        [&](std::size_t r) {
+          found[r] = picker.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), nearest);
+        },
+        count > kPickedRange ? limits.threads : 1);
     for (const float f : found) nearest = std::min(nearest, f);
   }
   return nearest < node->farthest ? std::optional(nearest) : std::nullopt;
@@ -277,14 +278,15 @@ std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& worl
 std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
                                       const glm::mat4& world_from_node, const PickRay& ray, const PickLimits& limits) {
   const VeilFinder finder(cloud, model, options, world_from_node, ray);
-  const bool fits = consistent(cloud) && model.spacing.size() == cloud.size() &&
+  const bool fits = can_be_picked(cloud) && model.spacing.size() == cloud.size() &&
                     (cloud.classes.empty() || cloud.classes.size() == cloud.size());
   if (!finder.usable() || !fits || cloud.empty()) return std::nullopt;
   const std::size_t count = std::min(cloud.size(), limits.vectors);
-  std::vector<std::vector<Veil>> found((count + kRange - 1) / kRange);
+  std::vector<std::vector<Veil>> found((count + kPickedRange - 1) / kPickedRange);
   qnv::parallel_for(
-      found.size(), [&](std::size_t r) { finder.run(r * kRange, std::min(count, (r + 1) * kRange), found[r]); },
-      count > kRange ? limits.threads : 1);
+      found.size(),
+      [&](std::size_t r) { finder.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), found[r]); },
+      count > kPickedRange ? limits.threads : 1);
   std::vector<Veil> veils;
   for (const std::vector<Veil>& part : found) veils.insert(veils.end(), part.begin(), part.end());
   std::stable_sort(veils.begin(), veils.end(), [](const Veil& a, const Veil& b) { return a.depth < b.depth; });

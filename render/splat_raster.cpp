@@ -16,11 +16,9 @@
 namespace gs::render {
 namespace {
 
-using namespace splat;
-
 // Discs that one task prepares: few enough to stay in the second cache until they are sorted. More, where there would
 // be more tasks than this.
-constexpr std::size_t kRange = 16384, kMostTasks = 256;
+constexpr std::size_t kTaskRange = 16384, kMostTasks = 256;
 constexpr int kMostSamples = 65535;  // along an edge of the viewport
 
 SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
@@ -64,7 +62,7 @@ struct Segment {
 std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
   std::size_t all = 0;
   for (const SplatPiece& piece : pieces) all += piece.count;
-  const std::size_t range = std::max(kRange, all / kMostTasks);
+  const std::size_t range = std::max(kTaskRange, all / kMostTasks);
   std::vector<Segment> segments(1);
   std::size_t in_task = 0, first = 0;
   for (const SplatPiece& piece : pieces)
@@ -158,7 +156,7 @@ void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, s
 }
 
 /// The bounds of a disc are four bells wide.
-bool is_smooth(double width, double discs) { return width > 4.0 * kSmoothFrom * discs; }
+bool is_smooth(double width, double discs) { return width > 4.0 * splat::kSmoothFrom * discs; }
 
 /// A power of two that leaves the samples of an edge countable.
 int supersample_of(const SplatView& view) {

@@ -1,6 +1,7 @@
 #include "render/splat_store.h"
 
 #include "qnv/parallel.h"
+#include "render/finite.h"
 #include "render/splat_constants.h"
 
 #include <algorithm>
@@ -17,8 +18,6 @@ constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                      
 constexpr std::uint32_t kTaskDiscs = 16384;
 constexpr std::size_t kLeastRange = 1024;      // discs: clouds are cut into smaller ones only when they are small
 constexpr std::size_t kSampledRecords = 1024;  // of a chunk
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
   const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
@@ -41,7 +40,7 @@ std::uint32_t length_code(float length, const glm::vec2& coding) {
 }
 
 /// Two codes of 14 bits: the octahedron unfolded to a square (Meyer et al. 2010).
-std::array<std::uint32_t, 2> normal_codes(const glm::vec3& n) {
+std::array<std::uint32_t, 2> splat_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   float u = n.x / size, v = n.y / size;
   if (n.z < 0) {
@@ -60,12 +59,6 @@ std::size_t bytes_of(bool cells) { return sizeof(SplatCode) + (cells ? sizeof(Ce
 bool has_cube(const qnv::Cell& cell) { return cell.edge > 0 && std::isfinite(cell.edge); }
 
 }  // namespace
-
-bool take_errors(const Gl& gl) {
-  bool any = false;
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) any = true;
-  return any;
-}
 
 std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
   const std::size_t count = cloud.size();
@@ -119,7 +112,7 @@ void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, kLargestPosition) : 0.0f));
     }
-    const auto [u, v] = normal_codes(normal);
+    const auto [u, v] = splat_normal_codes(normal);
     const std::uint32_t radius = length_code(radius_of(weight), coding.radius);
     const qnv::Rgb8& color = cloud.colors.empty() ? cloud.color : cloud.colors[first + i];
     code[0] |= u << 20;

@@ -137,9 +137,6 @@ class SplatRecords {
   std::vector<Chunk> chunks_;
 };
 
-/// Empties the queue of errors of the driver; true when there was one.
-bool take_errors(const Gl& gl);
-
 /// How many texels of a buffer a shader can read.
 [[nodiscard]] std::size_t most_buffer_texels(const Gl& gl);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
 constexpr float kAnisotropy = 8;
 
-bool well_formed(const Image& image) {
+bool can_be_uploaded(const Image& image) {
   return image.width > 0 && image.height > 0 && image.components >= 1 && image.components <= 4 &&
          image.pixels.size() / image.width / image.height == image.components &&
          image.pixels.size() % (std::size_t{image.width} * image.height) == 0;
@@ -66,7 +66,7 @@ const TextureStore::Entry* TextureStore::find(const std::shared_ptr<const Image>
   if (entry.image.expired()) {  // new, or another image lay at the same address
     entry = {};
     entry.image = image;
-    if (well_formed(*image)) upload(*image, entry);
+    if (can_be_uploaded(*image)) upload(*image, entry);
   }
   return entry.texture ? &entry : nullptr;
 }

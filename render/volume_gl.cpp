@@ -17,19 +17,14 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostLights = 8, kTransferAt = 15 + 5 * kMostLights, kItemTexels = kTransferAt + 256;
+constexpr std::size_t kMostShaderLights = 8, kTransferAt = 15 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMostVectors = std::size_t{1} << 28;
 constexpr std::size_t kMostViewports = 16;
-constexpr std::size_t kSurveyed = 8192;  // vectors
+constexpr std::size_t kSurveyedVectors = 8192;  // vectors
 // Pictures that would blend more samples than this are left to the processor, which stops where nothing shows through:
 // a driver that is busy for seconds is taken to hang.
-constexpr double kMostCovered = 2e10;
+constexpr double kMostBlendedSamples = 2e10;
 constexpr float kOwnColor = 5, kVectorColor = 6;  // beside the numbers of ColorBy; volume_shaders.h has the same
-
-void clear_errors(const Gl& gl) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
-}
 
 std::string defines() {
   std::string text;
@@ -47,7 +42,7 @@ std::string defines() {
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     define(name, std::to_string(billionths / 1'000'000'000) + "." + digits);
   }
-  define("MOST_LIGHTS", std::to_string(kMostLights));
+  define("MOST_LIGHTS", std::to_string(kMostShaderLights));
   define("ITEM_TEXELS", std::to_string(kItemTexels));
   define("FIRST_OCTAVE", std::to_string(kFirstOctave));
   define("BLOCK_VECTORS", std::to_string(kBlockVectors));
@@ -81,7 +76,7 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   out.emplace_back(options.color.value_or(glm::vec3(0)), by);
   out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
                    options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
-  for (std::size_t i = 0; i < kMostLights; ++i) {
+  for (std::size_t i = 0; i < kMostShaderLights; ++i) {
     const VolumeLight light = i < lights.size() ? lights[i] : VolumeLight{};
     out.emplace_back(light.place, light.directional ? 1 : 0);
     out.emplace_back(light.color, light.ambient);
@@ -168,7 +163,7 @@ bool VolumeGl::sort_with_compute(const Visible& visible, Viewport& viewport) {
   viewport.sorted.clear();
   const VolumeGlSort::Data data{store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())};
   if (!compute_->sort(data, visible.total, viewport.order)) {
-    clear_errors(gl_);
+    take_errors(gl_);
     compute_ = nullptr;
     return false;
   }
@@ -242,7 +237,7 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
     VolumeItem item = items[i];
     item.count = std::min({item.count, item.cloud->size(), item.model->spacing.size()});
     if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
-    if (item.options.lights.size() > kMostLights) return std::nullopt;
+    if (item.options.lights.size() > kMostShaderLights) return std::nullopt;
     visible.held.push_back(held[i]);
     visible.items.push_back(item);
     visible.total += item.count;
@@ -251,11 +246,11 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   if (visible.total > kMostVectors || !make_program_once()) return std::nullopt;
   GLint samples = 0;
   gl_.GetIntegerv(GL_SAMPLES, &samples);
-  const VolumeSurvey survey = survey_volumes(visible.items, view.lens, kSurveyed);
-  if (survey.pixels * std::max(samples, 1) > kMostCovered) return std::nullopt;
+  const VolumeSurvey survey = survey_volumes(visible.items, view.lens, kSurveyedVectors);
+  if (survey.pixels * std::max(samples, 1) > kMostBlendedSamples) return std::nullopt;
   Drawn drawn{survey.vectors, false};
-  if (survey.vectors == 0 && visible.total <= kSurveyed) return drawn;
-  clear_errors(gl_);
+  if (survey.vectors == 0 && visible.total <= kSurveyedVectors) return drawn;
+  take_errors(gl_);
   visible.places = store_.place(visible.held);
   if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
   Viewport& own = viewport(view.viewport);

@@ -11,7 +11,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostLights = 4;
+constexpr std::size_t kMostVolumeLights = 4;
 
 /// Nothing, or a vector of unit length.
 glm::vec3 unit(const glm::vec3& v) {
@@ -57,7 +57,7 @@ std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& 
     return strength_at(a, center) > strength_at(b, center);
   });
   lights.insert(lights.end(), local.begin(), local.end());
-  if (lights.size() > kMostLights) lights.resize(kMostLights);
+  if (lights.size() > kMostVolumeLights) lights.resize(kMostVolumeLights);
   if (headlight) lights.push_back(volume_headlight().front());
   // No lights at all would mean the viewer's.
   if (lights.empty()) lights.push_back({.color = glm::vec3(0)});

@@ -3,6 +3,7 @@
 #include "qnv/encode_volume.h"
 #include "qnv/parallel.h"
 #include "render/color_ramps.h"
+#include "render/finite.h"
 
 #include <glm/geometric.hpp>
 
@@ -13,16 +14,14 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kRange = 16384;   // vectors that one task looks at
-constexpr float kFinestCells = 128;     // along the longest edge of the box
-constexpr float kEnough = 6;            // vectors in a cube whose number can be trusted
-constexpr float kBoundaryLayers = 3;    // voxels across a boundary
-constexpr float kMostSpacing = 2;       // times what nine tenths have
-constexpr std::size_t kSample = 65536;  // vectors whose weights are sorted
-constexpr float kGloss = 16;            // exponent
+constexpr std::size_t kModelRange = 16384;  // vectors that one task looks at
+constexpr float kFinestCells = 128;         // along the longest edge of the box
+constexpr float kEnough = 6;                // vectors in a cube whose number can be trusted
+constexpr float kBoundaryLayers = 3;        // voxels across a boundary
+constexpr float kMostSpacing = 2;           // times what nine tenths have
+constexpr std::size_t kSample = 65536;      // vectors whose weights are sorted
+constexpr float kGloss = 16;                // exponent
 constexpr double kRootOfTwo = 1.41421356237309505;
-
-bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// The value that a part `rank` of the values does not exceed; of values that stand for all when they are many.
 float quantile(const std::vector<float>& values, float rank) {
@@ -247,9 +246,9 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
   model.full_magnitude = quantile(cloud.weights, 0.5f);
   const Counts counts(std::span(cloud.positions).first(counted), box, std::max(2 * h, longest / kFinestCells));
   model.spacing.resize(count);
-  qnv::parallel_for((count + kRange - 1) / kRange,
+  qnv::parallel_for((count + kModelRange - 1) / kModelRange,
                     [&](std::size_t r) {
-                      for (std::size_t i = r * kRange; i < std::min(count, (r + 1) * kRange); ++i)
+                      for (std::size_t i = r * kModelRange; i < std::min(count, (r + 1) * kModelRange); ++i)
                         model.spacing[i] = counts.spacing(cloud.positions[i], h);
                     },
                     threads);

@@ -14,15 +14,8 @@
 namespace gs::render {
 namespace {
 
-constexpr double kShareSteps = 8;          // an octave
-constexpr std::uint64_t kKeptFrames = 64;  // of the model of a prefix that is not drawn
-
-glm::mat4 camera_from_world_of(const Camera& camera) {
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
-  glm::dmat4 matrix(rotation);
-  matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
-  return glm::mat4(matrix);
-}
+constexpr double kShareSteps = 8;               // an octave
+constexpr std::uint64_t kKeptModelFrames = 64;  // of the model of a prefix that is not drawn
 
 /// Shares of a budget for several clouds change with every step of the viewer: not the numbers that are shown.
 std::size_t steady(std::size_t share) {
@@ -103,7 +96,7 @@ void VolumePass::forget_models() {
   std::erase_if(models_, [&](const auto& entry) {
     const Held& held = entry.second;
     const std::shared_ptr<const qnv::Cloud> cloud = held.cloud.lock();
-    return !cloud || (held.counted < cloud->size() && held.used + kKeptFrames < frame_);
+    return !cloud || (held.counted < cloud->size() && held.used + kKeptModelFrames < frame_);
   });
 }
 
@@ -201,7 +194,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::m
   view.height = options.height;
   view.near_plane = camera.near_plane;
   Scene scene;
-  gather(list, camera_from_world_of(camera), view, options, scene);
+  gather(list, glm::mat4(camera_from_world_of(camera)), view, options, scene);
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

@@ -15,9 +15,9 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kRange = 16384;                       // vectors that one task prepares
+constexpr std::size_t kPreparedRange = 16384;               // vectors that one task prepares
 constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // splats of tiles that are copied at a time
-constexpr unsigned kDigitBits = 11, kDigits = 1u << kDigitBits;
+constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 
 /// The vectors of a volume that are in view.
 class Preparer {
@@ -110,24 +110,24 @@ class Sorter {
       order_[i] = static_cast<std::uint32_t>(i);
     }
     const auto bits = static_cast<unsigned>(std::bit_width(most - least));
-    const unsigned shift = bits > 2 * kDigitBits ? bits - 2 * kDigitBits : 0;
+    const unsigned shift = bits > 2 * kDepthDigitBits ? bits - 2 * kDepthDigitBits : 0;
     for (auto& key : keys_) key = (key - least) >> shift;
     if (count < 128) {
       std::stable_sort(order_.begin(), order_.end(), [&](auto a, auto b) { return keys_[a] < keys_[b]; });
       return order_;
     }
     pass(0);
-    pass(kDigitBits);
+    pass(kDepthDigitBits);
     return order_;
   }
 
  private:
   void pass(unsigned shift) {
-    std::array<std::uint32_t, kDigits> places{};
-    for (const std::uint32_t key : keys_) ++places[key >> shift & (kDigits - 1)];
+    std::array<std::uint32_t, kDepthDigits> places{};
+    for (const std::uint32_t key : keys_) ++places[key >> shift & (kDepthDigits - 1)];
     std::uint32_t next = 0;
     for (auto& place : places) next += std::exchange(place, next);
-    for (const std::uint32_t i : order_) other_[places[keys_[i] >> shift & (kDigits - 1)]++] = i;
+    for (const std::uint32_t i : order_) other_[places[keys_[i] >> shift & (kDepthDigits - 1)]++] = i;
     order_.swap(other_);
   }
 
@@ -291,8 +291,8 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
   };
   std::vector<Range> ranges;
   for (const Preparer& preparer : preparers)
-    for (std::size_t first = 0; first < preparer.count(); first += kRange)
-      ranges.push_back({&preparer, first, std::min(preparer.count(), first + kRange)});
+    for (std::size_t first = 0; first < preparer.count(); first += kPreparedRange)
+      ranges.push_back({&preparer, first, std::min(preparer.count(), first + kPreparedRange)});
   std::vector<std::vector<VolumeSplat>> parts(ranges.size());
   qnv::parallel_for(
       parts.size(), [&](std::size_t r) { ranges[r].preparer->run(ranges[r].first, ranges[r].last, parts[r]); },

@@ -14,10 +14,10 @@
 namespace gs::render {
 namespace {
 
-constexpr unsigned kDigitBits = 11, kDigits = 1u << kDigitBits, kPasses = 3;
+constexpr unsigned kKeyDigitBits = 11, kKeyDigits = 1u << kKeyDigitBits, kKeyPasses = 3;
 
 unsigned digit(std::uint64_t entry, unsigned pass) {
-  return static_cast<unsigned>(entry >> (32 + pass * kDigitBits)) & (kDigits - 1);
+  return static_cast<unsigned>(entry >> (32 + pass * kKeyDigitBits)) & (kKeyDigits - 1);
 }
 
 /// `entries` and `other` are room to work in.
@@ -55,12 +55,12 @@ std::uint32_t far_first_key(float depth) {
 }
 
 void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>& other) {
-  std::vector<std::array<std::size_t, kDigits>> counts(kPasses);  // by digit
+  std::vector<std::array<std::size_t, kKeyDigits>> counts(kKeyPasses);  // by digit
   for (const std::uint64_t entry : entries)
-    for (unsigned pass = 0; pass < kPasses; ++pass) ++counts[pass][digit(entry, pass)];
+    for (unsigned pass = 0; pass < kKeyPasses; ++pass) ++counts[pass][digit(entry, pass)];
   if (other.size() < entries.size()) other.resize(entries.size());
   const std::size_t count = entries.size();
-  for (unsigned pass = 0; pass < kPasses; ++pass) {
+  for (unsigned pass = 0; pass < kKeyPasses; ++pass) {
     auto& places = counts[pass];
     if (std::find(places.begin(), places.end(), count) != places.end()) continue;  // all digits are the same
     std::size_t next = 0;

@@ -10,14 +10,9 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kBlock = 4096, kMostGroups = 65535;  // OpenGL 4.3 has at least as many
-constexpr unsigned kDigitBits = 4, kDigits = 1u << kDigitBits, kPasses = 32 / kDigitBits;
-static_assert(kPasses % 2 == 0);  // so that the result lies where it began
-
-void clear_errors(const Gl& gl) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
-}
+constexpr std::size_t kSortBlock = 4096, kMostGroups = 65535;  // OpenGL 4.3 has at least as many
+constexpr unsigned kShaderDigitBits = 4, kShaderDigits = 1u << kShaderDigitBits, kShaderPasses = 32 / kShaderDigitBits;
+static_assert(kShaderPasses % 2 == 0);  // so that the result lies where it began
 
 /// Empty when the driver refuses it.
 Program compute_program(const Gl& gl, const std::string& source) {
@@ -42,12 +37,12 @@ std::unique_ptr<VolumeGlSort> VolumeGlSort::create(const Gl& gl, const std::stri
   if (!gl.DispatchCompute) return nullptr;
   std::unique_ptr<VolumeGlSort> sort(new VolumeGlSort(gl));
   const std::string start = "#version 430 core\n" + defines + kVolumeSortShader;
-  clear_errors(gl);
+  take_errors(gl);
   sort->keys_ = compute_program(gl, start + kVolumeDataShader + kVolumeKeysShader);
   sort->count_ = compute_program(gl, start + kVolumeCountShader);
   sort->scan_ = compute_program(gl, start + kVolumeScanShader);
   sort->scatter_ = compute_program(gl, start + kVolumeScatterShader);
-  clear_errors(gl);
+  take_errors(gl);
   for (const Program* program : {&sort->keys_, &sort->count_, &sort->scan_, &sort->scatter_})
     if (!*program) return nullptr;
   return sort;
@@ -68,15 +63,15 @@ bool VolumeGlSort::make_room(std::size_t total) {
     if (!fill(*buffer, entries * sizeof(std::uint32_t))) return false;
   }
   counts_ = make_buffer(gl_);
-  if (!fill(counts_, (entries / kBlock + 1) * kDigits * sizeof(std::uint32_t))) return false;
+  if (!fill(counts_, (entries / kSortBlock + 1) * kShaderDigits * sizeof(std::uint32_t))) return false;
   room_ = entries;
   return true;
 }
 
 bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order) {
-  const std::size_t groups = (total + kBlock - 1) / kBlock;
+  const std::size_t groups = (total + kSortBlock - 1) / kSortBlock;
   if (total == 0 || groups > kMostGroups) return false;
-  clear_errors(gl_);
+  take_errors(gl_);
   if (!make_room(total) || !fill(order, total * sizeof(std::uint32_t))) return false;
   const auto use = [&](const Program& program) {
     gl_.UseProgram(program.name());
@@ -102,8 +97,8 @@ bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order
   std::array<GLuint, 5> now{unsorted_keys_.name(), order.name(), sorted_keys_.name(), values_.name(), counts_.name()};
   bind(now);
   run(groups);
-  for (unsigned pass = 0; pass < kPasses; ++pass) {
-    const auto shift = static_cast<GLint>(pass * kDigitBits);
+  for (unsigned pass = 0; pass < kShaderPasses; ++pass) {
+    const auto shift = static_cast<GLint>(pass * kShaderDigitBits);
     bind(now);
     use(count_);
     gl_.Uniform1i(gl_.GetUniformLocation(count_.name(), "shift"), shift);
@@ -112,7 +107,7 @@ bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order
     run(1);
     use(scatter_);
     gl_.Uniform1i(gl_.GetUniformLocation(scatter_.name(), "shift"), shift);
-    run(groups, GL_SHADER_STORAGE_BARRIER_BIT | (pass + 1 == kPasses ? GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT : 0u));
+    run(groups, GL_SHADER_STORAGE_BARRIER_BIT | (pass + 1 == kShaderPasses ? GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT : 0u));
     std::swap(now[0], now[2]);
     std::swap(now[1], now[3]);
   }

@@ -1,6 +1,7 @@
 #include "render/volume_store.h"
 
 #include "qnv/parallel.h"
+#include "render/finite.h"
 
 #include <glm/geometric.hpp>
 
@@ -15,17 +16,10 @@ namespace {
 
 constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors at a time
 constexpr std::size_t kTask = 16384;
-constexpr std::uint64_t kKeptFrames = 16;  // of which places count when more room is taken
-
-bool finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
-
-void clear_errors(const Gl& gl) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
-}
+constexpr std::uint64_t kKeptPlaceFrames = 16;  // of which places count when more room is taken
 
 /// Two codes of 10 bits: the octahedron unfolded to a square (Meyer et al. 2010).
-glm::uvec2 normal_codes(const glm::vec3& n) {
+glm::uvec2 volume_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   if (!(size > 0) || !std::isfinite(size)) return glm::uvec2(VolumeCoding::kNoNormal);
   float u = n.x / size, v = n.y / size;
@@ -91,7 +85,7 @@ void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, st
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, last) : 0.0f));
     }
-    const glm::uvec2 normal = normal_codes(cloud.normals[k]);
+    const glm::uvec2 normal = volume_normal_codes(cloud.normals[k]);
     const std::uint32_t weight = weight_code(cloud.weights[k], coding);
     code[0] |= normal.x << 20 | (weight & 3) << 30;
     code[1] |= normal.y << 20 | (weight >> 2 & 3) << 30;
@@ -133,7 +127,7 @@ bool VolumeStore::resize(std::size_t capacity) {
   entries_.clear();
   free_ = RangeAllocator(0);
   capacity_ = 0;
-  clear_errors(gl_);
+  take_errors(gl_);
   const auto make = [&](Buffer& buffer, const Texture& texture, std::size_t bytes, GLenum format) {
     buffer = {};
     buffer = make_buffer(gl_);
@@ -146,7 +140,7 @@ bool VolumeStore::resize(std::size_t capacity) {
   make(code_buffer_, codes_, capacity * sizeof(VolumeCode), GL_RGBA32UI);
   make(spacing_buffer_, spacings_, capacity * sizeof(float), GL_R32F);
   if (gl_.GetError() != GL_NO_ERROR) {
-    clear_errors(gl_);
+    take_errors(gl_);
     code_buffer_ = {};
     spacing_buffer_ = {};
     return false;
@@ -186,7 +180,7 @@ VolumeStore::Entry* VolumeStore::add(const SharedVolume& volume) {
     // What was drawn longest ago makes room; what this frame needs stays.
     const auto oldest = std::min_element(entries_.begin(), entries_.end(),
                                          [](const Entry& a, const Entry& b) { return a.used < b.used; });
-    if (oldest == entries_.end() || oldest->used + kKeptFrames >= frame_) return nullptr;
+    if (oldest == entries_.end() || oldest->used + kKeptPlaceFrames >= frame_) return nullptr;
     free_.give_back(oldest->first, oldest->count);
     entries_.erase(oldest);
     first = free_.take(count);
@@ -215,7 +209,7 @@ std::vector<VolumeStore::Place> VolumeStore::place(std::span<const SharedVolume>
     // A larger buffer, for what other viewports draw as well; they put theirs there again when they come.
     std::size_t others = 0;
     for (const Entry& entry : entries_)
-      if (entry.used != frame_ && entry.used + kKeptFrames >= frame_) others += entry.count;
+      if (entry.used != frame_ && entry.used + kKeptPlaceFrames >= frame_) others += entry.count;
     if (attempt > 0 || !resize(std::min(most_, needed + std::max(others, needed / 4)))) return {};
   }
   return {};

@@ -16,17 +16,6 @@ namespace {
 constexpr int kStep = 64;              // of the sizes of textures
 constexpr float kSmooth = 1 / 256.0f;  // depths of one pixel that differ by less, in proportion, are of one surface
 
-void clear_errors(const Gl& gl) {
-  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) {
-  }
-}
-
-bool failed(const Gl& gl) {
-  if (gl.GetError() == GL_NO_ERROR) return false;
-  clear_errors(gl);
-  return true;
-}
-
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
   auto made = make_program(gl, defines, kVolumeScreenVertexShader, fragment);
   auto* program = std::get_if<Program>(&made);
@@ -104,7 +93,7 @@ bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format,
   framebuffer_ = {};
   color_ = {};
   depth_ = {};
-  clear_errors(gl_);
+  take_errors(gl_);
   if (width > width_ || height > height_) return false;
   framebuffer_ = make_framebuffer(gl_);
   color_ = make_texture(gl_);
@@ -122,7 +111,7 @@ bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format,
          : depth_format == GL_DEPTH24_STENCIL8 ? GL_UNSIGNED_INT_24_8
                                                : GL_FLOAT);
   const bool complete = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  if (failed(gl_) || !complete) framebuffer_ = {};
+  if (take_errors(gl_) || !complete) framebuffer_ = {};
   return framebuffer_.name() != 0;
 }
 
@@ -140,10 +129,10 @@ bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool 
       gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
       gl_.Viewport(0, 0, r.width, r.height);
       gl_.Scissor(0, 0, r.width, r.height);
-      clear_errors(gl_);
+      take_errors(gl_);
       gl_.BlitFramebuffer(r.x, r.y, r.x + r.width, r.y + r.height, 0, 0, r.width, r.height, GL_DEPTH_BUFFER_BIT,
                           GL_NEAREST);
-      if (!failed(gl_)) return true;
+      if (!take_errors(gl_)) return true;
       framebuffer_ = {};
     }
     bind(from);
@@ -154,7 +143,7 @@ bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool 
 bool VolumeTarget::read_samples(const TargetRectangle& r, std::vector<float>& both) {
   if (!extremes_) extremes_ = program_of(gl_, "", kVolumeExtremesFragmentShader);
   if (!extremes_) return false;
-  clear_errors(gl_);
+  take_errors(gl_);
   gl_.ActiveTexture(GL_TEXTURE0);
   if (!extremes_framebuffer_ || r.width > extremes_width_ || r.height > extremes_height_) {
     extremes_width_ = std::max(r.width, extremes_width_);
@@ -169,7 +158,7 @@ bool VolumeTarget::read_samples(const TargetRectangle& r, std::vector<float>& bo
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, extreme_depths_.name(), 0);
     if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) extremes_framebuffer_ = {};
   }
-  if (failed(gl_) || !extremes_framebuffer_) return false;
+  if (take_errors(gl_) || !extremes_framebuffer_) return false;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, extremes_framebuffer_.name());
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
@@ -181,7 +170,7 @@ bool VolumeTarget::read_samples(const TargetRectangle& r, std::vector<float>& bo
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.ReadPixels(0, 0, r.width, r.height, GL_RG, GL_FLOAT, both.data());
-  return !failed(gl_);
+  return !take_errors(gl_);
 }
 
 bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_from_camera, TargetDepths& depths) {
@@ -190,7 +179,7 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_f
   const Bound from = bound();
   GLint samples = 0;
   gl_.GetIntegerv(GL_SAMPLES, &samples);
-  clear_errors(gl_);
+  take_errors(gl_);
   const bool several = samples > 1;
   std::vector<float> read(pixels * (several ? 2 : 1));
   bool good = false;
@@ -202,7 +191,7 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_f
   } else {
     gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(from.draw));
     gl_.ReadPixels(r.x, r.y, r.width, r.height, GL_DEPTH_COMPONENT, GL_FLOAT, read.data());
-    good = !failed(gl_);
+    good = !take_errors(gl_);
     bind(from);
   }
   if (!good) return false;
