@@ -27,14 +27,11 @@
 
 using namespace gs;
 using namespace gs::app;
+using test::string_of;
 
 namespace {
 
-constexpr std::chrono::milliseconds kWait{20};
-
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
+constexpr std::chrono::milliseconds kCellWait{20};
 
 /// A stream of records of a coloured ball.
 const std::string& records_stream() {
@@ -43,7 +40,7 @@ const std::string& records_stream() {
     options.payload = qnv::Payload::records;
     const auto encoded = qnv::encode_cloud(test::sphere(30'000), options);
     REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
-    return text_of(std::get<qnv::EncodedStream>(encoded).bytes);
+    return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
   }();
   return bytes;
 }
@@ -73,7 +70,7 @@ struct CellSite {
   }
 };
 
-qnv::Cloud cloud_of(const OpenedWorld& world) {
+qnv::Cloud cloud_of_world(const OpenedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
   const auto& cloud = *world.clouds.begin()->second;
   return cloud.levels ? cloud.levels->whole() : cloud;
@@ -110,7 +107,7 @@ TEST_CASE("A stream that comes as cells is the one in the file") {
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
     CHECK_FALSE(world.truncated);
-    CHECK(discs_of(cloud_of(world)) == discs_of(cloud_of(load_world(site.folder.path(name)))));
+    CHECK(discs_of(cloud_of_world(world)) == discs_of(cloud_of_world(load_world(site.folder.path(name)))));
   }
 }
 
@@ -119,14 +116,14 @@ TEST_CASE("Cells that are lost cost detail, and the rest shows whole") {
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {
     INFO(name);
-    const qnv::Cloud whole = cloud_of(load_world(site.folder.path(name)));
+    const qnv::Cloud whole = cloud_of_world(load_world(site.folder.path(name)));
     LoadOptions options;
     options.timeout_seconds = 120;
     options.loss = 0.3;
     const OpenedWorld world = load_world(site.url(name), options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.errors() == 0);
-    const qnv::Cloud cloud = cloud_of(world);
+    const qnv::Cloud cloud = cloud_of_world(world);
     CHECK(cloud.size() > whole.size() / 20);
     // The area is that of the whole, however much is missing.
     CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
@@ -144,7 +141,7 @@ TEST_CASE("A QNV node takes the first of its urls that has a stream") {
   const OpenedWorld world = load_world(site.folder.path("two.wrl"), options);
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
-  CHECK(cloud_of(world).size() == 30'000);
+  CHECK(cloud_of_world(world).size() == 30'000);
   options.offline = true;
   const OpenedWorld offline = load_world(site.folder.path("two.wrl"), options);
   CHECK(offline.clouds.empty());
@@ -178,14 +175,14 @@ TEST_CASE("A part of a stream is asked for, and no more than that is taken") {
   LoadOptions options;
   options.max_bytes = 200'000;
   WorldLoading loading(site.url("packed.qnv"), options);
-  while (!loading.done()) (void)loading.step(kWait);
+  while (!loading.done()) (void)loading.step(kCellWait);
   CHECK(loading.state().received <= 200'000);
   CHECK(loading.state().received > 100'000);
   const OpenedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
-  const std::size_t part = cloud_of(world).size();
+  const std::size_t part = cloud_of_world(world).size();
   CHECK(part > 10'000);
-  CHECK(part < cloud_of(load_world(site.folder.path("packed.qnv"))).size());
+  CHECK(part < cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }
 
 namespace {
@@ -194,10 +191,10 @@ namespace {
 template <class Then>
 OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& then) {
   WorldLoading loading(site.url("packed.qnv"), options);
-  while (!loading.done() && loading.state().received < 100'000) (void)loading.step(kWait);
+  while (!loading.done() && loading.state().received < 100'000) (void)loading.step(kCellWait);
   REQUIRE_FALSE(loading.done());
   then();
-  while (!loading.done()) (void)loading.step(kWait);
+  while (!loading.done()) (void)loading.step(kCellWait);
   OpenedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();
   return world;
@@ -237,7 +234,7 @@ TEST_CASE("A server of cells that stops leaves what has come") {
   CHECK(tells(world.diagnostics, "the server stops"));
   REQUIRE(world.scene);
   CHECK(world.truncated);
-  CHECK(cloud_of(world).size() > 1000);
+  CHECK(cloud_of_world(world).size() > 1000);
 }
 
 TEST_CASE("A server of cells that is killed is asked again, and one with another file is told apart") {
@@ -253,7 +250,7 @@ TEST_CASE("A server of cells that is killed is asked again, and one with another
       server = std::make_unique<ServerProgram>(site);
     });
     CHECK(world.diagnostics.errors() == 0);
-    CHECK(cloud_of(world).size() > 500'000);
+    CHECK(cloud_of_world(world).size() > 500'000);
   }
   SECTION("another one") {
     const OpenedWorld world = interrupted(site, options, [&] {
@@ -264,7 +261,7 @@ TEST_CASE("A server of cells that is killed is asked again, and one with another
     CHECK(tells(world.diagnostics, "changed on the server"));
     REQUIRE(world.scene);
     CHECK(world.truncated);
-    CHECK(cloud_of(world).size() > 1000);
+    CHECK(cloud_of_world(world).size() > 1000);
   }
 }
 
@@ -276,7 +273,7 @@ TEST_CASE("In a window the base shows at once, and views say what comes next") {
   options.by_view = true;
   options.timeout_seconds = 120;
   WorldLoading loading(site.url("packed.qnv"), options);
-  while (!loading.done()) (void)loading.step(kWait);
+  while (!loading.done()) (void)loading.step(kCellWait);
   CHECK(loading.streaming());
   CHECK(loading.state().received < 200'000);
   const OpenedWorld world = loading.take();
@@ -305,17 +302,17 @@ TEST_CASE("In a window the base shows at once, and views say what comes next") {
   bool preferred = false;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(100);
   while (!preferred && std::chrono::steady_clock::now() < deadline) {
-    (void)loading.step(kWait);
+    (void)loading.step(kCellWait);
     if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
   }
   CHECK(preferred);
   // When all of it is there nobody goes on asking.
   while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {
-    (void)loading.step(kWait);
+    (void)loading.step(kCellWait);
     (void)feed.apply();
   }
   CHECK_FALSE(loading.streaming());
-  CHECK(levels.count() == cloud_of(load_world(site.folder.path("packed.qnv"))).size());
+  CHECK(levels.count() == cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }
 
 TEST_CASE("Regions are what views see of a stream") {

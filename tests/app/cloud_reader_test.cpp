@@ -22,7 +22,7 @@ using namespace gs::app;
 
 namespace {
 
-qnv::LodStream& stream_of(const OpenedWorld& world) {
+qnv::LodStream& levels_of(const OpenedWorld& world) {
   REQUIRE(world.clouds.size() == 1);
   REQUIRE(world.clouds.begin()->second->levels);
   return *world.clouds.begin()->second->levels;
@@ -44,7 +44,7 @@ TEST_CASE("a large packed stream stays where it lies, and may become shorter whi
   const std::string file = folder.write("ball.qnv", large_stream());
   const OpenedWorld world = load_world(file);
   CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
-  qnv::LodStream& stream = stream_of(world);
+  qnv::LodStream& stream = levels_of(world);
   CHECK(stream.header().vectors > 1'000'000);
   const std::size_t coarse = discs(stream, 50);
   CHECK(coarse > 100);
@@ -57,8 +57,8 @@ TEST_CASE("a large packed stream stays where it lies, and may become shorter whi
   const std::string other = folder.write("other.qnv", large_stream());
   const OpenedWorld second = load_world(other);
   std::filesystem::remove(other);
-  CHECK(discs(stream_of(second), 0) >= stream.header().vectors);  // some are of two sides
-  CHECK(stream_of(second).problems().empty());
+  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are of two sides
+  CHECK(levels_of(second).problems().empty());
 }
 
 TEST_CASE("a large packed stream that is cut, thinned out or damaged is the same stream with less") {
@@ -71,17 +71,17 @@ TEST_CASE("a large packed stream that is cut, thinned out or damaged is the same
   LoadOptions lossy;
   lossy.loss = 0.3;
   const OpenedWorld thinned = load_world(file, lossy);
-  const std::size_t all = discs(stream_of(load_world(file)), 0);
-  CHECK(discs(stream_of(half), 0) < all);
-  CHECK(discs(stream_of(half), 0) > all / 4);
-  CHECK(discs(stream_of(thinned), 0) < all);
+  const std::size_t all = discs(levels_of(load_world(file)), 0);
+  CHECK(discs(levels_of(half), 0) < all);
+  CHECK(discs(levels_of(half), 0) > all / 4);
+  CHECK(discs(levels_of(thinned), 0) < all);
   // One that ends early has no directory: it is read as a whole, and said to end.
   const OpenedWorld early =
       load_world(folder.write("early.qnv", large_stream().substr(0, large_stream().size() * 9 / 10)));
   CHECK(early.diagnostics.errors() == 0);
   CHECK(early.diagnostics.warnings() == 1);
-  CHECK(discs(stream_of(early), 0) > all / 2);
-  CHECK(discs(stream_of(early), 0) < all);
+  CHECK(discs(levels_of(early), 0) > all / 2);
+  CHECK(discs(levels_of(early), 0) < all);
 }
 
 TEST_CASE("a stream that cannot be opened where it lies is taken from its bytes") {

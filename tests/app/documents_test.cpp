@@ -4,6 +4,8 @@
 #include "vrml/node_type.h"
 #include "vrml/scene_graph.h"
 
+#include "tests/app/worlds.h"
+
 #include <catch2/catch.hpp>
 
 namespace {
@@ -15,16 +17,6 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
   auto document = std::make_shared<Document>();
   document->world.path = path;
   return document;
-}
-
-OpenedWorld world_with(std::initializer_list<const char*> types) {
-  OpenedWorld world;
-  world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
-  for (const char* type : types) {
-    REQUIRE(vrml::built_in_node_type(type));
-    world.scene->add_root(world.scene->create(*vrml::built_in_node_type(type)));
-  }
-  return world;
 }
 
 /// A world of one QNV node with this cloud.

@@ -18,7 +18,7 @@ Imported avs(std::string_view text) { return imported(import_avs_geometry, bytes
 constexpr const char* kCube = "1 0 0 1\n2 1 0 1\n3 1 1 1\n4 0 1 1\n5 0 0 0\n6 1 0 0\n7 1 1 0\n8 0 1 0\n";
 
 /// The signed volume that the faces enclose: positive where they look outwards.
-double volume(const Imported& result) {
+double signed_volume(const Imported& result) {
   const auto points = result.points();
   std::vector<std::int32_t> face;
   double total = 0;
@@ -42,19 +42,19 @@ TEST_CASE("UCD cells show their outer faces, outwards") {
   const Imported hexahedron = ucd("# comment\n8 1 0 0 0\n" + nodes + "1 1 hex 1 2 3 4 5 6 7 8\n");
   CHECK(hexahedron.messages().empty());
   CHECK(hexahedron.corners().size() == 6 * 5);
-  CHECK(volume(hexahedron) == Approx(1));
+  CHECK(signed_volume(hexahedron) == Approx(1));
   // Two prisms make the cube; the face between them is gone.
   const Imported prisms = ucd("8 2 0 0 0\n" + nodes + "1 1 prism 1 2 3 5 6 7\n2 1 prism 1 3 4 5 7 8\n");
   CHECK(prisms.corners().size() == 4 * 4 + 4 * 5);
-  CHECK(volume(prisms) == Approx(1));
+  CHECK(signed_volume(prisms) == Approx(1));
   // Three pyramids with their tops in one corner.
   const Imported pyramid = ucd("8 1 0 0 0\n" + nodes + "1 1 pyr 4 5 6 7 8\n");
   CHECK(pyramid.corners().size() == 4 * 4 + 5);
-  CHECK(volume(pyramid) == Approx(1.0 / 3));
+  CHECK(signed_volume(pyramid) == Approx(1.0 / 3));
   const Imported tetrahedra = ucd("8 2 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n2 1 tet 7 6 8 4\n");
   CHECK(tetrahedra.corners().size() == 6 * 4);
   CHECK(ucd("8 1 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n").corners().size() == 16);
-  CHECK(volume(ucd("8 1 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n")) == Approx(1.0 / 6));
+  CHECK(signed_volume(ucd("8 1 0 0 0\n" + nodes + "1 1 tet 4 5 6 8\n")) == Approx(1.0 / 6));
   // Both sides of a shell stay.
   CHECK(ucd("8 2 0 0 0\n" + nodes + "1 1 tri 1 2 3\n2 1 tri 3 2 1\n").corners().size() == 8);
 }
@@ -98,7 +98,7 @@ TEST_CASE("UCD with steps, edges' nodes and mistakes") {
 
 /// Two triangles and a pyramid; the header in the byte order of `put_word`.
 template <class Put>
-Bytes binary(Put&& put_word) {
+Bytes avs_binary(Put&& put_word) {
   Bytes bytes{std::byte{7}};
   const auto words = [&](std::initializer_list<std::uint32_t> list) {
     for (const std::uint32_t word : list) put_word(bytes, word);
@@ -122,8 +122,8 @@ Bytes binary(Put&& put_word) {
 }
 
 TEST_CASE("binary UCD of both byte orders") {
-  const Bytes little = binary([](Bytes& to, std::uint32_t word) { put(to, word); });
-  const Bytes big = binary([](Bytes& to, std::uint32_t word) { put_big(to, word); });
+  const Bytes little = avs_binary([](Bytes& to, std::uint32_t word) { put(to, word); });
+  const Bytes big = avs_binary([](Bytes& to, std::uint32_t word) { put_big(to, word); });
   for (const Bytes& bytes : {little, big}) {
     const Imported result = imported(import_ucd, bytes);
     CHECK(result.messages().empty());

@@ -29,8 +29,6 @@ Bytes written(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportOp
   return std::move(std::get<Bytes>(result));
 }
 
-std::string text_of(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 struct Tolerance {
   float position, normal, area;  // units; dot product below 1; logarithm
   int color;
@@ -63,7 +61,7 @@ Cloud model() {
   return cloud;
 }
 
-Cloud volume() {
+Cloud volume_cloud() {
   Cloud cloud = sphere(10);
   cloud.colors.clear();
   cloud.description.kind = Kind::volume;
@@ -96,7 +94,7 @@ TEST_CASE("PLY points come back bit for bit") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_points_ply);
   CHECK(is_points_ply(bytes));
-  CHECK(bytes.size() - text_of(bytes).find("end_header\n") - 11 == 999 * 31);
+  CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 31);
   const Cloud back = cloud_of(import_points_ply, bytes);
   CHECK(back.positions == cloud.positions);
   CHECK(back.weights == cloud.weights);
@@ -111,7 +109,7 @@ TEST_CASE("3DGS PLY comes back") {
   const Bytes bytes = written(cloud, export_splats_ply);
   CHECK(is_splats_ply(bytes));
   CHECK_FALSE(is_splats_compressed_ply(bytes));
-  CHECK(bytes.size() - text_of(bytes).find("end_header\n") - 11 == 999 * 68);
+  CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 68);
   const Cloud back = cloud_of(import_splats_ply, bytes);
   check_same(cloud, back, {0, 1e-6f, 1e-5f, 0});
   CHECK(metadata(back, "splats not discs").empty());
@@ -154,14 +152,14 @@ Glb read_glb(const Bytes& bytes) {
     std::memcpy(&value, &bytes.at(at), 4);
     return value;
   };
-  REQUIRE(text_of(bytes).substr(0, 4) == "glTF");
+  REQUIRE(string_of(bytes).substr(0, 4) == "glTF");
   REQUIRE(word(4) == 2);
   REQUIRE(word(8) == bytes.size());
   REQUIRE(word(16) == 0x4e4f534a);
   const std::size_t length = word(12);
   REQUIRE(length % 4 == 0);
   Glb glb;
-  glb.document = nlohmann::json::parse(text_of(bytes).substr(20, length));
+  glb.document = nlohmann::json::parse(string_of(bytes).substr(20, length));
   if (20 + length < bytes.size()) {
     REQUIRE(word(20 + length + 4) == 0x004e4942);
     REQUIRE(word(20 + length) % 4 == 0);
@@ -246,7 +244,7 @@ Imported parsed(const std::string& text) {
 
 TEST_CASE("VRML97 points for any browser") {
   const Cloud cloud = model();
-  const std::string text = text_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
+  const std::string text = string_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
   CHECK(text.starts_with("#VRML V2.0 utf8"));
   const Imported world = parsed(text);
   CHECK(world.messages().empty());
@@ -271,7 +269,7 @@ TEST_CASE("VRML97 points of one colour are shaded, since nothing else would ligh
   Cloud cloud = sphere(100);
   cloud.colors.clear();
   cloud.color = {200, 200, 200};
-  const Imported world = parsed(text_of(written(cloud, export_vrml97_points)));
+  const Imported world = parsed(string_of(written(cloud, export_vrml97_points)));
   float least = 1, most = 0;
   const auto colors = world.all("Color");
   REQUIRE_FALSE(colors.empty());
@@ -285,7 +283,7 @@ TEST_CASE("VRML97 points of one colour are shaded, since nothing else would ligh
 
 TEST_CASE("VRML97 patches have the areas and sides of the discs") {
   const Cloud cloud = model();
-  const Imported world = parsed(text_of(written(cloud, export_vrml97_patches)));
+  const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
   CHECK(world.messages().empty());
   const auto faces =
       world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "IndexedFaceSet");
@@ -305,7 +303,7 @@ TEST_CASE("VRML97 patches have the areas and sides of the discs") {
 }
 
 TEST_CASE("volumes become balls with the colours of their transfer function") {
-  const Cloud cloud = volume();
+  const Cloud cloud = volume_cloud();
   const Cloud points = cloud_of(import_points_ply, written(cloud, export_points_ply));
   REQUIRE(points.size() == 10);
   CHECK(points.colors[9].r == 255);
@@ -317,7 +315,7 @@ TEST_CASE("volumes become balls with the colours of their transfer function") {
   CHECK(splats.size() == 9);
   CHECK(metadata(splats, "splats not discs") == "9");
   for (auto* write : {export_vrml97_points, export_vrml97_patches})
-    CHECK(parsed(text_of(written(cloud, write))).messages().empty());
+    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
 }
 
 TEST_CASE("clouds with broken numbers are exported without them") {
@@ -335,8 +333,8 @@ TEST_CASE("clouds with broken numbers are exported without them") {
     (void)format.write(Cloud(), {});
   }
   for (auto* write : {export_vrml97_points, export_vrml97_patches}) {
-    CHECK(parsed(text_of(written(cloud, write))).messages().empty());
-    CHECK(parsed(text_of(written(Cloud(), write))).messages().empty());
+    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
+    CHECK(parsed(string_of(written(Cloud(), write))).messages().empty());
   }
 }
 
@@ -344,7 +342,7 @@ TEST_CASE("the PROTO that stands in for the QNV node") {
   const Bytes file = file_bytes(std::filesystem::path(GHOSTSPACE_TESTS).parent_path() / "assets/protos/QNV.wrl");
   REQUIRE_FALSE(file.empty());
   const Imported world =
-      parsed(text_of(file) + "Shape { geometry QNV { url \"a.qnv\" detail 2 bboxSize 1 2 3 vectors [ 1, 2 ] } }\n");
+      parsed(string_of(file) + "Shape { geometry QNV { url \"a.qnv\" detail 2 bboxSize 1 2 3 vectors [ 1, 2 ] } }\n");
   CHECK(world.messages().empty());
   CHECK(world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "PointSet"));
 }

@@ -25,18 +25,6 @@ Imported gltf(const Bytes& bytes, const ReadFile& read_file = {}) {
 }
 Imported gltf(const std::string& json, const ReadFile& read_file = {}) { return gltf(bytes_of(json), read_file); }
 
-std::string base64(const Bytes& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 template <class T>
 Bytes bytes_of_values(std::initializer_list<T> values) {
   Bytes bytes;
@@ -96,7 +84,7 @@ struct Asset {
 const Bytes kCorners = bytes_of_values<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
 
 /// A square of four corners and two triangles: accessor 0 positions, 1 indices.
-Asset square() {
+Asset square_asset() {
   Asset asset;
   asset.accessor(kCorners, 5126, 4, "VEC3");
   asset.accessor(bytes_of_values<std::uint16_t>({0, 1, 2, 0, 2, 3}), 5123, 6, "SCALAR");
@@ -111,7 +99,7 @@ std::string scene_of(const std::string& primitive, const std::string& more = "")
 const std::string kSquarePrimitive = R"("attributes":{"POSITION":0},"indices":1)";
 
 TEST_CASE("a glTF with embedded data and the same GLB") {
-  const Asset asset = square();
+  const Asset asset = square_asset();
   for (const Bytes& bytes : {bytes_of(asset.json(scene_of(kSquarePrimitive))), asset.glb(scene_of(kSquarePrimitive))}) {
     const Imported result = gltf(bytes);
     CHECK(result.messages().empty());
@@ -124,7 +112,7 @@ TEST_CASE("a glTF with embedded data and the same GLB") {
 }
 
 TEST_CASE("external buffers come through the callback and from nowhere else") {
-  const Asset asset = square();
+  const Asset asset = square_asset();
   std::string json = asset.json(scene_of(kSquarePrimitive), false);
   json.replace(json.find("\"byteLength\""), 0, R"("uri":"my%20data.bin",)");
   std::vector<std::string> asked;
@@ -140,7 +128,7 @@ TEST_CASE("external buffers come through the callback and from nowhere else") {
 }
 
 TEST_CASE("nodes become Transforms") {
-  const Asset asset = square();
+  const Asset asset = square_asset();
   const Imported result = gltf(asset.json(
       R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
       R"({"name":"top","children":[1,2,3],"translation":[1,2,3],"scale":[2,2,2],"rotation":[0,0.70710678,0,0.70710678]},)"
@@ -171,7 +159,7 @@ TEST_CASE("nodes become Transforms") {
 }
 
 TEST_CASE("all modes of primitives") {
-  Asset asset = square();
+  Asset asset = square_asset();
   const auto indices = [&](int mode) {
     const Imported result = gltf(asset.json(scene_of(R"("attributes":{"POSITION":0},"mode":)" + std::to_string(mode))));
     CHECK(result.messages().empty());
@@ -193,7 +181,7 @@ TEST_CASE("all modes of primitives") {
 }
 
 TEST_CASE("normalised, strided and sparse accessors") {
-  Asset asset = square();
+  Asset asset = square_asset();
   // Colours as bytes with an alpha, eight bytes apart.
   const int colors =
       asset.accessor(bytes_of_values<std::uint8_t>({255, 0, 0, 255, 9,   9,   9, 9, 0, 255, 0,   0,   9,   9,
@@ -227,7 +215,7 @@ TEST_CASE("normalised, strided and sparse accessors") {
 }
 
 TEST_CASE("materials become the nearest ones of VRML97") {
-  Asset asset = square();
+  Asset asset = square_asset();
   const std::string primitive = kSquarePrimitive + R"(,"material":0)";
   const auto with = [&](const std::string& material) {
     return gltf(asset.json(scene_of(primitive, R"("materials":[{)" + material + "}]")));
@@ -259,7 +247,7 @@ TEST_CASE("materials become the nearest ones of VRML97") {
 }
 
 TEST_CASE("textures: by name, as a data URL, from a buffer") {
-  Asset asset = square();
+  Asset asset = square_asset();
   const int uv = asset.accessor(bytes_of_values<float>({0, 0, 1, 0, 1, 0.25f, 0, 1}), 5126, 4, "VEC2");
   const int picture = asset.view(bytes_of("\x89PNG"));
   const std::string primitive =
@@ -309,7 +297,7 @@ TEST_CASE("cameras become Viewpoints") {
 }
 
 TEST_CASE("a skinned mesh stands where its joints are") {
-  Asset asset = square();
+  Asset asset = square_asset();
   const int joints =
       asset.accessor(bytes_of_values<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}), 5121, 4, "VEC4");
   const int weights =
@@ -331,7 +319,7 @@ TEST_CASE("a skinned mesh stands where its joints are") {
 }
 
 TEST_CASE("Draco is an error of its primitive only") {
-  const Asset asset = square();
+  const Asset asset = square_asset();
   const std::string rest =
       R"("extensionsUsed":["KHR_draco_mesh_compression"],"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
       R"("meshes":[{"name":"m","primitives":[{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":2},)"
@@ -350,7 +338,7 @@ TEST_CASE("Draco is an error of its primitive only") {
 
 TEST_CASE("what reaches beyond its buffer is an error of its primitive") {
   const auto with = [](const std::string& accessor, const std::string& primitive) {
-    Asset asset = square();
+    Asset asset = square_asset();
     asset.accessor_text(accessor);
     Imported result = gltf(asset.json(scene_of(primitive)));
     check_sound(result);
@@ -382,7 +370,7 @@ TEST_CASE("what reaches beyond its buffer is an error of its primitive") {
 }
 
 TEST_CASE("trees that are none are cut, and depth is bounded") {
-  const Asset asset = square();
+  const Asset asset = square_asset();
   const std::string mesh = R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}])";
   const Imported loop = gltf(asset.json(
       R"("scenes":[{"nodes":[0,0,9]}],"nodes":[{"children":[1,1,-3]},{"mesh":0,"children":[0,1]}],)" + mesh));
@@ -426,7 +414,7 @@ TEST_CASE("using the same data very often is refused") {
 }
 
 TEST_CASE("no part of a glTF and no changed byte breaks the importer") {
-  Asset asset = square();
+  Asset asset = square_asset();
   const std::string rest = scene_of(
       R"("attributes":{"POSITION":0},"indices":1,"material":0)",
       R"("materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":0}],"images":[{"bufferView":1,"mimeType":"image/png"}])");

@@ -27,7 +27,7 @@ ReadFile files(std::map<std::string, std::string> contents) {
   };
 }
 
-constexpr const char* kSquare =
+constexpr const char* kObjSquare =
     "# a square\n"
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
     "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
@@ -36,7 +36,7 @@ constexpr const char* kSquare =
     "f -4/-4/-1 -2/-2/-1 \\\n  -1/-1/-1  # the other half\n";
 
 TEST_CASE("faces with texture coordinates and normals") {
-  const Imported result = obj(kSquare);
+  const Imported result = obj(kObjSquare);
   CHECK(result.messages().empty());
   CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   const std::vector<std::int32_t> corners = {0, 1, 2, -1, 0, 2, 3, -1};
@@ -171,7 +171,7 @@ TEST_CASE("no part of an OBJ and no changed byte breaks the importer") {
   const auto import = [&](auto bytes, auto& scene, auto& diagnostics) {
     import_obj(bytes, scene, diagnostics, library);
   };
-  check_prefixes_and_flips(import, bytes_of(kSquare));
+  check_prefixes_and_flips(import, bytes_of(kObjSquare));
   check_prefixes_and_flips(import, bytes_of("mtllib a.mtl\nv 1 2 3 1 0 0\nv 1e3 .5 -1\nv 0 0 1\no x\nusemtl m\ns 1\n"
                                             "f 1 2 3\nl 1 2\np -1\ng y\nf 3//  2 1 \\\n"));
   // The library itself is as hostile as the file.

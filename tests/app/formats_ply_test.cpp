@@ -9,7 +9,7 @@ using gs::app::import_ply;
 using gs::vrml::Color;
 using gs::vrml::SFNode;
 
-constexpr const char* kSquare =
+constexpr const char* kPlySquare =
     "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty float y\n"
     "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n3 0 1 2\n4 0 1 2 3\n";
@@ -17,7 +17,7 @@ constexpr const char* kSquare =
 Imported ply(std::string_view text) { return imported(import_ply, bytes_of(text)); }
 
 TEST_CASE("an ascii PLY becomes an IndexedFaceSet") {
-  const Imported result = ply(kSquare);
+  const Imported result = ply(kPlySquare);
   CHECK(result.messages().empty());
   CHECK(result.points() == std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5f}, {0, 1, 0}});
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1, 0, 1, 2, 3, -1});
@@ -33,7 +33,7 @@ TEST_CASE("an ascii PLY becomes an IndexedFaceSet") {
 TEST_CASE("line ends of all kinds do") {
   for (const std::string end : {"\r\n", "\r"}) {
     std::string text;
-    for (const char c : std::string(kSquare)) text += c == '\n' ? end : std::string(1, c);
+    for (const char c : std::string(kPlySquare)) text += c == '\n' ? end : std::string(1, c);
     const Imported result = ply(text);
     CHECK(result.messages().empty());
     CHECK(result.corners().size() == 9);
@@ -217,7 +217,7 @@ TEST_CASE("a broken row ends an ascii PLY, with its place") {
 }
 
 TEST_CASE("no part of a PLY and no changed byte breaks the importer") {
-  check_prefixes_and_flips(import_ply, bytes_of(kSquare));
+  check_prefixes_and_flips(import_ply, bytes_of(kPlySquare));
   check_prefixes_and_flips(import_ply, binary_square<false>());
   check_prefixes_and_flips(import_ply, binary_square<true>());
 }

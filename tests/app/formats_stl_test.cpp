@@ -18,7 +18,7 @@ constexpr const char* kText =
     "    ENDLOOP\n  ENDFACET\n"
     "endsolid my part\n";
 
-Bytes binary(std::string_view header, std::uint16_t attribute = 0) {
+Bytes stl_binary(std::string_view header, std::uint16_t attribute = 0) {
   Bytes bytes = bytes_of(header);
   bytes.resize(80);
   put(bytes, std::uint32_t{2});
@@ -45,18 +45,18 @@ TEST_CASE("text and binary STL give the same mesh, with equal corners welded") {
   const Imported text = imported(import_stl, bytes_of(kText));
   check_square(text);
   CHECK(text.scene->node(text.only("Shape")).name == "my_part");
-  check_square(imported(import_stl, binary("made by hand")));
+  check_square(imported(import_stl, stl_binary("made by hand")));
 }
 
 TEST_CASE("a binary STL may begin with solid") {
-  check_square(imported(import_stl, binary("solid something")));
-  Bytes longer = binary("solid something");
+  check_square(imported(import_stl, stl_binary("solid something")));
+  Bytes longer = stl_binary("solid something");
   longer.resize(longer.size() + 7);
   check_square(imported(import_stl, longer));
 }
 
 TEST_CASE("a truncated STL keeps its facets") {
-  Bytes bytes = binary("solid x");
+  Bytes bytes = stl_binary("solid x");
   bytes.resize(bytes.size() - 20);
   const Imported part = imported(import_stl, bytes);
   CHECK(part.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
@@ -70,20 +70,20 @@ TEST_CASE("a truncated STL keeps its facets") {
 }
 
 TEST_CASE("a count that the file cannot hold costs nothing") {
-  Bytes bytes = binary("x");
+  Bytes bytes = stl_binary("x");
   for (std::size_t i = 80; i < 84; ++i) bytes[i] = std::byte{0xff};
   CHECK(imported(import_stl, bytes).corners().size() == 8);
 }
 
 TEST_CASE("colours of facets") {
   // Bit 15, red 31, green 0, blue 31.
-  const Imported visual = imported(import_stl, binary("x", 0x8000 | 31 << 10 | 31));
+  const Imported visual = imported(import_stl, stl_binary("x", 0x8000 | 31 << 10 | 31));
   CHECK(visual.colors() == std::vector<Color>(2, Color{1, 0, 1}));
   CHECK_FALSE(visual.scene->get<bool>(visual.only("IndexedFaceSet"), "colorPerVertex"));
-  CHECK(imported(import_stl, binary("x", 0x001f)).all("Color").empty());
+  CHECK(imported(import_stl, stl_binary("x", 0x001f)).all("Color").empty());
   // Magics: the object's colour in the header, bit 15 means to use it, red lies low.
   const std::string header("COLOR=\xff\x00\x00\xff", 10);
-  const Imported magics = imported(import_stl, binary(header, 31));
+  const Imported magics = imported(import_stl, stl_binary(header, 31));
   CHECK(magics.colors() == std::vector<Color>(2, Color{1, 0, 0}));
   CHECK(magics.scene->get<Color>(magics.only("Material"), "diffuseColor") == Color{1, 0, 0});
 }
@@ -100,7 +100,7 @@ TEST_CASE("broken lines of a text STL are said with their place") {
 }
 
 TEST_CASE("corners that are not finite are left out") {
-  Bytes bytes = binary("x");
+  Bytes bytes = stl_binary("x");
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::memcpy(bytes.data() + 84 + 12, &nan, 4);
   const Imported result = imported(import_stl, bytes);
@@ -126,7 +126,7 @@ TEST_CASE("many corners are welded by their bits") {
 
 TEST_CASE("no part of an STL and no changed byte breaks the importer") {
   check_prefixes_and_flips(import_stl, bytes_of(kText));
-  check_prefixes_and_flips(import_stl, binary("solid", 0xffff));
+  check_prefixes_and_flips(import_stl, stl_binary("solid", 0xffff));
 }
 
 }  // namespace

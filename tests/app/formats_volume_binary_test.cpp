@@ -24,7 +24,7 @@ void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type,
   check_values(opened(folder.write("a.vti", vti(inline_array(base64(length + data)), "", order))));
   check_values(opened(folder.write("a.vti", vti(inline_array(base64(length) + base64(data)), "", order))));
   check_values(opened(folder.write("a.vti", vti(appended_array, appended("base64", base64(length + data)), order))));
-  check_values(opened(folder.write("a.vti", vti(appended_array, appended("raw", text(length + data)), order))));
+  check_values(opened(folder.write("a.vti", vti(appended_array, appended("raw", string_of(length + data)), order))));
 
   const std::size_t block = data.size() / 12 * 5;  // two whole blocks and a rest
   const auto part = [&](std::size_t i) {
@@ -33,8 +33,8 @@ void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type,
   };
   const Bytes a = zlib_packed(part(0)), b = zlib_packed(part(1)), c = zlib_packed(part(2));
   const Bytes table = words<Word>(big_endian, {3, block, data.size() - 2 * block, a.size(), b.size(), c.size()});
-  check_values(
-      opened(folder.write("a.vti", vti(appended_array, appended("raw", text(table + a + b + c)), order + packer))));
+  check_values(opened(
+      folder.write("a.vti", vti(appended_array, appended("raw", string_of(table + a + b + c)), order + packer))));
   check_values(opened(folder.write("a.vti", vti(inline_array(base64(table) + base64(a + b + c)), "", order + packer))));
   const Bytes whole = zlib_packed(data), one = words<Word>(big_endian, {1, data.size(), 0, whole.size()});
   check_values(opened(
@@ -54,17 +54,17 @@ TEST_CASE("NIfTI files of every type and byte order open") {
       const Bytes data = voxels<decltype(kind)>(big_endian);
       const auto bits = static_cast<std::int16_t>(8 * sizeof(kind));
       Nifti1 one(big_endian, codes.at(names.vti), bits, "n+1", 352);
-      const qnv::VolumeSource source = opened(folder.write("a.nii", text(one.bytes + data)));
+      const qnv::VolumeSource source = opened(folder.write("a.nii", string_of(one.bytes + data)));
       check_values(source);
       CHECK(source.layout.type == names.type);
       CHECK(source.layout.axes[0] == glm::vec3(1.5f, 0, 0));
       CHECK(source.layout.axes[2] == glm::vec3(0, 0, 3.5f));
       one.set<float>(112, 2);
       one.set<float>(116, -5);
-      check_values(opened(folder.write("a.nii.gz", text(gzipped(one.bytes + data)))), 2, -5);
+      check_values(opened(folder.write("a.nii.gz", string_of(gzipped(one.bytes + data)))), 2, -5);
       const Nifti1 two(big_endian, codes.at(names.vti), bits, "ni1", 0);
-      folder.write("b.hdr", text(two.bytes).substr(0, 348));
-      folder.write("b.img", text(data));
+      folder.write("b.hdr", string_of(two.bytes).substr(0, 348));
+      folder.write("b.img", string_of(data));
       check_values(opened(folder.path("b.hdr")));
       check_values(opened(folder.path("b.img")));
     }
@@ -79,35 +79,35 @@ TEST_CASE("NIfTI places are taken from the sform, else the qform") {
   header.set<float>(76, -1);         // qfac
   header.set<float>(264, 1);         // quatern_d = 1: half a turn about z
   for (std::size_t i = 0; i < 3; ++i) header.set<float>(268 + 4 * i, static_cast<float>(i + 1));
-  const qnv::VolumeSource turned = opened(folder.write("q.nii", text(header.bytes + data)));
+  const qnv::VolumeSource turned = opened(folder.write("q.nii", string_of(header.bytes + data)));
   CHECK(turned.layout.axes[0] == glm::vec3(-1.5f, 0, 0));
   CHECK(turned.layout.axes[2] == glm::vec3(0, 0, -3.5f));
   CHECK(turned.layout.origin == glm::vec3(1, 2, 3));
   header.set<std::int16_t>(254, 1);  // sform_code
   const std::array<float, 12> rows = {0, -2, 0, 10, 3, 0, 0, 20, 0, 0, 4, 30};
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, rows[i]);
-  const qnv::VolumeSource placed = opened(folder.write("s.nii", text(header.bytes + data)));
+  const qnv::VolumeSource placed = opened(folder.write("s.nii", string_of(header.bytes + data)));
   CHECK(placed.layout.axes[0] == glm::vec3(0, 3, 0));
   CHECK(placed.layout.axes[1] == glm::vec3(-2, 0, 0));
   CHECK(placed.layout.origin == glm::vec3(10, 20, 30));
   // A matrix that does not span space: the steps count.
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, 0.0f);
-  CHECK(opened(folder.write("s.nii", text(header.bytes + data))).layout.axes[1] == glm::vec3(0, 2.5f, 0));
+  CHECK(opened(folder.write("s.nii", string_of(header.bytes + data))).layout.axes[1] == glm::vec3(0, 2.5f, 0));
 
   Nifti1 rgb(false, 128, 24, "n+1", 352);
   Bytes colors;
   for (const int value : kValues)
     for (const int c : {value, 1, 2}) colors.push_back(static_cast<std::byte>(c));
-  check_values(opened(folder.write("c.nii", text(rgb.bytes + colors))));
+  check_values(opened(folder.write("c.nii", string_of(rgb.bytes + colors))));
 
   Nifti1 broken(false, 2, 8, "n+1", 352);
   broken.set<std::int16_t>(42, -3);
-  CHECK(problem_of(folder.write("p.nii", text(broken.bytes + data))).find("dimensions") != std::string::npos);
+  CHECK(problem_of(folder.write("p.nii", string_of(broken.bytes + data))).find("dimensions") != std::string::npos);
   Nifti1 strange(false, 1536, 128, "n+1", 352);
-  CHECK(problem_of(folder.write("p.nii", text(strange.bytes + data))).find("1536") != std::string::npos);
-  CHECK(problem_of(folder.write("p.nii", text(Nifti1(false, 2, 8, "n+1", 352).bytes))).find("need") !=
+  CHECK(problem_of(folder.write("p.nii", string_of(strange.bytes + data))).find("1536") != std::string::npos);
+  CHECK(problem_of(folder.write("p.nii", string_of(Nifti1(false, 2, 8, "n+1", 352).bytes))).find("need") !=
         std::string::npos);
-  folder.write("lonely.hdr", text(Nifti1(false, 2, 8, "ni1", 0).bytes));
+  folder.write("lonely.hdr", string_of(Nifti1(false, 2, 8, "ni1", 0).bytes));
   CHECK(problem_of(folder.path("lonely.hdr")).find("lonely.img") != std::string::npos);
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("NIfTI-2 files open") {
     for (std::size_t i = 0; i < 4; ++i) header.set<double>(104 + 8 * i, 1.0 + static_cast<double>(i));
     header.set<std::int64_t>(168, 544);
     const qnv::VolumeSource source =
-        opened(folder.write("a.nii", text(header.bytes + voxels<std::uint16_t>(big_endian))));
+        opened(folder.write("a.nii", string_of(header.bytes + voxels<std::uint16_t>(big_endian))));
     check_values(source);
     CHECK(source.layout.axes[1] == glm::vec3(0, 3, 0));
   }
@@ -158,7 +158,7 @@ TEST_CASE("FITS cubes of every type open") {
   check_values(opened(cube(-32, voxels<float>(true))));
   check_values(opened(cube(-64, voxels<double>(true))));
   check_values(opened(cube(16, voxels<std::int16_t>(true), {"BSCALE  = 0.5", "BZERO   = 32768"})), 0.5f, 32768);
-  folder.write("a.fits.gz", text(gzipped(bytes_of(folder.read("a.fits")))));
+  folder.write("a.fits.gz", string_of(gzipped(bytes_of(folder.read("a.fits")))));
   check_values(opened(folder.path("a.fits.gz")), 0.5f, 32768);
 
   SECTION("with missing voxels") {
@@ -256,7 +256,7 @@ TEST_CASE("VTI files that are something else are told") {
   CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_", "compressor=\"vtkLZ4DataCompressor\"")).find("lz4") !=
         std::string::npos);
   const Bytes huge = words<std::uint64_t>(false, {~std::size_t{0}, ~std::size_t{0}, 1, 1});
-  CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_" + text(huge),
+  CHECK(problem(vti(array, "<AppendedData encoding=\"raw\">_" + string_of(huge),
                     "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\""))
             .find("table") != std::string::npos);
 }

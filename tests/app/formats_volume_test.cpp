@@ -30,7 +30,7 @@ TEST_CASE("Raw voxels of every type open") {
       raw.type = names.type;
       raw.big_endian = big_endian;
       const qnv::VolumeSource source =
-          opened(folder.write("a.raw", "abcde" + text(voxels<decltype(kind)>(big_endian)) + "behind"), raw);
+          opened(folder.write("a.raw", "abcde" + string_of(voxels<decltype(kind)>(big_endian)) + "behind"), raw);
       CHECK(source.layout.type == names.type);
       CHECK(source.layout.axes[2] == glm::vec3(0, 0, 3));
       check_values(source);
@@ -92,7 +92,7 @@ TEST_CASE("No prefix and no changed byte of a volume file does harm") {
   check_prefixes_and_flips(folder, "a.vti",
                            bytes_of(vti("<DataArray type=\"Int16\" Name=\"s\" format=\"appended\" offset=\"0\"/>",
                                         "<AppendedData encoding=\"raw\">_" +
-                                            text(words<std::uint32_t>(false, {1, 24, 0, packed.size()}) + packed),
+                                            string_of(words<std::uint32_t>(false, {1, 24, 0, packed.size()}) + packed),
                                         "byte_order=\"LittleEndian\" compressor=\"vtkZLibDataCompressor\"")));
   check_prefixes_and_flips(folder, "b.vti",
                            bytes_of(vti("<DataArray type=\"Int16\" Name=\"s\" format=\"binary\">" +

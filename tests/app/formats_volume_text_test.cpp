@@ -13,19 +13,20 @@ TEST_CASE("NRRD files of every type, byte order and encoding open") {
           "\ndimension: 3\nsizes: 3 2 2\nspacings: 1 2 0.5\nendian: " + (big_endian ? "big" : "little") +
           "\ncontent: a test\nkey:=value\n";
       INFO(header);
-      const qnv::VolumeSource raw = opened(folder.write("a.nrrd", header + "encoding: raw\n\n" + text(data)));
+      const qnv::VolumeSource raw = opened(folder.write("a.nrrd", header + "encoding: raw\n\n" + string_of(data)));
       CHECK(raw.layout.type == names.type);
       CHECK(raw.layout.axes[1] == glm::vec3(0, 2, 0));
       CHECK(raw.layout.metadata ==
             std::vector<std::pair<std::string, std::string>>{{"title", "a test"}, {"key", "value"}});
       check_values(raw);
-      check_values(opened(folder.write("a.nrrd", header + "encoding: gzip\n\n" + text(gzipped(data)))));
-      check_values(opened(folder.write("a.nrrd.gz", text(gzipped(bytes_of(header + "encoding: raw\n\n") + data)))));
-      folder.write("a.raw", "line one\nline two\n12345" + text(data));
+      check_values(opened(folder.write("a.nrrd", header + "encoding: gzip\n\n" + string_of(gzipped(data)))));
+      check_values(
+          opened(folder.write("a.nrrd.gz", string_of(gzipped(bytes_of(header + "encoding: raw\n\n") + data)))));
+      folder.write("a.raw", "line one\nline two\n12345" + string_of(data));
       check_values(
           opened(folder.write("a.nhdr", header + "encoding: raw\nline skip: 2\nbyte skip: 5\ndata file: ./a.raw\n")));
       check_values(opened(folder.write("a.nhdr", header + "encoding: raw\nbyte skip: -1\ndatafile: a.raw\n")));
-      folder.write("a.raw.gz", text(gzipped(data)));
+      folder.write("a.raw.gz", string_of(gzipped(data)));
       check_values(opened(folder.write("a.nhdr", header + "encoding: gz\ndata file: a.raw.gz\n")));
     }
   });
@@ -46,17 +47,18 @@ TEST_CASE("NRRD axes and components are taken as they are meant") {
       "v.nrrd", start +
                     "dimension: 4\nsizes: 2 3 2 2\nspace: left-posterior-superior\nspace directions: none (1,0,0) "
                     "(0, 0.5, 0.5) (0,-1,1)\nspace origin: (7,8,9)\nkinds: vector domain domain domain\n\n" +
-                    text(pairs)));
+                    string_of(pairs)));
   check_values(vectors);
   CHECK(vectors.layout.axes[1] == glm::vec3(0, 0.5f, 0.5f));
   CHECK(vectors.layout.origin == glm::vec3(7, 8, 9));
   const Bytes data = voxels<std::uint8_t>(false);
-  check_values(opened(folder.write("v.nrrd", start + "dimension: 4\nsizes: 3 2 2 1\n\n" + text(data))));
-  const qnv::VolumeSource flat = opened(folder.write("f.nrrd", start + "dimension: 2\nsizes: 4 3\n\n" + text(data)));
+  check_values(opened(folder.write("v.nrrd", start + "dimension: 4\nsizes: 3 2 2 1\n\n" + string_of(data))));
+  const qnv::VolumeSource flat =
+      opened(folder.write("f.nrrd", start + "dimension: 2\nsizes: 4 3\n\n" + string_of(data)));
   CHECK(flat.layout.dimensions == std::array<std::uint32_t, 3>{4, 3, 1});
 
   const auto problem = [&](const std::string& header) {
-    return problem_of(folder.write("p.nrrd", "NRRD0004\n" + header + "\n" + text(data)));
+    return problem_of(folder.write("p.nrrd", "NRRD0004\n" + header + "\n" + string_of(data)));
   };
   CHECK(problem("type: uchar\ndimension: 3\nsizes: 3 2 2\ndata file: LIST\n").find("list of files") !=
         std::string::npos);
@@ -84,19 +86,20 @@ TEST_CASE("MetaImage files of every type and byte order open") {
                                  names.meta + "\nElementByteOrderMSB = " + (big_endian ? "True" : "False") +
                                  "\nElementSpacing = 1 2 3\nOffset = 4 5 6\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n";
       INFO(header);
-      const qnv::VolumeSource local = opened(folder.write("a.mha", header + "ElementDataFile = LOCAL\n" + text(data)));
+      const qnv::VolumeSource local =
+          opened(folder.write("a.mha", header + "ElementDataFile = LOCAL\n" + string_of(data)));
       check_values(local);
       CHECK(local.layout.axes[0] == glm::vec3(0, 1, 0));
       CHECK(local.layout.axes[1] == glm::vec3(-2, 0, 0));
       CHECK(local.layout.axes[2] == glm::vec3(0, 0, 3));
       CHECK(local.layout.origin == glm::vec3(4, 5, 6));
-      folder.write("a data.raw", text(data));
+      folder.write("a data.raw", string_of(data));
       check_values(opened(folder.write("a.mhd", header + "ElementDataFile = a data.raw\n")));
-      folder.write("a.zraw", text(zlib_packed(data)));
+      folder.write("a.zraw", string_of(zlib_packed(data)));
       check_values(opened(folder.write("a.mhd", header + "CompressedData = True\nElementDataFile = a.zraw\n")));
       check_values(opened(folder.write(
-          "a.mha", header + "CompressedData = True\nElementDataFile = LOCAL\n" + text(zlib_packed(data)))));
-      folder.write("h.raw", "some header" + text(data));
+          "a.mha", header + "CompressedData = True\nElementDataFile = LOCAL\n" + string_of(zlib_packed(data)))));
+      folder.write("h.raw", "some header" + string_of(data));
       check_values(opened(folder.write("a.mhd", header + "HeaderSize = 11\nElementDataFile = h.raw\n")));
       check_values(opened(folder.write("a.mhd", header + "HeaderSize = -1\nElementDataFile = h.raw\n")));
     }
@@ -112,7 +115,7 @@ TEST_CASE("MetaImage files of every type and byte order open") {
 TEST_CASE("AVS fields open") {
   ScratchFolder folder;
   const auto field = [&](const std::string& type, const Bytes& data) {
-    return opened(folder.write("a.fld", kAvs + type + "\n\f\f" + text(data)));
+    return opened(folder.write("a.fld", kAvs + type + "\n\f\f" + string_of(data)));
   };
   check_values(field("byte", voxels<std::uint8_t>(false)));
   check_values(field("short", voxels<std::int16_t>(false)));
@@ -143,14 +146,14 @@ TEST_CASE("AVS fields open") {
     header.replace(header.find("uniform"), 7, "rectilinear");
     Bytes data = voxels<float>(false);
     for (const float c : {0.0f, 1.0f, 8.0f, 2.0f, 3.0f, 4.0f, 6.0f}) test::put(data, c);
-    const qnv::VolumeSource source = opened(folder.write("a.fld", header + text(data)));
+    const qnv::VolumeSource source = opened(folder.write("a.fld", header + string_of(data)));
     CHECK(source.layout.origin == glm::vec3(0, 2, 4));
     CHECK(source.layout.axes[0] == glm::vec3(4, 0, 0));
     CHECK(source.layout.axes[2] == glm::vec3(0, 0, 2));
   }
   SECTION("with the extent in the header") {
-    const qnv::VolumeSource source = opened(
-        folder.write("a.fld", kAvs + "byte\nmin_ext=0 0 0\nmax_ext=1 2 3\n\f\f" + text(voxels<std::uint8_t>(false))));
+    const qnv::VolumeSource source = opened(folder.write(
+        "a.fld", kAvs + "byte\nmin_ext=0 0 0\nmax_ext=1 2 3\n\f\f" + string_of(voxels<std::uint8_t>(false))));
     CHECK(source.layout.axes[0] == glm::vec3(0.5f, 0, 0));
     CHECK(source.layout.axes[2] == glm::vec3(0, 0, 3));
   }
@@ -162,7 +165,7 @@ TEST_CASE("AVS fields open") {
     check_values(opened(folder.write("a.fld", header + data)));
   }
   SECTION("with the voxels in another file") {
-    folder.write("data.bin", "skipped" + text(voxels<std::int16_t>(true)));
+    folder.write("data.bin", "skipped" + string_of(voxels<std::int16_t>(true)));
     check_values(opened(folder.write("a.fld", kAvs + "xdr_short\nvariable 1 file=data.bin filetype=binary skip=7\n")));
     CHECK(problem_of(folder.write("a.fld", kAvs + "byte\nvariable 1 file=data.bin filetype=ascii\n")).find("ascii") !=
           std::string::npos);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 namespace {
@@ -13,7 +14,6 @@ namespace {
 using namespace gs;
 using namespace gs::app;
 
-constexpr float kPi = 3.14159265f;
 const glm::vec2 kViewport(800, 600);
 
 vrml::Bounds unit_box() {
@@ -39,7 +39,7 @@ NavigationInput idle() {
   return input;
 }
 
-Navigation run(Navigation state, const NavigationInput& input, float seconds, int steps) {
+Navigation run_for(Navigation state, const NavigationInput& input, float seconds, int steps) {
   for (int i = 0; i < steps; ++i) state = step(state, input, seconds / static_cast<float>(steps));
   return state;
 }
@@ -58,10 +58,10 @@ void check_valid(const Navigation& state) {
   const Pose& pose = state.pose;
   REQUIRE(std::isfinite(pose.position.x + pose.position.y + pose.position.z));
   REQUIRE(std::abs(glm::length(pose.orientation) - 1) < 1e-4f);
-  REQUIRE((pose.field_of_view > 0 && pose.field_of_view < kPi));
+  REQUIRE((pose.field_of_view > 0 && pose.field_of_view < std::numbers::pi_v<float>));
 }
 
-render::NavigationState info(std::vector<std::string> types) {
+render::NavigationState navigation_info(std::vector<std::string> types) {
   render::NavigationState navigation;
   navigation.types = std::move(types);
   return navigation;
@@ -75,27 +75,27 @@ TEST_CASE("NavigationInfo.type chooses the mode (VRML97 6.29)") {
   CHECK(standard.allows(NavigationMode::examine));
   CHECK(standard.speed == 1);
 
-  const NavigationRules two = navigation_rules(info({"EXAMINE", "FLY"}));
+  const NavigationRules two = navigation_rules(navigation_info({"EXAMINE", "FLY"}));
   CHECK(two.start == NavigationMode::examine);
   CHECK(two.allows(NavigationMode::fly));
   CHECK_FALSE(two.allows(NavigationMode::walk));
   CHECK_FALSE(two.allows(NavigationMode::pan));
 
-  const NavigationRules unknown_first = navigation_rules(info({"HOVER", "FLY", "ANY"}));
+  const NavigationRules unknown_first = navigation_rules(navigation_info({"HOVER", "FLY", "ANY"}));
   CHECK(unknown_first.start == NavigationMode::fly);
   CHECK(unknown_first.allows(NavigationMode::walk));
 
-  const NavigationRules none = navigation_rules(info({"NONE"}));
+  const NavigationRules none = navigation_rules(navigation_info({"NONE"}));
   CHECK(none.start == NavigationMode::none);
   CHECK_FALSE(none.allows(NavigationMode::examine));
 
-  const NavigationRules none_any = navigation_rules(info({"NONE", "ANY"}));
+  const NavigationRules none_any = navigation_rules(navigation_info({"NONE", "ANY"}));
   CHECK(none_any.start == NavigationMode::none);
   CHECK(none_any.allows(NavigationMode::examine));
 
-  CHECK(navigation_rules(info({"ANY"})).start == NavigationMode::examine);
-  CHECK(navigation_rules(info({})).start == NavigationMode::walk);
-  CHECK(navigation_rules(info({"HOVER"})).allows(NavigationMode::fly));
+  CHECK(navigation_rules(navigation_info({"ANY"})).start == NavigationMode::examine);
+  CHECK(navigation_rules(navigation_info({})).start == NavigationMode::walk);
+  CHECK(navigation_rules(navigation_info({"HOVER"})).allows(NavigationMode::fly));
 }
 
 TEST_CASE("A world without NavigationInfo is examined, or walked when it has a Viewpoint") {
@@ -170,7 +170,7 @@ TEST_CASE("FLY moves where it looks, with the speed of the NavigationInfo") {
   state.pose.orientation = glm::angleAxis(0.5f, glm::vec3(1, 0, 0));
   NavigationInput keys = idle();
   keys.move = {0, 0, 1};
-  state = settle(run(state, keys, 2, 120));
+  state = settle(run_for(state, keys, 2, 120));
   const glm::vec3 way = state.pose.position - glm::vec3(0, 0, 10);
   CHECK(glm::length(way) == Approx(6).margin(0.05));  // what is late at the start is made up for at the end
   check_close(glm::normalize(way), {0, std::sin(0.5f), -std::cos(0.5f)});
@@ -180,8 +180,8 @@ TEST_CASE("Shift goes four times as fast, and speed 0 not at all") {
   NavigationInput keys = idle();
   keys.move = {0, 0, 1};
   keys.fast = true;
-  CHECK(settle(run(start(NavigationMode::fly, 1), keys, 1, 60)).pose.position.z == Approx(6).margin(0.05));
-  CHECK(settle(run(start(NavigationMode::fly, 0), keys, 1, 60)).pose.position.z == 10);
+  CHECK(settle(run_for(start(NavigationMode::fly, 1), keys, 1, 60)).pose.position.z == Approx(6).margin(0.05));
+  CHECK(settle(run_for(start(NavigationMode::fly, 0), keys, 1, 60)).pose.position.z == 10);
 }
 
 TEST_CASE("WALK stays level: no change of height, no roll") {
@@ -208,19 +208,20 @@ TEST_CASE("WALK straightens a rolled Viewpoint while it moves") {
   NavigationInput keys = idle();
   keys.move = {0, 0, 1};
   const float before = std::abs(state.pose.right().y);
-  const Navigation soon = run(state, keys, 0.1f, 6);
+  const Navigation soon = run_for(state, keys, 0.1f, 6);
   CHECK(std::abs(soon.pose.right().y) < before);
   CHECK(std::abs(soon.pose.right().y) > 0.1f);
-  CHECK(std::abs(run(state, keys, 2, 120).pose.right().y) < 1e-3f);
-  check_close(run(state, keys, 2, 120).pose.forward(), {0, 0, -1});
+  CHECK(std::abs(run_for(state, keys, 2, 120).pose.right().y) < 1e-3f);
+  check_close(run_for(state, keys, 2, 120).pose.forward(), {0, 0, -1});
 }
 
 TEST_CASE("WALK that starts straight down still knows what is ahead") {
   Navigation state = start(NavigationMode::walk);
-  state.pose.orientation = glm::angleAxis(-kPi / 2, glm::vec3(1, 0, 0));  // the top of the view is -Z
+  state.pose.orientation =
+      glm::angleAxis(-std::numbers::pi_v<float> / 2, glm::vec3(1, 0, 0));  // the top of the view is -Z
   NavigationInput keys = idle();
   keys.turn = {0, 1};
-  state = run(state, keys, 1, 60);
+  state = run_for(state, keys, 1, 60);
   CHECK(state.pose.forward().z < 0);
   check_valid(state);
 }
@@ -232,15 +233,16 @@ TEST_CASE("Motion does not depend on the frame rate") {
     NavigationInput keys = idle();
     keys.move = {0.3f, 0.2f, 1};
     keys.turn = {0.8f, 0.3f};
-    const Navigation slow = run(start(mode), keys, 1.5f, 30);
-    const Navigation fast = run(start(mode), keys, 1.5f, 600);
+    const Navigation slow = run_for(start(mode), keys, 1.5f, 30);
+    const Navigation fast = run_for(start(mode), keys, 1.5f, 600);
     check_close(slow.pose.position, fast.pose.position, 0.02f);
     check_close(slow.pose.forward(), fast.pose.forward(), 0.01f);
 
     NavigationInput wheel = idle();
     wheel.zoom = 3;
     const Navigation rolled = step(start(mode), wheel, 0);
-    check_close(run(rolled, idle(), 0.3f, 5).pose.position, run(rolled, idle(), 0.3f, 100).pose.position, 0.01f);
+    check_close(run_for(rolled, idle(), 0.3f, 5).pose.position, run_for(rolled, idle(), 0.3f, 100).pose.position,
+                0.01f);
   }
 }
 
@@ -250,13 +252,13 @@ TEST_CASE("NONE leaves the viewer to the world") {
   input.moved = {100, 50};
   input.move = {1, 1, 1};
   input.zoom = 5;
-  const Navigation state = run(start(NavigationMode::none), input, 1, 60);
+  const Navigation state = run_for(start(NavigationMode::none), input, 1, 60);
   check_close(state.pose.position, {0, 0, 10}, 1e-6f);
   for (const DragButton button : {DragButton::left, DragButton::right, DragButton::middle})
     CHECK(drag_of(NavigationMode::none, button, false) == Drag::none);
   Pose there;
   there.position = {5, 0, 0};
-  CHECK(run(travel_to(state, there), input, 1, 60).pose.position.x == 5);  // a Viewpoint still binds
+  CHECK(run_for(travel_to(state, there), input, 1, 60).pose.position.x == 5);  // a Viewpoint still binds
 }
 
 TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
@@ -265,9 +267,9 @@ TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
       pose_of(glm::translate(glm::mat4(1), {4, 2, 0}) * glm::rotate(glm::mat4(1), 1.2f, glm::vec3(0, 1, 0)), 0.5f);
   Navigation on_the_way = travel_to(state, there);
   CHECK(on_the_way.moving());
-  on_the_way = run(on_the_way, idle(), 0.2f, 10);
+  on_the_way = run_for(on_the_way, idle(), 0.2f, 10);
   check_close(on_the_way.pose.position, glm::vec3(2, 1, 5), 0.01f);
-  const Navigation arrived = run(on_the_way, idle(), 0.25f, 10);
+  const Navigation arrived = run_for(on_the_way, idle(), 0.25f, 10);
   CHECK_FALSE(arrived.moving());
   CHECK(arrived.pose.position == there.position);
   CHECK(arrived.pose.field_of_view == 0.5f);
@@ -280,7 +282,7 @@ TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
 
 TEST_CASE("A double click makes the point the centre and brings it to the middle") {
   const glm::vec3 point(1, 0.5f, 0.2f);
-  const Navigation state = run(look_at_point(start(NavigationMode::examine), point), idle(), 0.5f, 30);
+  const Navigation state = run_for(look_at_point(start(NavigationMode::examine), point), idle(), 0.5f, 30);
   CHECK(state.center == point);
   check_close(glm::normalize(point - state.pose.position), state.pose.forward());
   check_close(state.pose.forward(), {0, 0, -1});
@@ -364,7 +366,7 @@ TEST_CASE("Nothing that comes in makes the viewer invalid") {
 TEST_CASE("A ray goes through its pixel") {
   Pose pose;
   pose.position = {1, 2, 3};
-  pose.field_of_view = kPi / 2;
+  pose.field_of_view = std::numbers::pi_v<float> / 2;
   check_close(ray_through(pose, kViewport / 2.0f, kViewport).direction, {0, 0, -1});
   // The smaller side spans the field of view: its upper edge is 45 degrees up.
   check_close(ray_through(pose, {400, 0}, kViewport).direction, glm::normalize(glm::vec3(0, 1, -1)));
@@ -386,11 +388,11 @@ TEST_CASE("A travelling drag moves ahead and turns, and rests near its start") {
   NavigationInput drag = idle();
   drag.drag = Drag::travel;
   drag.from_press = {0, -100};
-  CHECK(run(start(NavigationMode::walk), drag, 1, 60).pose.position.z < 9.7f);
+  CHECK(run_for(start(NavigationMode::walk), drag, 1, 60).pose.position.z < 9.7f);
   drag.from_press = {100, 0};
-  CHECK(run(start(NavigationMode::walk), drag, 1, 60).pose.forward().x > 0.2f);
+  CHECK(run_for(start(NavigationMode::walk), drag, 1, 60).pose.forward().x > 0.2f);
   drag.from_press = {1, -1};
-  CHECK(run(start(NavigationMode::walk), drag, 1, 60).pose.position.z == 10);
+  CHECK(run_for(start(NavigationMode::walk), drag, 1, 60).pose.position.z == 10);
 }
 
 TEST_CASE("The list of Viewpoints (VRML97 6.53)") {

@@ -7,6 +7,7 @@
 #include "render/camera.h"
 #include "render/context.h"
 #include "render/renderer.h"
+#include "tests/app/formats_helpers.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 #include "vrml/parser.h"
@@ -24,6 +25,7 @@
 
 using namespace gs;
 using namespace gs::app;
+using test::string_of;
 
 namespace {
 
@@ -74,16 +76,12 @@ Encoded encoded(const std::string& path, double tolerance = 0.05) {
   return result;
 }
 
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::string stream_of(const Encoded& from, int bits = 16) {
+std::string outline_stream_of(const Encoded& from, int bits = 16) {
   qnv::OutlineEncodeOptions options;
   options.position_bits = bits;
   const auto made = qnv::encode_outlines(from.groups, from.model.appearances, options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(made));
-  return text_of(std::get<qnv::EncodedStream>(made).bytes);
+  return string_of(std::get<qnv::EncodedStream>(made).bytes);
 }
 
 /// Draws without a window.
@@ -149,8 +147,8 @@ TEST_CASE("A model keeps its looks, its area and its shading as outline groups, 
   CHECK(made.groups.groups.size() < 80);
 
   const std::string text =
-      folder.write("outlines.wrl", text_of(outline_world(made.groups, made.model.appearances, "x")));
-  const std::string stream = folder.write("outlines.qnv", stream_of(made, 20));
+      folder.write("outlines.wrl", string_of(outline_world(made.groups, made.model.appearances, "x")));
+  const std::string stream = folder.write("outlines.qnv", outline_stream_of(made, 20));
   for (const std::string& path : {text, stream}) {
     INFO(path);
     const OpenedWorld world = load_world(path);
@@ -177,7 +175,7 @@ TEST_CASE("A model keeps its looks, its area and its shading as outline groups, 
 TEST_CASE("Every prefix of an outline stream shows its groups, and the area only becomes truer") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
-  const std::string stream = stream_of(made), path = folder.write("outlines.qnv", stream);
+  const std::string stream = outline_stream_of(made), path = folder.write("outlines.qnv", stream);
   double outlines = 0;  // the area when all outlines are there
   for (const qnv::OutlineGroup& group : made.groups.groups)
     for (std::size_t i = 0; i < group.outline.size(); ++i) outlines += group.outline[i].area;
@@ -199,7 +197,7 @@ TEST_CASE("Every prefix of an outline stream shows its groups, and the area only
 TEST_CASE("A stream of outlines is what an OutlineGroup's url names, and no QNV node takes it") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
-  (void)folder.write("outlines.qnv", stream_of(made));
+  (void)folder.write("outlines.qnv", outline_stream_of(made));
   const std::string world =
       folder.write("world.wrl",
                    "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { diffuseColor 0 1 0 } } "
@@ -217,7 +215,7 @@ TEST_CASE("A stream of outlines is what an OutlineGroup's url names, and no QNV 
 TEST_CASE("The fallback of a world of outlines shows the polygons that stay") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
-  std::string text = text_of(outline_world(made.groups, made.model.appearances, "x"));
+  std::string text = string_of(outline_world(made.groups, made.model.appearances, "x"));
   // What another browser does with it: it does not know the name, and takes the PROTO.
   for (std::size_t at = 0; (at = text.find("OutlineGroup", at)) != std::string::npos; at += 5)
     text.replace(at, std::string("OutlineGroup").size(), "Other");
@@ -248,7 +246,7 @@ TEST_CASE("Merging what is coplanar changes no pixel of flat-shaded CAD parts") 
     CHECK(inner < made.groups.counts.polygons);
     vrml::SceneGraph scene("outlines.wrl");
     vrml::Diagnostics diagnostics;
-    REQUIRE(vrml::parse(text_of(outline_world(made.groups, made.model.appearances, "")), scene, diagnostics) ==
+    REQUIRE(vrml::parse(string_of(outline_world(made.groups, made.model.appearances, "")), scene, diagnostics) ==
             vrml::ParseOutcome::complete);
     render::MeshCache meshes;
     render::RenderList merged = render::collect(scene, {}, meshes);

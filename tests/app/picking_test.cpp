@@ -14,7 +14,7 @@ using namespace gs;
 using namespace gs::app;
 
 /// A square of side 2 in the plane z = 0.
-std::shared_ptr<const vrml::Mesh> square() {
+std::shared_ptr<const vrml::Mesh> square_mesh() {
   auto mesh = std::make_shared<vrml::Mesh>();
   mesh->positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh->indices = {0, 1, 2, 0, 2, 3};
@@ -24,7 +24,7 @@ std::shared_ptr<const vrml::Mesh> square() {
 
 render::RenderList list_of(std::initializer_list<glm::mat4> places) {
   render::RenderList list;
-  const auto mesh = square();
+  const auto mesh = square_mesh();
   for (const glm::mat4& place : places) {
     render::DrawItem item;
     item.mesh = mesh;
@@ -45,7 +45,7 @@ std::shared_ptr<qnv::Cloud> disc() {
 }
 
 /// Ten layers of vectors from z = 0 to -0.9.
-std::shared_ptr<qnv::Cloud> volume(float opacity) {
+std::shared_ptr<qnv::Cloud> fog_volume(float opacity) {
   auto cloud = std::make_shared<qnv::Cloud>();
   cloud->description.kind = qnv::Kind::volume;
   cloud->description.spacing = 0.1f;
@@ -140,7 +140,7 @@ TEST_CASE("Discs are hit under transformations, and from behind where they have 
 
 TEST_CASE("Volumes are hit where they are dense, before what lies behind them") {
   render::RenderList list = list_of({at(-5)});
-  add(list, volume(0.9f), at(-2));
+  add(list, fog_volume(0.9f), at(-2));
   Picker picker;
   const auto hit = picker.pick(list, kAhead);
   REQUIRE(hit);
@@ -153,7 +153,7 @@ TEST_CASE("Volumes are hit where they are dense, before what lies behind them") 
 
 TEST_CASE("A faint volume is hit only where nothing else is") {
   render::RenderList list = list_of({at(-5)});
-  add(list, volume(0.02f), at(-2));
+  add(list, fog_volume(0.02f), at(-2));
   const auto through = pick(list, kAhead);
   REQUIRE(through);
   CHECK(through->distance == Approx(5));
@@ -167,7 +167,7 @@ TEST_CASE("A faint volume is hit only where nothing else is") {
 
 TEST_CASE("What the look leaves out of a volume is not hit") {
   render::RenderList list;
-  add(list, volume(0.9f), at(-2));
+  add(list, fog_volume(0.9f), at(-2));
   Picker picker;
   PickOptions options;
   options.clouds.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
@@ -186,7 +186,7 @@ TEST_CASE("What the look leaves out of a volume is not hit") {
   // Another cloud at the same place in memory or not: the picker must not take one for the other.
   for (int i = 0; i < 20; ++i) {
     list.splats.clear();
-    add(list, volume(0.9f), at(-2 - static_cast<float>(i)));
+    add(list, fog_volume(0.9f), at(-2 - static_cast<float>(i)));
     CHECK(picker.pick(list, kAhead)->distance == Approx(2 + i).margin(0.11));
   }
 }
@@ -204,10 +204,10 @@ TEST_CASE("Clouds that make no sense are not hit") {
   add(list, lost, at(-1));
   add(list, disc(), glm::mat4(0.0f));
   add(list, disc(), glm::mat4(nan));
-  auto fog = volume(0.9f);
+  auto fog = fog_volume(0.9f);
   fog->classes.pop_back();
   add(list, fog, at(-1));
-  fog = volume(nan);
+  fog = fog_volume(nan);
   add(list, fog, at(-1));
   CHECK_FALSE(pick(list, kAhead));
   add(list, disc(), at(-7));

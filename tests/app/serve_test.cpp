@@ -4,6 +4,7 @@
 #include "app/child_program.h"
 #include "qnv/container.h"
 
+#include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/net/http_client.h"
 
@@ -18,6 +19,7 @@ using namespace gs;
 using namespace gs::app;
 using net::test::fetch;
 using net::test::Got;
+using test::string_of;
 
 namespace {
 
@@ -49,10 +51,6 @@ Got fetch_made(std::uint16_t port, const std::string& target) {
     if (got.status != 503) return got;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
-}
-
-std::string text(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace
@@ -175,13 +173,13 @@ TEST_CASE("serve: streams as cells, packed and of records") {
     REQUIRE(source.streams() == 1);
     CHECK(source.records(0) == (name == "records.qnv"));
     // Base and chunks together are the file up to its directory.
-    std::string all = text(source.base());
+    std::string all = string_of(source.base());
     for (std::uint32_t i = 0; i < source.chunks(0); ++i) {
       const auto chunk = source.chunk(0, i);
       REQUIRE(chunk);
       CHECK(chunk->head.size() <= net::kMostChunkHead);
       CHECK(source.box(0, i).has_value());
-      all += text(chunk->head) + text(chunk->body);
+      all += string_of(chunk->head) + string_of(chunk->body);
     }
     const std::string file = folder.read(name);
     CHECK(file.starts_with(all));
@@ -203,7 +201,8 @@ TEST_CASE("serve: streams as cells, packed and of records") {
   bool base = false, ended = false;
   while (!ended) {
     for (const net::CellEvent& event : driver.poll(1 << 20)) {
-      if (event.kind == net::CellEvent::Kind::base) base = folder.read("packed.qnv").starts_with(text(event.bytes));
+      if (event.kind == net::CellEvent::Kind::base)
+        base = folder.read("packed.qnv").starts_with(string_of(event.bytes));
       REQUIRE(event.kind != net::CellEvent::Kind::failed);
       REQUIRE(event.kind != net::CellEvent::Kind::refused);
       ended = ended || event.kind == net::CellEvent::Kind::ended;

@@ -19,7 +19,7 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinity = std:
 
 Transfer ramp() { return {{0.2f, {0, 0, 0}, 0}, {0.6f, {200, 100, 50}, 0.8f}, {1, {255, 255, 255}, 0.4f}}; }
 
-void check_sound(const Transfer& transfer) {
+void check_transfer(const Transfer& transfer) {
   REQUIRE_FALSE(transfer.empty());
   REQUIRE(transfer.size() <= kMostTransferPoints);
   for (std::size_t i = 0; i < transfer.size(); ++i) {
@@ -82,11 +82,11 @@ TEST_CASE("Points are added where the curve is pointed at, in the colour that is
   CHECK(transfer[0].opacity == 1);
   const auto last = add_point(transfer, 3, -4);
   CHECK(*last == transfer.size() - 1);
-  check_sound(transfer);
+  check_transfer(transfer);
   while (transfer.size() < kMostTransferPoints) REQUIRE(add_point(transfer, 0.5f, 0.5f));
   CHECK_FALSE(add_point(transfer, 0.5f, 0.5f));
   CHECK(transfer.size() == kMostTransferPoints);
-  check_sound(transfer);
+  check_transfer(transfer);
 }
 
 TEST_CASE("Points are moved between their neighbours") {
@@ -103,7 +103,7 @@ TEST_CASE("Points are moved between their neighbours") {
   CHECK(transfer[0].value == 0);
   move_point(transfer, 2, kNaN, kNaN);
   move_point(transfer, 3, 0.5f, 0.5f);
-  check_sound(transfer);
+  check_transfer(transfer);
 }
 
 TEST_CASE("All points but the last one can be removed") {
@@ -134,12 +134,12 @@ TEST_CASE("Any editing leaves a sound transfer function") {
       default:
         move_point(transfer, index, any(), any());
     }
-    check_sound(transfer);
+    check_transfer(transfer);
   }
 }
 
 TEST_CASE("What files say is made sound") {
-  check_sound(sound_transfer({}));
+  check_transfer(sound_transfer({}));
   const Transfer sorted =
       sound_transfer({{0.9f, {1, 1, 1}, 7}, {kNaN, {}, 0}, {-2, {2, 2, 2}, -1}, {0.5f, {3, 3, 3}, kInfinity}});
   REQUIRE(sorted.size() == 2);
@@ -149,11 +149,11 @@ TEST_CASE("What files say is made sound") {
   Transfer many;
   for (int i = 0; i <= 1000; ++i) many.push_back({static_cast<float>(i) / 1000, {}, static_cast<float>(i) / 1000});
   const Transfer fewer = sound_transfer(many);
-  check_sound(fewer);
+  check_transfer(fewer);
   CHECK(transfer_at(fewer, 0.123f).opacity == Approx(0.123).margin(0.001));
   qnv::Description volume;
   volume.value_range = {0, 100};
-  check_sound(own_transfer(volume));
+  check_transfer(own_transfer(volume));
   volume.transfer = ramp();
   CHECK(own_transfer(volume) == ramp());
 }
@@ -168,7 +168,7 @@ TEST_CASE("Presets are sound in any range, and know Hounsfield units") {
                               {-kInfinity, kInfinity},
                               {3e38f, -3e38f}}) {
       const Transfer transfer = preset.make(range);
-      check_sound(transfer);
+      check_transfer(transfer);
       CHECK(sound_transfer(transfer) == transfer);
     }
   const Transfer bone = transfer_presets()[0].make({-1000, 3000});

@@ -6,6 +6,7 @@
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/volume_files.h"
+#include "tests/app/worlds.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,26 +14,17 @@
 
 using namespace gs;
 using namespace gs::app;
+using test::string_of;
 
 namespace {
 
-std::string said(const OpenedWorld& world) {
-  std::string text;
-  for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
-  return text;
-}
-
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::string stream_of(std::size_t count) {
+std::string ball_stream(std::size_t count) {
   qnv::EncodeOptions options;
   options.payload = qnv::Payload::records;
   options.metadata = {{"title", "a ball"}};
   auto encoded = qnv::encode_cloud(test::sphere(count), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
-  return text_of(std::get<qnv::EncodedStream>(encoded).bytes);
+  return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
 }
 
 double area(const qnv::Cloud& cloud) {
@@ -60,7 +52,7 @@ std::string words_of(const qnv::RecordFields& fields) {
 
 TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
   const ScratchFolder folder;
-  const std::string bytes = stream_of(3000), file = folder.write("ball.qnv", bytes);
+  const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
   const OpenedWorld world = load_world(file);
   const qnv::Cloud& cloud = only_cloud(world);
   CHECK(cloud.size() == 3000);
@@ -73,7 +65,7 @@ TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
   CHECK(world.scene->get<vrml::SFVec3f>(qnv, "bboxSize").x == Approx(2).epsilon(0.01));
 
   const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
-  const std::string packed = text_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
+  const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
   CHECK(only_cloud(load_world(folder.write("packed.qnv", packed))).size() == 3000);
 
   // Every cut is a smaller ball of the same area, and no error.
@@ -101,7 +93,7 @@ TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
 
 TEST_CASE("damage in a stream costs a chunk and is told with its place") {
   const ScratchFolder folder;
-  std::string bytes = stream_of(3000);
+  std::string bytes = ball_stream(3000);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const OpenedWorld world = load_world(folder.write("ball.qnv", bytes));
   const qnv::Cloud& cloud = only_cloud(world);
@@ -113,7 +105,7 @@ TEST_CASE("damage in a stream costs a chunk and is told with its place") {
 
 TEST_CASE("QNV nodes get their vectors in the main scene, in Inlines and in PROTO instances") {
   const ScratchFolder folder;
-  folder.write("ball.qnv", stream_of(500));
+  folder.write("ball.qnv", ball_stream(500));
   folder.write("inner.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"missing.qnv\" \"ball.qnv\" ] } }\n");
   const OpenedWorld world = load_world(folder.write(
       "world.wrl",
@@ -136,7 +128,7 @@ TEST_CASE("QNV nodes get their vectors in the main scene, in Inlines and in PROT
 
 TEST_CASE("the fallback PROTO of a QNV node gives way to its stream") {
   const ScratchFolder folder;
-  folder.write("ball.qnv", stream_of(500));
+  folder.write("ball.qnv", ball_stream(500));
   const std::string text =
       "#VRML V2.0 utf8\nPROTO QNV [ exposedField MFString url [] ] { PointSet { } }\nShape { geometry QNV { url "
       "\"ball.qnv\" } }\n";

@@ -1,7 +1,6 @@
 #include "app/viewer_panes.h"
 
-#include "vrml/node_type.h"
-#include "vrml/scene_graph.h"
+#include "tests/app/worlds.h"
 
 #include <catch2/catch.hpp>
 
@@ -14,16 +13,6 @@ using namespace gs::app;
 
 constexpr glm::vec2 kSize(800, 600);
 const Viewport kArea{0, 0, 800, 600};
-
-OpenedWorld world_with(std::initializer_list<const char*> types) {
-  OpenedWorld world;
-  world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
-  for (const char* type : types) {
-    REQUIRE(vrml::built_in_node_type(type));
-    world.scene->add_root(world.scene->create(*vrml::built_in_node_type(type)));
-  }
-  return world;
-}
 
 std::shared_ptr<Document> document(std::initializer_list<const char*> types = {"Group"}) {
   return make_document(world_with(types));

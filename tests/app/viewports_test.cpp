@@ -1,5 +1,7 @@
 #include "app/viewports.h"
 
+#include "tests/app/window_events.h"
+
 #include <catch2/catch.hpp>
 
 #include <numeric>
@@ -7,15 +9,6 @@
 namespace {
 
 using namespace gs::app;
-using Kind = WindowEvent::Kind;
-
-WindowEvent event(Kind kind, glm::vec2 pointer, MouseButton button = MouseButton::left) {
-  WindowEvent result;
-  result.kind = kind;
-  result.pointer = pointer;
-  result.button = button;
-  return result;
-}
 
 void check(const Viewport& place, int left, int top, int width, int height) {
   CHECK(place.left == left);
@@ -102,38 +95,38 @@ TEST_CASE("A drag stays with the viewport where it began") {
   const auto places = arrange(ViewportLayout::two, {0, 0, 200, 100});
   const glm::vec2 left(50, 50), right(150, 50), outside(-20, 50);
   PointerRouter router;
-  CHECK(router.route(event(Kind::pointer, left), places) == 0u);
-  CHECK(router.route(event(Kind::pointer, right), places) == 1u);
-  CHECK(router.route(event(Kind::button_down, left), places) == 0u);
-  CHECK(router.route(event(Kind::pointer, right), places) == 0u);
-  CHECK(router.route(event(Kind::pointer, outside), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, left), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, right), places) == 1u);
+  CHECK(router.route(event(EventKind::button_down, left), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, right), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, outside), places) == 0u);
   // The wheel is meant for what is under the pointer even then.
-  CHECK(router.route(event(Kind::wheel, right), places) == 1u);
+  CHECK(router.route(event(EventKind::wheel, right), places) == 1u);
   // A second button belongs to the drag, which lasts until both are up.
-  CHECK(router.route(event(Kind::button_down, right, MouseButton::right), places) == 0u);
-  CHECK(router.route(event(Kind::button_up, right), places) == 0u);
-  CHECK(router.route(event(Kind::pointer, right), places) == 0u);
-  CHECK(router.route(event(Kind::button_up, right, MouseButton::right), places) == 0u);
-  CHECK(router.route(event(Kind::pointer, right), places) == 1u);
-  CHECK(router.route(event(Kind::button_down, right), places) == 1u);
+  CHECK(router.route(event(EventKind::button_down, right, MouseButton::right), places) == 0u);
+  CHECK(router.route(event(EventKind::button_up, right), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, right), places) == 0u);
+  CHECK(router.route(event(EventKind::button_up, right, MouseButton::right), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, right), places) == 1u);
+  CHECK(router.route(event(EventKind::button_down, right), places) == 1u);
   router.release();
-  CHECK(router.route(event(Kind::pointer, left), places) == 0u);
+  CHECK(router.route(event(EventKind::pointer, left), places) == 0u);
 }
 
 TEST_CASE("Events beside all viewports belong to none") {
   const auto places = arrange(ViewportLayout::two, {0, 0, 200, 100});
   PointerRouter router;
-  CHECK_FALSE(router.route(event(Kind::button_down, {300, 50}), places));
-  CHECK(router.route(event(Kind::pointer, {50, 50}), places) == 0u);  // no drag began there
-  CHECK_FALSE(router.route(event(Kind::key_down, {50, 50}), places));
-  CHECK_FALSE(router.route(event(Kind::focus_lost, {50, 50}), places));
-  CHECK(router.route(event(Kind::drop, {150, 50}), places) == 1u);
+  CHECK_FALSE(router.route(event(EventKind::button_down, {300, 50}), places));
+  CHECK(router.route(event(EventKind::pointer, {50, 50}), places) == 0u);  // no drag began there
+  CHECK_FALSE(router.route(event(EventKind::key_down, {50, 50}), places));
+  CHECK_FALSE(router.route(event(EventKind::focus_lost, {50, 50}), places));
+  CHECK(router.route(event(EventKind::drop, {150, 50}), places) == 1u);
   // The button of a panel that was let go over a viewport.
-  CHECK(router.route(event(Kind::button_up, {150, 50}), places) == 1u);
-  CHECK(router.route(event(Kind::pointer, {50, 50}), places) == 0u);
+  CHECK(router.route(event(EventKind::button_up, {150, 50}), places) == 1u);
+  CHECK(router.route(event(EventKind::pointer, {50, 50}), places) == 0u);
   // A viewport that is gone owns nothing any more.
-  CHECK(router.route(event(Kind::button_down, {150, 50}), places) == 1u);
-  CHECK(router.route(event(Kind::pointer, {150, 50}), std::span(places).first(1)) == std::nullopt);
+  CHECK(router.route(event(EventKind::button_down, {150, 50}), places) == 1u);
+  CHECK(router.route(event(EventKind::pointer, {150, 50}), std::span(places).first(1)) == std::nullopt);
 }
 
 TEST_CASE("A budget is shared by size") {

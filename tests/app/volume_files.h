@@ -38,8 +38,6 @@ Bytes voxels(bool big_endian) {
   return bytes;
 }
 
-inline std::string text(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 inline Bytes operator+(Bytes a, const Bytes& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
@@ -59,18 +57,6 @@ inline Bytes gzipped(const Bytes& bytes, int window = 31) {
   return {out.begin(), end};
 }
 inline Bytes zlib_packed(const Bytes& bytes) { return gzipped(bytes, 15); }
-
-inline std::string base64(const Bytes& bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned bits = 0;
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? std::to_integer<unsigned>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) out += k <= count ? digits[bits >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
 
 inline std::vector<float> values_of(const qnv::VolumeSource& source) {
   std::vector<float> all;
@@ -116,13 +102,13 @@ inline void check_sound(const std::string& path, const app::RawVolume& raw = {})
 }
 
 inline void check_prefixes_and_flips(const ScratchFolder& folder, const std::string& name, const Bytes& bytes) {
-  for (std::size_t n = 0; n < bytes.size(); ++n) check_sound(folder.write(name, text(bytes).substr(0, n)));
+  for (std::size_t n = 0; n < bytes.size(); ++n) check_sound(folder.write(name, string_of(bytes).substr(0, n)));
   std::mt19937 random(1);
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     Bytes changed = bytes;
     changed[i] ^= static_cast<std::byte>(1u << random() % 8);
     if (i % 3 == 0) changed[random() % changed.size()] = static_cast<std::byte>(random());
-    check_sound(folder.write(name, text(changed)));
+    check_sound(folder.write(name, string_of(changed)));
   }
 }
 
@@ -157,7 +143,7 @@ inline std::string fits(const std::vector<std::string>& cards, const Bytes& data
   for (const std::string& card : cards) put_card(header, card);
   put_card(header, "END");
   header.resize((header.size() + 2879) / 2880 * 2880, ' ');
-  std::string body = text(data);
+  std::string body = string_of(data);
   body.resize((body.size() + 2879) / 2880 * 2880, '\0');
   return header + body;
 }

@@ -3,6 +3,7 @@
 #include "app/content_types.h"
 #include "app/gunzip.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
 
 #include <zlib.h>
 #include <catch2/catch.hpp>
@@ -15,7 +16,7 @@ using namespace gs;
 
 namespace {
 
-std::string gzipped(const std::string& text) {
+std::string gzipped_text(const std::string& text) {
   z_stream stream{};
   REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
   std::string out(deflateBound(&stream, text.size()) + 32, '\0');
@@ -29,19 +30,9 @@ std::string gzipped(const std::string& text) {
   return out;
 }
 
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> byte_span_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::string said(const OpenedWorld& world) {
-  std::string text;
-  for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
-  return text;
-}
-
-const std::string kBox = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
+const std::string kBoxWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
 // One red pixel.
 const std::string kGif(
     "GIF89a\x01\x00\x01\x00\x80\x00\x00\xff\x00\x00\x00\x00\x00,"
@@ -52,31 +43,31 @@ const std::string kGif(
 
 TEST_CASE("gunzip: members, truncation, damage, limits") {
   const std::string text(300000, 'x');
-  const std::string packed = gzipped(text);
+  const std::string packed = gzipped_text(text);
   std::string out;
   const auto sink = [&](std::string_view piece) {
     out += piece;
     return true;
   };
-  CHECK(is_gzip(bytes_of(packed)));
-  CHECK_FALSE(is_gzip(bytes_of(kBox)));
-  CHECK_FALSE(gunzip(bytes_of(packed), 1 << 20, sink));
+  CHECK(is_gzip(byte_span_of(packed)));
+  CHECK_FALSE(is_gzip(byte_span_of(kBoxWorld)));
+  CHECK_FALSE(gunzip(byte_span_of(packed), 1 << 20, sink));
   CHECK(out == text);
   out.clear();
-  CHECK_FALSE(gunzip(bytes_of(gzipped("one") + gzipped("two")), 100, sink));
+  CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), 100, sink));
   CHECK(out == "onetwo");
   out.clear();
-  CHECK(gunzip(bytes_of(packed), 1000, sink)->find("more than 1000") != std::string::npos);
+  CHECK(gunzip(byte_span_of(packed), 1000, sink)->find("more than 1000") != std::string::npos);
   CHECK(out.size() <= 1000);
   for (std::size_t size = 0; size < packed.size(); ++size) {
     const std::vector<char> exact(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
-    CHECK(gunzip(bytes_of({exact.data(), exact.size()}), 1 << 20, sink));
+    CHECK(gunzip(byte_span_of({exact.data(), exact.size()}), 1 << 20, sink));
   }
   for (std::size_t i = 10; i < packed.size(); ++i) {
     std::string damaged = packed;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x40);
     std::string result;
-    const auto problem = gunzip(bytes_of(damaged), 1 << 20, [&](std::string_view piece) {
+    const auto problem = gunzip(byte_span_of(damaged), 1 << 20, [&](std::string_view piece) {
       result += piece;
       return true;
     });
@@ -85,7 +76,8 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
 }
 
 TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at the end") {
-  const std::string text = "one, " + std::string(300000, 'x'), packed = gzipped(text) + gzipped("two") + "rest";
+  const std::string text = "one, " + std::string(300000, 'x'),
+                    packed = gzipped_text(text) + gzipped_text("two") + "rest";
   for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
     Gunzip unpacking(1 << 20);
     std::string out;
@@ -95,22 +87,22 @@ TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at t
     };
     bool more = true;
     for (std::size_t at = 0; at < packed.size() && more; at += size)
-      more = unpacking.push(bytes_of(packed.substr(at, size)), sink);
+      more = unpacking.push(byte_span_of(packed.substr(at, size)), sink);
     CHECK_FALSE(more);  // what follows the last member is of no use
     CHECK_FALSE(unpacking.finish());
     CHECK(out == text + "two");
   }
   Gunzip early(1 << 20);
-  CHECK(early.push(bytes_of(packed.substr(0, 40)), [](std::string_view) { return true; }));
+  CHECK(early.push(byte_span_of(packed.substr(0, 40)), [](std::string_view) { return true; }));
   CHECK(early.finish()->find("too early") != std::string::npos);
   Gunzip stopped(1 << 20);
-  CHECK_FALSE(stopped.push(bytes_of(packed), [](std::string_view) { return false; }));
+  CHECK_FALSE(stopped.push(byte_span_of(packed), [](std::string_view) { return false; }));
   CHECK_FALSE(stopped.finish());
 }
 
 TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there is") {
   const ScratchFolder folder;
-  const std::string packed = gzipped(kBox);
+  const std::string packed = gzipped_text(kBoxWorld);
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {
     const OpenedWorld world = load_world(folder.write(name, packed));
     REQUIRE(world.scene);
@@ -121,7 +113,7 @@ TEST_CASE("gzip'd worlds open under any name, a truncated one shows what there i
   std::string large = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 5000; ++i)
     large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
-  const std::string packed_large = gzipped(large);
+  const std::string packed_large = gzipped_text(large);
   const OpenedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
   REQUIRE(world.scene);
   CHECK(world.truncated);
@@ -149,7 +141,7 @@ TEST_CASE("what can't be opened says why in one line") {
 
 TEST_CASE("the type of a file: first bytes before its name") {
   const auto name_of = [](std::string_view path, std::string_view bytes) {
-    return content_type_of(path, bytes_of(bytes)).name;
+    return content_type_of(path, byte_span_of(bytes)).name;
   };
   CHECK(name_of("a.stl", "#VRML V2.0 utf8\n") == "VRML97");
   CHECK(name_of("a.wrl", "ply\nformat") == "PLY");
@@ -161,7 +153,7 @@ TEST_CASE("the type of a file: first bytes before its name") {
 
 TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whatever their case") {
   const ScratchFolder folder;
-  folder.write("parts/Box.wrl", kBox);
+  folder.write("parts/Box.wrl", kBoxWorld);
   folder.write("parts/lib.wrl",
                "#VRML V2.0 utf8\nPROTO A [ ] { Group { } } PROTO B [ field SFFloat r 2 ] { Sphere { radius IS r } }\n");
   folder.write("img/Red.GIF", kGif);
@@ -205,7 +197,8 @@ TEST_CASE("only the first bytes, where that is asked for, and no complaint about
   const ScratchFolder folder;
   LoadOptions options;
   options.max_bytes = 60;
-  const OpenedWorld world = load_world(folder.write("a.wrl", kBox + kBox.substr(16) + kBox.substr(16)), options);
+  const OpenedWorld world =
+      load_world(folder.write("a.wrl", kBoxWorld + kBoxWorld.substr(16) + kBoxWorld.substr(16)), options);
   REQUIRE(world.scene);
   CHECK(world.bytes == 60);
   CHECK_FALSE(world.truncated);

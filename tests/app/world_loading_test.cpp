@@ -7,6 +7,7 @@
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
 
 #include <catch2/catch.hpp>
 
@@ -23,15 +24,11 @@
 
 using namespace gs;
 using namespace gs::app;
+using test::bytes_of;
 
 namespace {
 
-constexpr std::chrono::milliseconds kWait{50};
-
-std::vector<std::byte> bytes_of(std::string_view text) {
-  const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
-  return {bytes.begin(), bytes.end()};
-}
+constexpr std::chrono::milliseconds kLoadingWait{50};
 
 /// A network of resources with good manners, and the options to read from it.
 struct Web {
@@ -59,12 +56,6 @@ net::MemoryAnswer whole(std::string_view text) {
   return answer;
 }
 
-std::string said(const OpenedWorld& world) {
-  std::string text;
-  for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
-  return text;
-}
-
 std::string boxes(int count) {
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < count; ++i)
@@ -86,7 +77,7 @@ TEST_CASE("a world shows before its file ends, and more of it each time") {
   WorldLoading loading("memory://a/slow.wrl", web.options);
   std::vector<std::size_t> seen;
   while (!loading.done()) {
-    (void)loading.step(kWait);
+    (void)loading.step(kLoadingWait);
     if (!loading.changed()) continue;
     const std::size_t items = loading.collect({0, 0, 10}).items.size();
     if (!seen.empty()) CHECK(items >= seen.back());
@@ -120,7 +111,7 @@ TEST_CASE("a long IndexedFaceSet shows while it comes") {
   WorldLoading loading("memory://a/mesh.wrl", web.options);
   std::vector<std::size_t> triangles;
   while (!loading.done()) {
-    (void)loading.step(kWait);
+    (void)loading.step(kLoadingWait);
     if (!loading.changed()) continue;
     const render::RenderList list = loading.collect({0, 0, 10});
     if (!list.items.empty()) triangles.push_back(list.items[0].mesh->indices.size() / 3);
@@ -131,7 +122,7 @@ TEST_CASE("a long IndexedFaceSet shows while it comes") {
   // As many as there are when all of it comes at once (some are slivers without area, and left out).
   web.put("memory://a/whole.wrl", text);
   WorldLoading at_once("memory://a/whole.wrl", web.options);
-  while (!at_once.done()) (void)at_once.step(kWait);
+  while (!at_once.done()) (void)at_once.step(kLoadingWait);
   CHECK(triangles.back() == at_once.collect({0, 0, 10}).items[0].mesh->indices.size() / 3);
 }
 
@@ -149,7 +140,7 @@ TEST_CASE("Inlines, libraries, textures and importers' files come from beside th
   web.put("memory://a/sub/m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl green\nf 1 2 3\n");
   web.put("memory://a/sub/m.mtl", "newmtl green\nKd 0 1 0\n");
   WorldLoading loading("memory://a/main.wrl", web.options);
-  while (!loading.done()) (void)loading.step(kWait);
+  while (!loading.done()) (void)loading.step(kLoadingWait);
   const render::RenderList list = loading.collect({0, 0, 10});
   const OpenedWorld world = loading.take();
   INFO(said(world));
@@ -262,7 +253,7 @@ TEST_CASE("a stream shows from its front on, and grows") {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
   while (!loading.done()) {
-    (void)loading.step(kWait);
+    (void)loading.step(kLoadingWait);
     const render::RenderList list = loading.collect({0, 0, 10});
     if (list.splats.empty()) continue;
     cloud = list.splats[0].cloud;
@@ -284,7 +275,7 @@ TEST_CASE("of a long stream only what a view wants is read") {
   web.options.by_view = true;
   web.put("memory://a/ball.qnv", large_stream());
   WorldLoading loading("memory://a/ball.qnv", web.options);
-  while (!loading.done()) (void)loading.step(kWait);
+  while (!loading.done()) (void)loading.step(kLoadingWait);
   const OpenedWorld world = loading.take();
   REQUIRE(world.scene);
   REQUIRE(world.feeds.size() == 1);
@@ -297,7 +288,7 @@ TEST_CASE("of a long stream only what a view wants is read") {
   view.error_pixels = 4;
   std::size_t rounds = 0;
   do {
-    (void)loading.step(kWait);
+    (void)loading.step(kLoadingWait);
     (void)feed.apply();
     (void)stream.cut(view);
     feed.ask();

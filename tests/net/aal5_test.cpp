@@ -9,7 +9,7 @@ namespace {
 
 using namespace gs::net;
 
-std::vector<std::byte> pattern(std::size_t size, unsigned seed = 1) {
+std::vector<std::byte> pdu_bytes(std::size_t size, unsigned seed = 1) {
   std::vector<std::byte> bytes(size);
   for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::byte>((i * 31 + seed * 77 + (i >> 8)) & 255);
   return bytes;
@@ -44,13 +44,13 @@ TEST_CASE("The CRC of AAL5", "[aal5]") {
   // CRC-32/BZIP2, also "AAL5".
   REQUIRE(aal5_crc(std::as_bytes(std::span(check.data(), check.size()))) == 0xfc891918);
   for (const std::size_t size : {0U, 1U, 4U, 40U, 47U, 376U, 1210U, 5000U}) {
-    const auto bytes = pattern(size);
+    const auto bytes = pdu_bytes(size);
     REQUIRE(aal5_crc(bytes) == slow_crc(bytes));
   }
 }
 
 TEST_CASE("47 records fill eight cells as in figure 6", "[aal5]") {
-  const auto records = pattern(kRecordPdu);
+  const auto records = pdu_bytes(kRecordPdu);
   const auto cells = cells_of(records);
   REQUIRE(cells.size() == kRecordPduCells);
   for (std::size_t i = 0; i < 8; ++i) {
@@ -70,7 +70,7 @@ TEST_CASE("PDUs of every length come back", "[aal5]") {
   Reassembler reassembler;
   std::size_t length = 1;
   for (; length <= kMostPdu; length = length < 100 ? length + 1 : length * 2 - 37) {
-    const auto bytes = pattern(length);
+    const auto bytes = pdu_bytes(length);
     const auto cells = cells_of(bytes, {3, 99}, 0xa5);
     REQUIRE(cells.size() == cells_of_pdu(length));
     const auto pdus = push_all(reassembler, cells);
@@ -80,16 +80,16 @@ TEST_CASE("PDUs of every length come back", "[aal5]") {
     REQUIRE(pdus[0].user_to_user == 0xa5);
     REQUIRE(pdus[0].vc == Vc{3, 99});
   }
-  const auto most = pattern(kMostPdu);
+  const auto most = pdu_bytes(kMostPdu);
   REQUIRE(push_all(reassembler, cells_of(most)).at(0).bytes == most);
   std::vector<Cell> none;
-  REQUIRE_FALSE(segment(pattern(kMostPdu + 1), {1, 1}, 0, false, none));
+  REQUIRE_FALSE(segment(pdu_bytes(kMostPdu + 1), {1, 1}, 0, false, none));
   REQUIRE_FALSE(segment({}, {1, 1}, 0, false, none));
   REQUIRE(none.empty());
 }
 
 TEST_CASE("A whole PDU with any single wrong bit gives nothing", "[aal5]") {
-  const auto cells = cells_of(pattern(100));
+  const auto cells = cells_of(pdu_bytes(100));
   for (std::size_t bit = 0; bit < cells.size() * 48 * 8; bit += 1) {
     auto damaged = cells;
     damaged[bit / 384].payload[bit % 384 / 8] ^= static_cast<std::byte>(1 << bit % 8);
@@ -102,7 +102,7 @@ TEST_CASE("A whole PDU with any single wrong bit gives nothing", "[aal5]") {
 }
 
 TEST_CASE("Cells of channels may take turns", "[aal5]") {
-  const auto a = cells_of(pattern(400, 1), {1, 64}), b = cells_of(pattern(400, 2), {1, 65});
+  const auto a = cells_of(pdu_bytes(400, 1), {1, 64}), b = cells_of(pdu_bytes(400, 2), {1, 65});
   Reassembler reassembler;
   std::vector<Pdu> out;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -113,12 +113,12 @@ TEST_CASE("Cells of channels may take turns", "[aal5]") {
     reassembler.push(b[i], out);
   }
   REQUIRE(out.size() == 2);
-  REQUIRE(out[0].bytes == pattern(400, 1));
-  REQUIRE(out[1].bytes == pattern(400, 2));
+  REQUIRE(out[0].bytes == pdu_bytes(400, 1));
+  REQUIRE(out[1].bytes == pdu_bytes(400, 2));
 }
 
 TEST_CASE("After a known number of lost cells the others keep their places", "[aal5]") {
-  const auto cells = cells_of(pattern(kRecordPdu));
+  const auto cells = cells_of(pdu_bytes(kRecordPdu));
   for (std::size_t first = 0; first < 7; ++first)
     for (std::size_t count = 1; first + count < 8; ++count) {
       Reassembler reassembler;
@@ -137,7 +137,7 @@ TEST_CASE("After a known number of lost cells the others keep their places", "[a
 }
 
 TEST_CASE("A gap over the end of a PDU does not mix two", "[aal5]") {
-  const auto a = cells_of(pattern(kRecordPdu, 1)), b = cells_of(pattern(kRecordPdu, 2));
+  const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   for (const bool counted : {true, false}) {
     Reassembler reassembler;
     std::vector<Pdu> out;
@@ -154,7 +154,7 @@ TEST_CASE("A gap over the end of a PDU does not mix two", "[aal5]") {
 }
 
 TEST_CASE("After a lost end the next PDU is whole", "[aal5]") {
-  const auto a = cells_of(pattern(kRecordPdu, 1)), b = cells_of(pattern(kRecordPdu, 2));
+  const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   Reassembler reassembler;
   std::vector<Pdu> out;
   for (std::size_t i = 0; i < 7; ++i) reassembler.push(a[i], out);
@@ -163,11 +163,11 @@ TEST_CASE("After a lost end the next PDU is whole", "[aal5]") {
   REQUIRE(out.size() == 2);
   REQUIRE(out[0].parts.size() == 7);
   REQUIRE(out[1].whole);
-  REQUIRE(out[1].bytes == pattern(kRecordPdu, 2));
+  REQUIRE(out[1].bytes == pdu_bytes(kRecordPdu, 2));
 }
 
 TEST_CASE("Who knows the places of cells may say so", "[aal5]") {
-  const auto a = cells_of(pattern(kRecordPdu, 1)), b = cells_of(pattern(kRecordPdu, 2));
+  const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
   const Vc vc = a[0].vc;
   Reassembler reassembler;
   std::vector<Pdu> out;
@@ -192,7 +192,7 @@ TEST_CASE("Who knows the places of cells may say so", "[aal5]") {
   REQUIRE(out[0].key == 3);
   REQUIRE(out[0].parts.size() == 2);
   REQUIRE(out[1].whole);
-  REQUIRE(out[1].bytes == pattern(kRecordPdu, 2));
+  REQUIRE(out[1].bytes == pdu_bytes(kRecordPdu, 2));
 }
 
 TEST_CASE("The reassembler's memory is bounded", "[aal5]") {
@@ -212,8 +212,8 @@ TEST_CASE("The reassembler's memory is bounded", "[aal5]") {
   reassembler.push(cell, out);
   REQUIRE(out.size() <= 1);
   out.clear();
-  REQUIRE(push_all(reassembler, cells_of(pattern(900), {9, 9})).at(0).whole);
-  REQUIRE(push_all(reassembler, cells_of(pattern(2000), {9, 9})).empty());
+  REQUIRE(push_all(reassembler, cells_of(pdu_bytes(900), {9, 9})).at(0).whole);
+  REQUIRE(push_all(reassembler, cells_of(pdu_bytes(2000), {9, 9})).empty());
 }
 
 }  // namespace

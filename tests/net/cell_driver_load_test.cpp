@@ -1,28 +1,19 @@
 #include "net/cell_driver.h"
 #include "tests/net/cell_scene.h"
+#include "tests/net/resident_memory.h"
 
 #include <catch2/catch.hpp>
 
 #include <chrono>
-#include <fstream>
 #include <thread>
-
-#include <unistd.h>
 
 namespace {
 
 using namespace gs::net;
+using gs::net::test::resident;
 using namespace std::chrono_literals;
 
 Instant clock_now() { return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch()); }
-
-// Pages in memory, in bytes.
-std::size_t resident() {
-  std::ifstream file("/proc/self/statm");
-  std::size_t all = 0, now = 0;
-  file >> all >> now;
-  return now * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-}
 
 struct Client {
   CellClient client;

@@ -33,7 +33,7 @@ std::unique_ptr<CellClientDriver> start_client(std::uint16_t port, std::function
 
 /// Polls until `done`, or for half a minute.
 template <class Done>
-void poll_until(CellClientDriver& client, Got& got, const CellSource& source, Done done) {
+void poll_until(CellClientDriver& client, ReceivedCells& got, const CellSource& source, Done done) {
   const auto end = std::chrono::steady_clock::now() + 30s;
   while (!done() && std::chrono::steady_clock::now() < end) {
     got.take(client.poll(100'000), source, Instant(0));
@@ -53,7 +53,7 @@ TEST_CASE("Cells over sockets", "[cell_driver]") {
   wish.repair = true;
   client->want(0, wish);
   client->prefer(0, {}, {{1, 3}});
-  Got got;
+  ReceivedCells got;
   poll_until(*client, got, *source, [&] { return got.base && got.bytes >= source->total(); });
   REQUIRE(got.ok);
   REQUIRE(got.base);
@@ -71,7 +71,7 @@ TEST_CASE("A server that ends tells its clients", "[cell_driver]") {
   CellWish wish;
   wish.path = "a";
   client->want(0, wish);
-  Got got;
+  ReceivedCells got;
   poll_until(*client, got, *source, [&] { return got.base; });
   server.reset();
   poll_until(*client, got, *source, [&] { return got.failed; });
@@ -92,7 +92,7 @@ TEST_CASE(
   auto started = CellClientDriver::start({}, "no.such.host.invalid", 1, {});
   const auto& client = std::get<std::unique_ptr<CellClientDriver>>(started);
   const PatternSource source(1, Streams{{true, 1, 8}});
-  Got got;
+  ReceivedCells got;
   poll_until(*client, got, source, [&] { return got.failed; });
   REQUIRE(got.text.find("cannot find the host") == 0);
 }

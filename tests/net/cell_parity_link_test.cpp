@@ -9,7 +9,7 @@ using namespace gs::net;
 using namespace std::chrono_literals;
 using Streams = std::vector<PatternSource::Stream>;
 
-struct Trial {
+struct ParityTrial {
   CongestionResponse response = CongestionResponse::reserved;
   Link::Options link;
   std::uint8_t cells = kMostCells;
@@ -32,7 +32,7 @@ struct Trial {
     wish.path = "a";
     wish.cells = cells;
     scene->clients[0]->client.want(0, wish, scene->now);
-    const Got& got = scene->clients[0]->got;
+    const ReceivedCells& got = scene->clients[0]->got;
     scene->run(scene->now + 300s, [&] { return got.ended && got.base; });
     REQUIRE(got.ok);
     REQUIRE(got.base);
@@ -41,10 +41,10 @@ struct Trial {
   }
 };
 
-std::shared_ptr<PatternSource> records(std::uint32_t chunks = 400) {
+std::shared_ptr<PatternSource> parity_records(std::uint32_t chunks = 400) {
   return std::make_shared<PatternSource>(15000, Streams{{true, chunks, 8000}});
 }
-std::shared_ptr<PatternSource> clusters() {
+std::shared_ptr<PatternSource> parity_clusters() {
   return std::make_shared<PatternSource>(15000, Streams{{false, 2000, 1200}});
 }
 
@@ -62,8 +62,8 @@ Measured measure(const Scene& scene, const PatternSource& source) {
 
 TEST_CASE("Without loss parity costs nothing", "[cell_parity]") {
   for (const bool packed : {false, true}) {
-    const auto source = packed ? clusters() : records();
-    Trial trial;
+    const auto source = packed ? parity_clusters() : parity_records();
+    ParityTrial trial;
     const auto with = trial.run(source);
     REQUIRE(with->server.statistics().parity_datagrams == 0);
     REQUIRE(with->clients[0]->client.statistics().parity == 0);
@@ -82,8 +82,8 @@ TEST_CASE("What is lost is rebuilt without asking", "[cell_parity]") {
   // Beside 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
   const Case cases[] = {{0.01, 0.99, 1.18}, {0.1, 0.995, 1.45}, {0.3, 0.98, 2.2}, {0.5, 0.95, 3.5}};
   for (const bool packed : {false, true}) {
-    const auto source = packed ? clusters() : records();
-    Trial trial;
+    const auto source = packed ? parity_clusters() : parity_records();
+    ParityTrial trial;
     const double plain = measure(*trial.run(source), *source).sent;
     for (const Case& at : cases) {
       Measured sum;
@@ -109,9 +109,9 @@ TEST_CASE("What is lost is rebuilt without asking", "[cell_parity]") {
 }
 
 TEST_CASE("Losses in runs are met with more parity", "[cell_parity]") {
-  const auto source = records(600);
+  const auto source = parity_records(600);
   for (const double loss : {0.1, 0.3}) {
-    Trial trial;
+    ParityTrial trial;
     trial.link.loss = loss;
     double bytes = 0;
     for (trial.seed = 1; trial.seed <= 3; ++trial.seed) {
@@ -124,9 +124,9 @@ TEST_CASE("Losses in runs are met with more parity", "[cell_parity]") {
 }
 
 TEST_CASE("Small datagrams are rebuilt, too", "[cell_parity]") {
-  const auto source = records(100);
+  const auto source = parity_records(100);
   for (const std::uint8_t cells : {std::uint8_t{4}, std::uint8_t{5}, std::uint8_t{9}}) {
-    Trial trial;
+    ParityTrial trial;
     trial.cells = cells;
     trial.link.loss = 0.2;
     const auto scene = trial.run(source);
@@ -137,8 +137,8 @@ TEST_CASE("Small datagrams are rebuilt, too", "[cell_parity]") {
 
 TEST_CASE("Parity stands reordering and duplicates", "[cell_parity]") {
   for (const bool packed : {false, true}) {
-    const auto source = packed ? clusters() : records(150);
-    Trial trial;
+    const auto source = packed ? parity_clusters() : parity_records(150);
+    ParityTrial trial;
     trial.link.loss = 0.1;
     trial.link.reordered = 0.1;
     trial.link.reordered_by = 8ms;
@@ -154,7 +154,7 @@ TEST_CASE("A scene of a few datagrams is protected, too", "[cell_parity]") {
   std::uint64_t lacking = 0, total = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const auto source = std::make_shared<PatternSource>(2000, Streams{{true, 5, 4000}});
-    Trial trial;
+    ParityTrial trial;
     trial.seed = seed;
     trial.link.loss = 0.1;
     const auto scene = trial.run(source);
@@ -202,7 +202,7 @@ TEST_CASE("A loss that begins later is met, one that ends is forgotten", "[cell_
 }
 
 TEST_CASE("Slots share groups", "[cell_parity]") {
-  const auto source = records(60);
+  const auto source = parity_records(60);
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;
   CellServerOptions options;

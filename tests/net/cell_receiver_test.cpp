@@ -32,7 +32,7 @@ struct Trial {
     auto scene = std::make_unique<Scene>(options, library);
     scene->add(link, source, rate, seed);
     scene->clients[0]->client.want(0, wish, scene->now);
-    const Got& got = scene->clients[0]->got;
+    const ReceivedCells& got = scene->clients[0]->got;
     scene->run(scene->now + most, [&] { return wish.repair ? got.bytes >= source->total() : got.ended && got.base; });
     scene->run(scene->now + 300ms);
     return scene;
@@ -55,7 +55,7 @@ TEST_CASE("Without loss all comes, in order", "[cell_receiver]") {
       Trial trial;
       trial.wish.cells = cells;
       const auto scene = trial.run(source);
-      const Got& got = scene->clients[0]->got;
+      const ReceivedCells& got = scene->clients[0]->got;
       REQUIRE(got.ok);
       REQUIRE(got.base);
       REQUIRE(got.bytes == source->total());
@@ -73,7 +73,7 @@ TEST_CASE("The base is there soon, and lost data cost themselves only", "[cell_r
     trial.parity = false;
     for (trial.seed = 1; trial.seed <= 5; ++trial.seed) {
       const auto scene = trial.run(source);
-      const Got& got = scene->clients[0]->got;
+      const ReceivedCells& got = scene->clients[0]->got;
       REQUIRE(got.ok);
       REQUIRE(got.base);
       REQUIRE(share(*scene, *source) == Approx(1 - loss).margin(0.07));

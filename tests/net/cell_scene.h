@@ -82,7 +82,7 @@ class PatternLibrary : public CellLibrary {
 };
 
 /// What one client got, checked byte by byte.
-struct Got {
+struct ReceivedCells {
   bool ok = true, base = false, ended = false, failed = false, refused = false;
   Instant base_at{}, ended_at{}, first_piece_at{};
   std::uint64_t bytes = 0, pieces = 0;
@@ -153,7 +153,7 @@ class Scene {
           down(link, seed + 1000) {}
     CellClient client;
     Link up, down;
-    Got got;
+    ReceivedCells got;
     std::shared_ptr<CellSource> source;
   };
   Scene(const CellServerOptions& options, std::shared_ptr<PatternLibrary> library)

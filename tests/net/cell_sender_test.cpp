@@ -212,7 +212,7 @@ TEST_CASE("A budget ends a stream, a larger one goes on", "[cell_sender]") {
   asked.budget = 100'000;
   scene.clients[0]->client.want(0, asked, scene.now);
   scene.run(scene.now + 3s);
-  Got& got = scene.clients[0]->got;
+  ReceivedCells& got = scene.clients[0]->got;
   REQUIRE(got.ended);
   REQUIRE(got.bytes >= 100'000);
   REQUIRE(got.bytes <= 108'000);

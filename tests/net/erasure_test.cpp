@@ -11,7 +11,7 @@ namespace {
 
 using namespace gs::net;
 
-std::vector<std::byte> pattern(std::size_t size) {
+std::vector<std::byte> random_bytes(std::size_t size) {
   std::vector<std::byte> bytes(size);
   std::uint64_t state = size;
   for (std::byte& byte : bytes) byte = static_cast<std::byte>(Link::next_random(state));
@@ -21,7 +21,7 @@ std::vector<std::byte> pattern(std::size_t size) {
 TEST_CASE("Any k of n symbols give the data back", "[erasure]") {
   std::uint64_t random = 5;
   for (const std::size_t size : {1U, 7U, 200U, 1216U, 1217U, 15000U, 77824U, 100'000U}) {
-    const auto data = pattern(size);
+    const auto data = random_bytes(size);
     const ErasureLayout layout = erasure_layout(size, std::clamp<std::size_t>(size, 8, 1216));
     REQUIRE(layout.sound());
     const ErasureEncoder encoder(data, layout);
@@ -46,7 +46,7 @@ TEST_CASE("Any k of n symbols give the data back", "[erasure]") {
 }
 
 TEST_CASE("The first k symbols are the data", "[erasure]") {
-  const auto data = pattern(3000);
+  const auto data = random_bytes(3000);
   const ErasureEncoder encoder(data, erasure_layout(3000, 1000));
   REQUIRE(encoder.layout().source == 3);
   for (std::size_t i = 0; i < 3; ++i)
@@ -90,7 +90,7 @@ TEST_CASE("Symbols and layouts from outside", "[erasure]") {
   REQUIRE_FALSE((ErasureLayout{0xffffffff, 1000, 4}.sound()));
   REQUIRE_FALSE((ErasureLayout{1000, 1000, 200}.sound()));
   ErasureDecoder decoder(erasure_layout(3000, 1000));
-  const auto symbol = pattern(1000);
+  const auto symbol = random_bytes(1000);
   REQUIRE_FALSE(decoder.add(1, 0, symbol));
   REQUIRE_FALSE(decoder.add(0, 255, symbol));
   REQUIRE_FALSE(decoder.add(0, 0, std::span(symbol).first(999)));

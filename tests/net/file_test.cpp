@@ -46,7 +46,7 @@ class Folder {
   fs::path path_;
 };
 
-std::span<const std::byte> bytes_of(std::string_view text) {
+std::span<const std::byte> byte_span_of(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
@@ -156,9 +156,9 @@ TEST_CASE("an open file is read here and there, and gives less where there is le
 
 TEST_CASE("a file is written as a whole") {
   const Folder folder;
-  CHECK_FALSE(write_file_atomically(folder / "f", bytes_of("one")));
+  CHECK_FALSE(write_file_atomically(folder / "f", byte_span_of("one")));
   CHECK(content(folder / "f") == "one");
-  CHECK_FALSE(write_file_atomically(folder / "f", bytes_of("two two")));
+  CHECK_FALSE(write_file_atomically(folder / "f", byte_span_of("two two")));
   CHECK(content(folder / "f") == "two two");
   CHECK_FALSE(write_file_atomically(folder / "empty", {}));
   CHECK(fs::file_size(folder / "empty") == 0);
@@ -169,7 +169,7 @@ TEST_CASE("the access rights of a replaced file stay") {
   const Folder folder;
   put(folder / "f", "old");
   fs::permissions(folder / "f", fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
-  CHECK_FALSE(write_file_atomically(folder / "f", bytes_of("new")));
+  CHECK_FALSE(write_file_atomically(folder / "f", byte_span_of("new")));
   CHECK(fs::status(folder / "f").permissions() ==
         (fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read));
 }
@@ -178,11 +178,11 @@ TEST_CASE("writing through a link changes the file and keeps the link") {
   const Folder folder;
   put(folder / "f", "old");
   fs::create_symlink("f", folder / "link");
-  CHECK_FALSE(write_file_atomically(folder / "link", bytes_of("new")));
+  CHECK_FALSE(write_file_atomically(folder / "link", byte_span_of("new")));
   CHECK(content(folder / "f") == "new");
   CHECK(fs::is_symlink(folder / "link"));
   fs::create_symlink("nothing", folder / "dangling");
-  const auto error = write_file_atomically(folder / "dangling", bytes_of("x"));
+  const auto error = write_file_atomically(folder / "dangling", byte_span_of("x"));
   REQUIRE(error);
   CHECK(error->message.find("it is a link to nothing") != std::string::npos);
 }
@@ -191,16 +191,16 @@ TEST_CASE("what is not a regular file is never replaced") {
   const Folder folder;
   fs::create_directory(folder / "d");
   REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  auto error = write_file_atomically(folder / "d", bytes_of("x"));
+  auto error = write_file_atomically(folder / "d", byte_span_of("x"));
   REQUIRE(error);
   CHECK(error->message == "cannot write " + (folder / "d") + ": it is a folder; expected a file");
-  error = write_file_atomically(folder / "pipe", bytes_of("x"));
+  error = write_file_atomically(folder / "pipe", byte_span_of("x"));
   REQUIRE(error);
   CHECK(fs::is_fifo(folder / "pipe"));
-  REQUIRE(write_file_atomically("/dev/null", bytes_of("x")));
-  REQUIRE(write_file_atomically("", bytes_of("x")));
-  REQUIRE(write_file_atomically(std::string("a\0b", 3), bytes_of("x")));
-  error = write_file_atomically(folder / "none/f", bytes_of("x"));
+  REQUIRE(write_file_atomically("/dev/null", byte_span_of("x")));
+  REQUIRE(write_file_atomically("", byte_span_of("x")));
+  REQUIRE(write_file_atomically(std::string("a\0b", 3), byte_span_of("x")));
+  error = write_file_atomically(folder / "none/f", byte_span_of("x"));
   REQUIRE(error);
   CHECK(error->message.find("No such file or directory") != std::string::npos);
   CHECK(folder.count() == 2);
@@ -214,11 +214,11 @@ TEST_CASE("the old file stays when writing is not possible") {
   const Folder folder;
   put(folder / "f", "old");
   fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
-  CHECK(write_file_atomically(folder / "f", bytes_of("new")));
+  CHECK(write_file_atomically(folder / "f", byte_span_of("new")));
   fs::permissions(folder.path(), fs::perms::owner_all);
   CHECK(content(folder / "f") == "old");
   fs::permissions(folder / "f", fs::perms::owner_read);
-  CHECK(write_file_atomically(folder / "f", bytes_of("new")));
+  CHECK(write_file_atomically(folder / "f", byte_span_of("new")));
   CHECK(content(folder / "f") == "old");
   CHECK(folder.count() == 1);
 }

@@ -67,6 +67,19 @@ inline Got fetch(std::uint16_t port, const std::string& target, const std::vecto
   return got;
 }
 
+/// A port of loopback that nobody listens at just now.
+inline std::uint16_t free_port() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  ::close(socket);
+  return ntohs(address.sin_port);
+}
+
 /// A connection without a library. `from`: the address of the client, one of
 /// 127.0.0.0/8.
 class RawClient {

@@ -17,7 +17,7 @@ namespace {
 
 using Ranges = std::vector<ServedRange>;
 
-Ranges ranges_of(std::string_view value, std::uint64_t size) {
+Ranges served_ranges(std::string_view value, std::uint64_t size) {
   const auto parsed = parse_ranges(value, size);
   const auto* ranges = std::get_if<Ranges>(&parsed);
   return ranges ? *ranges : Ranges{};
@@ -32,14 +32,14 @@ ClientKey key_of(std::uint8_t last) {
 }  // namespace
 
 TEST_CASE("Ranges are joined where that is cheaper, and keep their order") {
-  CHECK(ranges_of("bytes=0-0", 1) == Ranges{{0, 1}});
-  CHECK(ranges_of("BYTES = 0-0 , ,5000-5001", 9000) == Ranges{{0, 1}, {5000, 5002}});
-  CHECK(ranges_of("bytes=5000-5001,0-0", 9000) == Ranges{{5000, 5002}, {0, 1}});
-  CHECK(ranges_of("bytes=0-9,1000-1009,5-1004", 9000) == Ranges{{0, 1010}});
-  CHECK(ranges_of("bytes=0-9,129-130", 9000) == Ranges{{0, 131}});
-  CHECK(ranges_of("bytes=0-9,130-131", 9000) == Ranges{{0, 10}, {130, 132}});
-  CHECK(ranges_of("bytes=-5,9990-", 10000) == Ranges{{9990, 10000}});
-  CHECK(ranges_of("bytes=18446744073709551614-18446744073709551615", UINT64_MAX) ==
+  CHECK(served_ranges("bytes=0-0", 1) == Ranges{{0, 1}});
+  CHECK(served_ranges("BYTES = 0-0 , ,5000-5001", 9000) == Ranges{{0, 1}, {5000, 5002}});
+  CHECK(served_ranges("bytes=5000-5001,0-0", 9000) == Ranges{{5000, 5002}, {0, 1}});
+  CHECK(served_ranges("bytes=0-9,1000-1009,5-1004", 9000) == Ranges{{0, 1010}});
+  CHECK(served_ranges("bytes=0-9,129-130", 9000) == Ranges{{0, 131}});
+  CHECK(served_ranges("bytes=0-9,130-131", 9000) == Ranges{{0, 10}, {130, 132}});
+  CHECK(served_ranges("bytes=-5,9990-", 10000) == Ranges{{9990, 10000}});
+  CHECK(served_ranges("bytes=18446744073709551614-18446744073709551615", UINT64_MAX) ==
         Ranges{{UINT64_MAX - 1, UINT64_MAX}});
   CHECK(std::holds_alternative<NoSuchRange>(parse_ranges("bytes=0-", 0)));
   CHECK(std::holds_alternative<NoSuchRange>(parse_ranges("bytes=-5", 0)));

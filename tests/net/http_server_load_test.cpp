@@ -1,10 +1,10 @@
 #include "net/http_server.h"
 
+#include "tests/net/resident_memory.h"
 #include "tests/net/served_site.h"
 
 #include <atomic>
 #include <condition_variable>
-#include <fstream>
 #include <mutex>
 #include <thread>
 
@@ -17,14 +17,6 @@ using namespace gs::net::test;
 namespace {
 
 const std::string kAsk = "GET /big HTTP/1.1\r\nHost: a\r\n\r\n";
-
-// Pages in memory, in bytes.
-std::size_t resident() {
-  std::ifstream file("/proc/self/statm");
-  std::size_t all = 0, now = 0;
-  file >> all >> now;
-  return now * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-}
 
 }  // namespace
 

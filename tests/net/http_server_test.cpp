@@ -38,7 +38,7 @@ ServedType by_name(const std::string& name) {
 TEST_CASE("HTTP server: files with their headers, HEAD, OPTIONS, other methods") {
   ServedSite site;
   site.options.type_of = by_name;
-  const std::string bytes = pattern(200'000);
+  const std::string bytes = binary_pattern(200'000);
   site.write("a b.qnv", bytes);
   site.write("empty", "");
   site.write("deep/world.wrl", "#VRML V2.0 utf8\n");
@@ -156,7 +156,7 @@ TEST_CASE(
 
 TEST_CASE("HTTP server: single and several ranges") {
   ServedSite site;
-  const std::string bytes = pattern(1000);
+  const std::string bytes = binary_pattern(1000);
   site.write("a", bytes);
   site.start();
   const auto range = [&](const std::string& value) { return site.get("/a", {"Range: bytes=" + value}); };
@@ -208,7 +208,7 @@ TEST_CASE("HTTP server: single and several ranges") {
 
 TEST_CASE("HTTP server: validators") {
   ServedSite site;
-  const std::string bytes = pattern(1000);
+  const std::string bytes = binary_pattern(1000);
   site.write("a", bytes);
   site.start();
   const Got first = site.get("/a");
@@ -234,7 +234,7 @@ TEST_CASE("HTTP server: validators") {
   const Got same = site.get("/a", {"If-None-Match: " + tag});
   CHECK(same.body.empty());
   CHECK(same.headers.at("etag") == tag);
-  site.write("b", pattern(1000));
+  site.write("b", binary_pattern(1000));
   fs::rename(site.path("b"), site.path("a"));
   CHECK(site.get("/a").headers.at("etag") != tag);
 }

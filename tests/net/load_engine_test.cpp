@@ -9,27 +9,12 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-MemoryResource resource(const std::string& text, const std::string& etag = "\"1\"") {
-  MemoryResource result;
-  result.bytes = bytes_of(text);
-  result.content_type = "model/vrml";
-  result.validator.etag = etag;
-  return result;
-}
-
 /// One answer after the other; the last stays.
 void script(Bench& bench, const std::string& url,
             std::vector<std::function<MemoryAnswer(const TransferRequest&)>> answers) {
   bench.network->put(url, [answers](const TransferRequest& request, unsigned transfer) {
     return answers[std::min<std::size_t>(transfer, answers.size() - 1)](request);
   });
-}
-
-Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) {
-  Request request;
-  request.url = url;
-  request.ranges = std::move(ranges);
-  return request;
 }
 
 TEST_CASE("a whole resource: head, data, done") {

@@ -55,6 +55,23 @@ inline std::string pattern(std::size_t size, unsigned version = 0) {
   return result;
 }
 
+/// What a server of the memory transport has: a VRML file of this text.
+inline MemoryResource resource(const std::string& text, const std::string& etag = "\"1\"") {
+  MemoryResource result;
+  result.bytes = bytes_of(text);
+  result.content_type = "model/vrml";
+  result.validator.etag = etag;
+  return result;
+}
+
+/// A request for these ranges of a resource.
+inline Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) {
+  Request request;
+  request.url = url;
+  request.ranges = std::move(ranges);
+  return request;
+}
+
 /// What came of one request. Fails the test where the order of events is not the promised one.
 struct Outcome {
   std::string events;  // a letter each: Head, data (one d for all in a row), Restarted, done (.), error (!)

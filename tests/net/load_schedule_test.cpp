@@ -11,21 +11,6 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-MemoryResource resource(const std::string& text, const std::string& etag = "\"1\"") {
-  MemoryResource result;
-  result.bytes = bytes_of(text);
-  result.content_type = "model/vrml";
-  result.validator.etag = etag;
-  return result;
-}
-
-Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) {
-  Request request;
-  request.url = url;
-  request.ranges = std::move(ranges);
-  return request;
-}
-
 TEST_CASE("who does not poll is not sent more than the bounds") {
   LoaderOptions options;
   options.max_queued_bytes = 300'000;

@@ -61,7 +61,7 @@ class ServedSite {
 };
 
 /// Bytes of which each place is different from its neighbours.
-inline std::string pattern(std::size_t size) {
+inline std::string binary_pattern(std::size_t size) {
   std::string bytes(size, '\0');
   for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<char>((i * 2654435761U) >> 13U);
   return bytes;

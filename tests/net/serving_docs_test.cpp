@@ -32,18 +32,6 @@ std::string documented_block() {
   return text.substr(begin + mark.size(), end - begin - mark.size());
 }
 
-std::uint16_t free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  ::close(socket);
-  return ntohs(address.sin_port);
-}
-
 /// nginx with the block, in front of a folder; killed at the end.
 class DocumentedNginx {
  public:
@@ -100,7 +88,7 @@ TEST_CASE(
     "docs/serving.md: nginx with the documented block does what the "
     "loader needs") {
   ServedSite files;
-  const std::string bytes = pattern(10'000);
+  const std::string bytes = binary_pattern(10'000);
   files.write("a.qnv", bytes);
   files.write("b.wrl", "#VRML V2.0 utf8\n");
   files.write("b.wrl.gz", "compressed");

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "load_helpers.h"
+#include "tests/net/http_client.h"
 
 extern char** environ;
 
@@ -24,18 +25,6 @@ namespace {
 
 using namespace gs::net;
 using namespace gs::net::test;
-
-unsigned free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
-  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  ::close(socket);
-  return ntohs(address.sin_port);
-}
 
 bool answers(unsigned port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -155,13 +144,6 @@ LoaderOptions options_of(const std::string& cache_folder = {}) {
   options.cache_folder = cache_folder;
   options.retry_delay = Milliseconds(5);
   return options;
-}
-
-Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) {
-  Request request;
-  request.url = url;
-  request.ranges = std::move(ranges);
-  return request;
 }
 
 std::size_t count(const std::vector<std::string>& lines, const std::string& start) {

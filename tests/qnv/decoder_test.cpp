@@ -34,12 +34,12 @@ bool same(const Cloud& a, const Cloud& b) {
 }
 
 // A stream with its header and chunks apart.
-struct Parts {
+struct PackedParts {
   EncodedStream stream;
   Bytes header;
   std::vector<Bytes> payloads;
 
-  explicit Parts(EncodedStream encoded) : stream(std::move(encoded)) {
+  explicit PackedParts(EncodedStream encoded) : stream(std::move(encoded)) {
     header = encode_header(stream.header);
     StreamReader reader;
     const auto keep = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
@@ -60,14 +60,14 @@ struct Parts {
   }
 };
 
-Parts sphere_parts(std::size_t vectors) {
+PackedParts sphere_parts(std::size_t vectors) {
   EncodeOptions options;
   options.vectors = vectors;
-  return Parts(encoded(sphere(60), options));
+  return PackedParts(encoded(sphere(60), options));
 }
 
 // A coloured ball in which a two-sided sheet stands.
-Parts small_parts() {
+PackedParts small_parts() {
   Triangles shape = sphere(24, 1, {}, true);
   for (Triangle t : two_sided_sheet()) {
     for (glm::vec3& p : t.positions) p *= 0.6f;
@@ -75,7 +75,7 @@ Parts small_parts() {
   }
   EncodeOptions options;
   options.vectors = 1500;
-  return Parts(encoded(shape, options));
+  return PackedParts(encoded(shape, options));
 }
 
 // A cube of the octree: its level and cell.
@@ -121,7 +121,7 @@ void check_cover(const Cloud& cloud, const Cube& cube, int finest) {
   }
 }
 
-int finest_level(const Parts& parts) {
+int finest_level(const PackedParts& parts) {
   int finest = 0;
   for (const Bytes& payload : parts.payloads) {
     const auto header = std::get<ClusterHeader>(read_cluster_header(payload));
@@ -131,7 +131,7 @@ int finest_level(const Parts& parts) {
 }
 
 TEST_CASE("Every prefix of a stream is a whole picture") {
-  const Parts parts = sphere_parts(8000);
+  const PackedParts parts = sphere_parts(8000);
   const std::size_t first = parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size();
   std::size_t last = 0;
   StreamDecoder decoder;
@@ -153,7 +153,7 @@ TEST_CASE("Every prefix of a stream is a whole picture") {
 }
 
 TEST_CASE("However a stream is cut in two, the picture is the same") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   CHECK(expected.size() > 1500);
   for (std::size_t at = 0; at <= parts.stream.bytes.size(); ++at) {
@@ -167,7 +167,7 @@ TEST_CASE("However a stream is cut in two, the picture is the same") {
 }
 
 TEST_CASE("Chunks in any order, with any losses, leave no hole and cover nothing twice") {
-  const Parts parts = sphere_parts(8000);
+  const PackedParts parts = sphere_parts(8000);
   const Cloud expected = parts.whole();
   const int finest = finest_level(parts);
   std::mt19937 random(5);
@@ -192,7 +192,7 @@ TEST_CASE("Chunks in any order, with any losses, leave no hole and cover nothing
 }
 
 TEST_CASE("A cluster needs its ancestors and nothing else") {
-  const Parts parts = sphere_parts(5000);
+  const PackedParts parts = sphere_parts(5000);
   std::vector<std::uint32_t> parent;
   for (const Bytes& payload : parts.payloads)
     parent.push_back(std::get<ClusterHeader>(read_cluster_header(payload)).parent);
@@ -207,7 +207,7 @@ TEST_CASE("A cluster needs its ancestors and nothing else") {
 }
 
 TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is wrong") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
   std::set<std::array<float, 3>> right;
@@ -236,7 +236,7 @@ TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is w
 }
 
 TEST_CASE("Every flipped bit of chunks that no checksum guards does no harm") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   std::vector<Bytes> payloads = parts.payloads;
   for (std::size_t which = 0; which < 3; ++which)
     for (std::size_t bit = 0; bit < 8 * payloads[which].size(); bit += bit < 8 * 22 ? 1 : 5) {
@@ -259,7 +259,7 @@ Bytes with_ids(Bytes payload, std::uint32_t id, std::uint32_t parent) {
 }
 
 TEST_CASE("Cycles, repeated numbers and second roots are refused") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   StreamDecoder decoder = parts.begun();
   // Its own parent, and two that are each other's: they wait for ever.
@@ -288,7 +288,7 @@ TEST_CASE("Cycles, repeated numbers and second roots are refused") {
 }
 
 TEST_CASE("Chunks without their parents take a bounded amount of memory") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   StreamDecoder decoder = parts.begun();
   Bytes tiny(parts.payloads[1].begin(), parts.payloads[1].begin() + 22);
   for (std::uint32_t i = 0; i < 500'000; ++i) decoder.add(ChunkType::packed, with_ids(tiny, 10 + i, 5));
@@ -298,7 +298,7 @@ TEST_CASE("Chunks without their parents take a bounded amount of memory") {
 }
 
 TEST_CASE("No more vectors come out than were allowed") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   for (const std::size_t most : {0u, 10u, 300u, 900u}) {
     StreamDecoder decoder(most);
     REQUIRE(decoder.push(parts.stream.bytes));
@@ -361,7 +361,7 @@ TEST_CASE("Records of a chunk may come in any pieces") {
 }
 
 TEST_CASE("Before its header a stream is empty, and directories come piece by piece") {
-  const Parts parts = small_parts();
+  const PackedParts parts = small_parts();
   StreamDecoder decoder;
   decoder.add(ChunkType::packed, parts.payloads[0]);
   CHECK(decoder.cloud().empty());

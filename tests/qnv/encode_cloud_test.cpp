@@ -17,7 +17,7 @@ using namespace gs::qnv;
 namespace {
 
 // Points spread evenly over a unit sphere.
-Cloud sphere(std::size_t count, bool colored) {
+Cloud sphere_cloud(std::size_t count, bool colored) {
   Cloud cloud;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -65,7 +65,7 @@ double sum(const Cloud& cloud) {
 TEST_CASE("a cloud comes back from its stream: places, directions, weights, colours") {
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
-  Cloud cloud = sphere(5000, true);
+  Cloud cloud = sphere_cloud(5000, true);
   cloud.description.two_sided = true;
   cloud.description.metadata = {{"title", "other"}, {"author", "someone"}};
   const EncodedStream stream = encoded(cloud, options);
@@ -89,11 +89,11 @@ TEST_CASE("a cloud comes back from its stream: places, directions, weights, colo
   CHECK(encoded(cloud, options).bytes == stream.bytes);
   options.seed = 2;
   CHECK(encoded(cloud, options).bytes != stream.bytes);
-  CHECK(decoded(encoded(sphere(100, false)).bytes).color == Rgb8{1, 2, 3});
+  CHECK(decoded(encoded(sphere_cloud(100, false)).bytes).color == Rgb8{1, 2, 3});
 }
 
 TEST_CASE("a stream of records has every whole area at every cut, and keeps its budget") {
-  const Cloud cloud = sphere(4000, false);
+  const Cloud cloud = sphere_cloud(4000, false);
   const EncodedStream stream = encoded(cloud);
   std::size_t before = 0;
   for (std::size_t size = 2000; size < stream.bytes.size(); size += 777) {
@@ -118,7 +118,7 @@ TEST_CASE("a stream of records has every whole area at every cut, and keeps its 
 }
 
 TEST_CASE("a volume's classes and transfer function travel along, and its total is that of what is sent") {
-  Cloud cloud = sphere(500, false);
+  Cloud cloud = sphere_cloud(500, false);
   cloud.description.kind = Kind::volume;
   cloud.description.total = 1e9;  // with vectors that were left out
   cloud.description.spacing = 0.5f;
@@ -136,7 +136,7 @@ TEST_CASE("a volume's classes and transfer function travel along, and its total 
 
 TEST_CASE("what cannot be sent is left out, and nothing at all is an error") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-  Cloud cloud = sphere(50, false);
+  Cloud cloud = sphere_cloud(50, false);
   cloud.weights[3] = 0;
   cloud.weights[4] = kNan;
   cloud.positions[5].x = kInfinity;
@@ -149,11 +149,11 @@ TEST_CASE("what cannot be sent is left out, and nothing at all is an error") {
   CHECK_FALSE(problem_of(cloud).empty());
   Progress progress;
   progress.cancelled = true;
-  CHECK(std::get<EncodeError>(encode_cloud(sphere(50, false), {}, &progress)).message == "cancelled");
+  CHECK(std::get<EncodeError>(encode_cloud(sphere_cloud(50, false), {}, &progress)).message == "cancelled");
 }
 
 TEST_CASE("chunks of the other payload, and of nonsense, are refused") {
-  const EncodedStream stream = encoded(sphere(200, false));
+  const EncodedStream stream = encoded(sphere_cloud(200, false));
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   const std::vector<std::byte> nonsense(100, std::byte{0x5a});

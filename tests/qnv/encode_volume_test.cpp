@@ -16,13 +16,12 @@
 #include <tuple>
 
 using namespace gs::qnv;
+using gs::test::kNaN;
 using gs::test::oblique;
 using gs::test::place_of;
 using gs::test::volume_of;
 
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 Cloud encoded(const VolumeSource& source, GradientOptions options = {.fraction = 1}) {
   auto result = gradient_vectors(source, options);
@@ -44,7 +43,7 @@ VolumeSource noise(std::uint32_t n, unsigned gap_percent, int levels) {
   });
 }
 
-bool same(const Cloud& a, const Cloud& b) {
+bool same_vectors(const Cloud& a, const Cloud& b) {
   return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.classes == b.classes &&
          a.description == b.description;
 }
@@ -203,7 +202,7 @@ TEST_CASE("More equal lengths than can be sorted at once are cut at the right vo
     const std::size_t voxel = i - steep;
     REQUIRE(cloud.positions[i] == glm::vec3(voxel % 128, voxel / 128 % 128, voxel / (128 * 128)));
   }
-  CHECK(same(cloud, encoded(source, {.fraction = 1, .vectors = 40000, .threads = 1})));
+  CHECK(same_vectors(cloud, encoded(source, {.fraction = 1, .vectors = 40000, .threads = 1})));
 }
 
 TEST_CASE("Every number of threads gives the same bits") {
@@ -211,7 +210,7 @@ TEST_CASE("Every number of threads gives the same bits") {
     const VolumeSource source = noise(70, gaps, 50);
     const Cloud one = encoded(source, {.fraction = 0.3, .threads = 1});
     for (const unsigned threads : {2u, 3u, 8u})
-      CHECK(same(one, encoded(source, {.fraction = 0.3, .threads = threads})));
+      CHECK(same_vectors(one, encoded(source, {.fraction = 0.3, .threads = threads})));
   }
 }
 

@@ -18,13 +18,12 @@
 #include <unordered_map>
 
 using namespace gs::qnv;
+using gs::test::kNaN;
 using gs::test::oblique;
 using gs::test::place_of;
 using gs::test::volume_of;
 
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<Triangle> surface(const VolumeSource& source, double isovalue, unsigned threads = 0) {
   std::vector<Triangle> triangles;

@@ -49,7 +49,7 @@ bool is_permutation(std::vector<std::uint32_t> order, std::size_t count) {
 
 float random_float(std::mt19937& random) { return static_cast<float>(random() >> 8) / 16777216.0f; }
 
-Vectors sphere(std::size_t count) {
+Vectors sphere_vectors(std::size_t count) {
   Vectors v;
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1 - 2 * (static_cast<double>(i) + 0.5) / static_cast<double>(count), r = std::sqrt(1 - z * z);
@@ -136,7 +136,7 @@ void check_holes(const Vectors& v, double limit) {
 
 }  // namespace
 
-TEST_CASE("every prefix of a sphere covers it evenly") { check_holes(sphere(40'000), 1.7); }
+TEST_CASE("every prefix of a sphere covers it evenly") { check_holes(sphere_vectors(40'000), 1.7); }
 
 TEST_CASE("every prefix of the bunny covers it evenly") {
   const char* path = GHOSTSPACE_TESTS "/../../shared/data/meshes/scans/bun_zipper.ply";
@@ -148,7 +148,7 @@ TEST_CASE("every prefix of the bunny covers it evenly") {
 }
 
 TEST_CASE("holes stay small between the tested prefixes") {
-  const Vectors v = sphere(8000);
+  const Vectors v = sphere_vectors(8000);
   const std::vector<std::uint32_t> order = order_of(v);
   for (std::size_t count = 8; count < 3000; count += 1 + count / 4) {
     INFO(count);
@@ -157,7 +157,7 @@ TEST_CASE("holes stay small between the tested prefixes") {
 }
 
 TEST_CASE("an order depends on the seed and on nothing else") {
-  const Vectors v = sphere(60'000);
+  const Vectors v = sphere_vectors(60'000);
   const std::vector<std::uint32_t> order = order_of(v, 7, 1);
   CHECK(order == order_of(v, 7, 1));
   CHECK(order == order_of(v, 7, 2));
@@ -299,7 +299,7 @@ TEST_CASE("of a volume, the density of what is taken goes with the magnitude") {
 TEST_CASE("a cancelled order is empty") {
   Progress progress;
   progress.cancelled = true;
-  const Vectors v = sphere(100'000);
+  const Vectors v = sphere_vectors(100'000);
   CHECK(progressive_order(v.positions, v.normals, v.weights, {1, Kind::surface, 1, &progress}).empty());
 }
 

@@ -29,7 +29,7 @@ std::vector<OutlineAppearance> two_looks() {
 }
 
 /// Two appearances, one with texture coordinates, holes, groups with inner polygons and without; some five chunks.
-OutlineGroups example() {
+OutlineGroups example_groups() {
   OutlineGroups groups = shapes::sphere(6, 8, 4, 2);
   for (OutlineGroup& group : groups.groups) {
     if (group.appearance != 1) continue;
@@ -41,7 +41,9 @@ OutlineGroups example() {
   return groups;
 }
 
-EncodedStream example_stream() { return encoded(example(), two_looks(), {.position_bits = 12, .chunk_bytes = 250}); }
+EncodedStream example_stream() {
+  return encoded(example_groups(), two_looks(), {.position_bits = 12, .chunk_bytes = 250});
+}
 
 bool holds(const std::vector<One>& whole, const std::vector<One>& part) {
   return std::includes(whole.begin(), whole.end(), part.begin(), part.end());

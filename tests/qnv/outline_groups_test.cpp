@@ -14,17 +14,18 @@
 namespace gs::qnv {
 namespace {
 
-using Place = std::tuple<float, float, float>;
-Place place(const glm::vec3& p) { return {p.x, p.y, p.z}; }
+using PlaceKey = std::tuple<float, float, float>;
+PlaceKey place_key(const glm::vec3& p) { return {p.x, p.y, p.z}; }
 
 // How often outlines run along each directed edge.
-std::map<std::pair<Place, Place>, int> outline_edges(const OutlineGroups& made) {
-  std::map<std::pair<Place, Place>, int> edges;
+std::map<std::pair<PlaceKey, PlaceKey>, int> outline_edges(const OutlineGroups& made) {
+  std::map<std::pair<PlaceKey, PlaceKey>, int> edges;
   for (const OutlineGroup& group : made.groups)
     for (std::size_t i = 0; i < group.outline.size(); ++i)
       for (std::size_t r = 0; r < group.outline[i].rings(); ++r) {
         const auto ring = group.outline[i].ring(r);
-        for (std::size_t k = 0; k < ring.size(); ++k) ++edges[{place(ring[k]), place(ring[(k + 1) % ring.size()])}];
+        for (std::size_t k = 0; k < ring.size(); ++k)
+          ++edges[{place_key(ring[k]), place_key(ring[(k + 1) % ring.size()])}];
       }
   return edges;
 }
@@ -66,7 +67,7 @@ TEST_CASE("A cube of twelve triangles is six squares", "[outline]") {
     CHECK(made.counts.merged == 6);
     CHECK(made.counts.border_edges == 0);
     CHECK(made.counts.unusual_edges == 0);
-    std::set<Place> normals;
+    std::set<PlaceKey> normals;
     for (const OutlineGroup& group : made.groups) {
       CHECK(group.polygons == 2);
       CHECK(group.area == 1.0);
@@ -78,7 +79,7 @@ TEST_CASE("A cube of twelve triangles is six squares", "[outline]") {
       CHECK(vector_area(group.outline[0].ring(0)) == glm::dvec3(group.normal));
       CHECK(group.offset ==
             std::max({group.normal.x, group.normal.y, group.normal.z}));  // of the sides at 1: 1; at 0: 0
-      normals.insert(place(group.normal + 0.0f));
+      normals.insert(place_key(group.normal + 0.0f));
     }
     CHECK(normals.size() == 6);
     require_closed(made);

@@ -340,7 +340,7 @@ TEST_CASE("The longest polygons that are not cut fit into a chunk, whatever thei
 TEST_CASE("What cannot be encoded says why") {
   OutlineGroups groups = mixed();
   CHECK(error_of(groups) == "group 1 names appearance 1; expected less than 1");
-  CHECK(error_of({}) == "no polygon that is finite and not too far from the origin for the model's size");
+  CHECK(error_of(OutlineGroups()) == "no polygon that is finite and not too far from the origin for the model's size");
   groups.groups[1].inner.areas.pop_back();
   CHECK(error_of(groups, looks(3)) == "group 1 has not one area a polygon");
   groups = mixed();

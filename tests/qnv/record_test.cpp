@@ -1,6 +1,7 @@
 #include "qnv/record.h"
 
 #include "qnv/record_paths.h"
+#include "tests/qnv/pinned_vectors.h"
 
 #include <catch2/catch.hpp>
 
@@ -22,14 +23,6 @@ namespace gs::qnv {
 namespace {
 
 namespace paths = record_paths;
-
-std::vector<std::byte> read_bytes(const std::string& name) {
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::byte> bytes(text.size());
-  std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
-  return bytes;
-}
 
 std::uint64_t load(const std::byte* p) {
   std::uint64_t bits = 0;

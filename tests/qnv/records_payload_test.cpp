@@ -3,6 +3,7 @@
 #include "qnv/order.h"
 #include "qnv/palette.h"
 #include "qnv/records_assembly.h"
+#include "tests/qnv/pinned_vectors.h"
 
 #include <catch2/catch.hpp>
 
@@ -88,14 +89,6 @@ std::array<double, 8> by_octant(const Box& box, std::span<const glm::vec3> posit
   std::array<double, 8> sums{};
   for (std::size_t i = 0; i < positions.size(); ++i) sums[octant(box, positions[i])] += weights[i];
   return sums;
-}
-
-std::vector<std::byte> read_bytes(const std::string& name) {
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::byte> bytes(text.size());
-  std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
-  return bytes;
 }
 
 }  // namespace

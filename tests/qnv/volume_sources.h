@@ -5,12 +5,15 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 /// Volumes in memory, for tests.
 namespace gs::test {
+
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 /// A volume of these stored voxels, x fastest. The layout needs no type: it is that of T.
 template <class T>

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 using namespace gs;
 using namespace gs::test;
@@ -16,8 +17,6 @@ using render::RaySurface;
 using render::VolumeOptions;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Light that does not depend on directions, so that colours are the transfer function's.
 VolumeOptions flat() {
@@ -29,9 +28,11 @@ VolumeOptions flat() {
 }
 
 /// Opacity of a vector in its middle, of a layer's opacity (volume_model.h).
-double peak(double opacity) { return -std::log(1 - opacity) / (kPi * static_cast<double>(render::kVolumeFootprint)); }
+double peak(double opacity) {
+  return -std::log(1 - opacity) / (std::numbers::pi * static_cast<double>(render::kVolumeFootprint));
+}
 
-std::size_t pixel(const RayImage& image, int x, int y) { return static_cast<std::size_t>(y * image.width + x); }
+std::size_t pixel_index(const RayImage& image, int x, int y) { return static_cast<std::size_t>(y * image.width + x); }
 
 }  // namespace
 
@@ -52,12 +53,12 @@ TEST_CASE("One vector of a volume is a Gaussian about its place") {
     // A pixel is 2 / 101 at depth 1, so 20 / 101 there.
     const double d2 = (dx * dx + dy * dy) * (20.0 / 101) * (20.0 / 101);
     const double alpha = peak(0.5) * std::exp(-d2 / area);
-    const glm::vec4 seen = image.color[pixel(image, 50 + dx, 50 + dy)];
+    const glm::vec4 seen = image.color[pixel_index(image, 50 + dx, 50 + dy)];
     CHECK(static_cast<double>(seen.w) == Approx(alpha).epsilon(1e-4));
     CHECK(seen.x == seen.w);  // white
     CHECK(seen.y == seen.w);
   }
-  CHECK(image.depth[pixel(image, 50, 50)] == 0);  // nowhere half opaque
+  CHECK(image.depth[pixel_index(image, 50, 50)] == 0);  // nowhere half opaque
 }
 
 TEST_CASE("What is in front is over what lies behind, in whichever order they come") {
@@ -78,11 +79,11 @@ TEST_CASE("What is in front is over what lies behind, in whichever order they co
     const double a = peak(0.9);
     REQUIRE(a < 0.95);
     REQUIRE(a > 0.5);
-    const glm::vec4 seen = image.color[pixel(image, 15, 15)];
+    const glm::vec4 seen = image.color[pixel_index(image, 15, 15)];
     CHECK(static_cast<double>(seen.x) == Approx(a).epsilon(1e-5));
     CHECK(static_cast<double>(seen.z) == Approx(a * (1 - a)).epsilon(1e-5));
     CHECK(static_cast<double>(seen.w) == Approx(1 - (1 - a) * (1 - a)).epsilon(1e-5));
-    CHECK(image.depth[pixel(image, 15, 15)] == 10);
+    CHECK(image.depth[pixel_index(image, 15, 15)] == 10);
   }
 }
 
@@ -93,7 +94,7 @@ TEST_CASE("The depth of a volume is where the opacity comes to a half") {
   REQUIRE(!image.empty());
   const int vectors = static_cast<int>(std::ceil(std::log(0.5) / std::log(1 - peak(0.5))));
   REQUIRE(vectors > 1);
-  CHECK(image.depth[pixel(image, 1, 1)] == static_cast<float>(10 + vectors - 1));
+  CHECK(image.depth[pixel_index(image, 1, 1)] == static_cast<float>(10 + vectors - 1));
 }
 
 TEST_CASE("Vectors smaller than a pixel keep their integrated opacity") {
@@ -108,7 +109,8 @@ TEST_CASE("Vectors smaller than a pixel keep their integrated opacity") {
   for (const glm::vec4& c : image.color) sum += static_cast<double>(c.w);
   const double edge = 20.0 / 41;  // of a pixel
   const double s = static_cast<double>(model.spacing[0]);
-  const double whole = peak(0.9) * kPi * static_cast<double>(render::kVolumeFootprint) * s * s / (edge * edge);
+  const double whole =
+      peak(0.9) * std::numbers::pi * static_cast<double>(render::kVolumeFootprint) * s * s / (edge * edge);
   CHECK(sum == Approx(whole).epsilon(0.04));
 }
 
@@ -130,7 +132,7 @@ TEST_CASE("A volume is shaded by its gradients from both sides") {
     add(cloud, {0, 0, -10}, normal, 1, 0);
     const RayImage image = raycast_volume(cloud, straight_view(21, 21), options);
     REQUIRE(!image.empty());
-    const glm::vec4 seen = image.color[pixel(image, 10, 10)];
+    const glm::vec4 seen = image.color[pixel_index(image, 10, 10)];
     CHECK(seen.x / seen.w == Approx(expected));
   }
 }
@@ -205,7 +207,7 @@ TEST_CASE("Footprints grow as vectors become fewer") {
 TEST_CASE("Raycasting one disc of a surface finds its plane, its rim and its normal") {
   qnv::Cloud cloud;
   const float h = std::sqrt(0.5f);
-  add(cloud, {0, 0, -10}, {h, 0, h}, static_cast<float>(kPi));  // radius 1
+  add(cloud, {0, 0, -10}, {h, 0, h}, static_cast<float>(std::numbers::pi));  // radius 1
   cloud.color = {255, 0, 51};
   const render::SplatView view = straight_view(401, 401);
   const RaySurface seen = raycast_surface(cloud, view, false);

@@ -25,7 +25,7 @@ std::shared_ptr<const Image> fields(std::uint32_t across, std::uint32_t down, st
   return picture(across * kSide, down * kSide, components, pixels);
 }
 
-std::shared_ptr<const Image> plain(std::uint32_t components, std::vector<std::uint8_t> one) {
+std::shared_ptr<const Image> plain_picture(std::uint32_t components, std::vector<std::uint8_t> one) {
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < 16; ++i) pixels.insert(pixels.end(), one.begin(), one.end());
   return picture(4, 4, components, pixels);
@@ -48,9 +48,9 @@ TEST_CASE("Unlit shapes are exactly white, or of the colours of their Color node
   for (int i = 0; i < 4; ++i) colored->colors.push_back({0.2f, 0.4f, 0.6f});
   CHECK(middle(drawing, unlit(colored)) == glm::vec3(51, 102, 153));
   DrawItem textured = unlit(colored);
-  textured.texture.image = plain(3, {10, 20, 30});
+  textured.texture.image = plain_picture(3, {10, 20, 30});
   CHECK(middle(drawing, textured) == glm::vec3(10, 20, 30));
-  textured.texture.image = plain(1, {128});
+  textured.texture.image = plain_picture(1, {128});
   check_color(middle(drawing, textured), glm::vec3(0.2f, 0.4f, 0.6f) * (128 / 255.0f));
 }
 
@@ -67,11 +67,11 @@ TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says
     check_color(middle(drawing, item), {0.1f, 0.9f, 0.5f});
   }
   SECTION("intensity multiplies") {
-    item.texture.image = plain(1, {102});
+    item.texture.image = plain_picture(1, {102});
     check_color(middle(drawing, item), glm::vec3(0.8f, 0.4f, 0.2f) * 0.4f);
   }
   SECTION("RGB replaces") {
-    item.texture.image = plain(3, {25, 50, 200});
+    item.texture.image = plain_picture(3, {25, 50, 200});
     check_color(middle(drawing, item), glm::vec3(25, 50, 200) / 255.0f);
   }
   SECTION("transparency blends with what is behind") {
@@ -80,20 +80,20 @@ TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says
   }
   SECTION("RGB texture keeps the transparency of the material") {
     item.material.transparency = 0.5f;
-    item.texture.image = plain(3, {200, 100, 0});
+    item.texture.image = plain_picture(3, {200, 100, 0});
     check_color(middle(drawing, item), glm::vec3(100, 50, 127.5f) / 255.0f);
   }
   SECTION("alpha of RGBA replaces it") {
     item.material.transparency = 0.9f;
-    item.texture.image = plain(4, {200, 100, 0, 51});
+    item.texture.image = plain_picture(4, {200, 100, 0, 51});
     check_color(middle(drawing, item), glm::vec3(40, 20, 204) / 255.0f);
-    item.texture.image = plain(4, {200, 100, 0, 255});
+    item.texture.image = plain_picture(4, {200, 100, 0, 255});
     check_color(middle(drawing, item), glm::vec3(200, 100, 0) / 255.0f);
-    item.texture.image = plain(4, {200, 100, 0, 0});
+    item.texture.image = plain_picture(4, {200, 100, 0, 0});
     check_color(middle(drawing, item), glm::vec3(0, 0, 1));
   }
   SECTION("intensity with alpha multiplies and replaces transparency") {
-    item.texture.image = plain(2, {128, 102});
+    item.texture.image = plain_picture(2, {128, 102});
     check_color(middle(drawing, item), glm::vec3(0.8f, 0.4f, 0.2f) * (128 / 255.0f) * 0.4f + glm::vec3(0, 0, 0.6f));
   }
 }
@@ -323,7 +323,7 @@ TEST_CASE("A mesh or an image that takes the address of a dead one is uploaded a
     for (int k = 0; k < 4; ++k) mesh->colors.push_back({i / 30.0f, 0.5f, 0});
     DrawItem item = unlit(mesh);
     check_color(middle(drawing, item), {i / 30.0f, 0.5f, 0});
-    item.texture.image = plain(3, {static_cast<std::uint8_t>(i), 7, 9});
+    item.texture.image = plain_picture(3, {static_cast<std::uint8_t>(i), 7, 9});
     check_color(middle(drawing, item), glm::vec3(i, 7, 9) / 255.0f);
   }
 }

@@ -13,7 +13,7 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList list_of(std::shared_ptr<const qnv::Cloud> cloud, const glm::mat4& world_from_node = glm::mat4(1.0f)) {
+RenderList sphere_list(std::shared_ptr<const qnv::Cloud> cloud, const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   RenderList list;
   SplatItem item;
   item.cloud = std::move(cloud);
@@ -110,51 +110,51 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 }  // namespace
 
 TEST_CASE("OpenGL draws surfaces of discs as the processor does") {
-  check_same_picture(list_of(sphere(3000)), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
   // Wide discs, between which the normals follow the surface.
-  check_same_picture(list_of(sphere(300)), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
   // Discs smaller than a sample.
-  check_same_picture(list_of(sphere(100000)), camera_at({0, 0, 8}));
-  check_same_picture(list_of(sphere(3000, true)), camera_at({0.5f, 0.3f, 3.5f}));
-  check_same_picture(list_of(sphere(300, true)), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(sphere(100000)), camera_at({0, 0, 8}));
+  check_same_picture(sphere_list(sphere(3000, true)), camera_at({0.5f, 0.3f, 3.5f}));
+  check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
 }
 
 TEST_CASE("OpenGL draws discs of an octree as the processor does") {
   const auto coarse = octree_sphere(500), fine = octree_sphere(8000);
   REQUIRE(!fine->cells.empty());
-  check_same_picture(list_of(coarse), camera_at({0, 0, 3.5f}));
-  check_same_picture(list_of(fine), camera_at({0, 0.2f, 3.5f}));
+  check_same_picture(sphere_list(coarse), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(fine), camera_at({0, 0.2f, 3.5f}));
 }
 
 TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart") {
   auto cloud = sphere(3000, true);
   cloud->description.two_sided = true;
-  check_same_picture(list_of(cloud), camera_at({0, 0, 3.5f}));
-  check_same_picture(list_of(cloud), camera_at({0, 0, 0}));  // from inside
+  check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(cloud), camera_at({0, 0, 0}));  // from inside
   auto cells = std::make_shared<qnv::Cloud>(*octree_sphere(4000));
   cells->description.two_sided = true;
-  check_same_picture(list_of(cells), camera_at({0, 0, 0}));
+  check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
 }
 
 TEST_CASE("OpenGL draws surfaces under any scale, and partly behind the viewer") {
   const glm::mat4 turn(glm::vec4(0.8f, 0.6f, 0, 0), glm::vec4(-0.6f, 0.8f, 0, 0), glm::vec4(0, 0, 1, 0),
                        glm::vec4(0, 0, 0, 1));
-  check_same_picture(list_of(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
-  check_same_picture(list_of(octree_sphere(4000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
+  check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
+  check_same_picture(sphere_list(octree_sphere(4000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
   // Sheared: scaled after it was turned.
   const glm::mat4 shear = scale({2, 0.5f, 1}) * turn;
-  check_same_picture(list_of(sphere(300), shear), camera_at({0, 0, 4}));
-  check_same_picture(list_of(octree_sphere(4000), shear), camera_at({0, 0, 4}));
-  check_same_picture(list_of(sphere(2000), scale({-1, 1, 1})), camera_at({0, 0, 4}));
-  check_same_picture(list_of(sphere(2000), scale(glm::vec3(1e-4f))), camera_at({0, 0, 4e-4f}));
+  check_same_picture(sphere_list(sphere(300), shear), camera_at({0, 0, 4}));
+  check_same_picture(sphere_list(octree_sphere(4000), shear), camera_at({0, 0, 4}));
+  check_same_picture(sphere_list(sphere(2000), scale({-1, 1, 1})), camera_at({0, 0, 4}));
+  check_same_picture(sphere_list(sphere(2000), scale(glm::vec3(1e-4f))), camera_at({0, 0, 4e-4f}));
   auto cloud = sphere(3000);
   cloud->description.two_sided = true;
-  check_same_picture(list_of(cloud), camera_at({0, 0, 1.01f}));
-  check_same_picture(list_of(cloud), camera_at({0.9f, 0, 0.3f}));
+  check_same_picture(sphere_list(cloud), camera_at({0, 0, 1.01f}));
+  check_same_picture(sphere_list(cloud), camera_at({0.9f, 0, 0.3f}));
 }
 
 TEST_CASE("Splats and meshes hide one another with OpenGL as well") {
-  RenderList list = list_of(sphere(2000));
+  RenderList list = sphere_list(sphere(2000));
   add(list, glowing(square(0.5f), {1, 0, 0}, translation({0, 0, 1.2f})));
   add(list, glowing(square(0.5f), {0, 1, 0}, translation({0.5f, 0, 0})));
   check_same_picture(list, camera_at({0, 0, 4}));
@@ -162,12 +162,12 @@ TEST_CASE("Splats and meshes hide one another with OpenGL as well") {
 
 TEST_CASE("Software OpenGL leaves splats to the processor") {
   Drawing drawing;
-  (void)drawing.draw(list_of(sphere(100)));
+  (void)drawing.draw(sphere_list(sphere(100)));
   CHECK(drawing.statistics.splats == std::string("cpu"));
   drawing.options.splats = SplatPath::gl;
-  (void)drawing.draw(list_of(sphere(100)));
+  (void)drawing.draw(sphere_list(sphere(100)));
   CHECK(drawing.statistics.splats == std::string("gl"));
-  RenderList list = list_of(sphere(100));
+  RenderList list = sphere_list(sphere(100));
   list.splats.clear();
   (void)drawing.draw(list);
   CHECK(drawing.statistics.splats == std::string("none"));
@@ -392,7 +392,7 @@ TEST_CASE("Clouds of any numbers do no harm") {
       if (round % 4 == 1) cloud->cells.push_back({any(), any()});
       if (round % 5 == 1) cloud->colors.push_back({1, 2, 3});
     }
-    (void)drawing.draw(list_of(cloud));
+    (void)drawing.draw(sphere_list(cloud));
     CHECK(drawing.statistics.splats != std::string("none"));
     CHECK(faultless(drawing.context()));
   }
@@ -401,11 +401,11 @@ TEST_CASE("Clouds of any numbers do no harm") {
   torn->weights.resize(50);
   for (const SplatPath path : {SplatPath::gl, SplatPath::cpu}) {
     drawing.options.splats = path;
-    (void)drawing.draw(list_of(torn));
+    (void)drawing.draw(sphere_list(torn));
     CHECK(drawing.statistics.vectors == 0);
   }
   drawing.options.splats = SplatPath::gl;
-  (void)drawing.draw(list_of(sphere(10), scale({1, 1, 0})));
-  (void)drawing.draw(list_of(sphere(10), scale(glm::vec3(kNone))));
-  (void)drawing.draw(list_of(std::make_shared<qnv::Cloud>()));
+  (void)drawing.draw(sphere_list(sphere(10), scale({1, 1, 0})));
+  (void)drawing.draw(sphere_list(sphere(10), scale(glm::vec3(kNone))));
+  (void)drawing.draw(sphere_list(std::make_shared<qnv::Cloud>()));
 }

@@ -14,7 +14,7 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList list_of(std::shared_ptr<const qnv::Cloud> cloud) {
+RenderList bumpy_list(std::shared_ptr<const qnv::Cloud> cloud) {
   RenderList list;
   SplatItem item;
   item.cloud = std::move(cloud);
@@ -26,14 +26,14 @@ RenderList list_of(std::shared_ptr<const qnv::Cloud> cloud) {
 
 /// White, whatever the light.
 RenderList white(std::shared_ptr<const qnv::Cloud> cloud) {
-  RenderList list = list_of(std::move(cloud));
+  RenderList list = bumpy_list(std::move(cloud));
   list.splats[0].material.diffuse = glm::vec3(0);
   list.splats[0].material.emissive = glm::vec3(1);
   return list;
 }
 
 /// From `eye` towards the origin, 53 degrees high.
-Camera camera_from(const glm::vec3& eye) {
+Camera narrow_camera(const glm::vec3& eye) {
   Camera camera;
   camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f)));
   camera.field_of_view = 2 * std::atan(0.5f);
@@ -51,7 +51,7 @@ Holes holes_in(Drawing& drawing, const RenderList& list, float distance, float w
   for (int k = 0; k < 3; ++k) {
     const auto turn = 1.7f * static_cast<float>(k);
     const glm::vec3 eye = glm::normalize(glm::vec3(std::sin(turn), 0.3f * turn - 0.4f, std::cos(turn))) * distance;
-    const Image image = drawing.draw(list, camera_from(eye));
+    const Image image = drawing.draw(list, narrow_camera(eye));
     for (std::uint32_t y = 0; y < image.height; ++y)
       for (std::uint32_t x = 0; x < image.width; ++x) {
         const glm::vec3 ray((static_cast<float>(x) + 0.5f) / size - 0.5f, 0.5f - (static_cast<float>(y) + 0.5f) / size,
@@ -122,8 +122,8 @@ TEST_CASE("A surface that turns slowly changes as smoothly as one of polygons") 
         std::vector<Image> frames;
         for (int i = 0; i < (path == SplatPath::gl ? 6 : 20); ++i) {
           const float turn = 0.004f * static_cast<float>(i);
-          frames.push_back(
-              drawing.draw(list_of(stream), camera_from(distance * glm::vec3(std::sin(turn), 0.2f, std::cos(turn)))));
+          frames.push_back(drawing.draw(bumpy_list(stream),
+                                        narrow_camera(distance * glm::vec3(std::sin(turn), 0.2f, std::cos(turn)))));
         }
         const double psnr = steadiness(frames);
         INFO((path == SplatPath::gl ? "gl" : "cpu")

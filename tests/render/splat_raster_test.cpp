@@ -57,7 +57,7 @@ void check_agreement(const qnv::Cloud& cloud, const SplatView& view) {
 }
 
 /// A sphere of radius 1 as an octree of so many discs.
-qnv::Cloud octree_sphere(std::size_t vectors) {
+qnv::Cloud finely_cut_sphere(std::size_t vectors) {
   const qnv::TriangleSource source = [](const qnv::TriangleSink& sink) {
     constexpr int kAround = 128, kDown = 64;
     const auto corner = [](int i, int j) {
@@ -125,7 +125,7 @@ TEST_CASE("The surface splatter agrees with the oracle on spheres of discs") {
 }
 
 TEST_CASE("The surface splatter agrees with the oracle on octrees, both sides and samples") {
-  qnv::Cloud cloud = octree_sphere(800);
+  qnv::Cloud cloud = finely_cut_sphere(800);
   REQUIRE(cloud.size() > 300);
   REQUIRE(!cloud.cells.empty());
   SplatView view = view_from({1, 1, 2.5f}, 80, 64);
@@ -180,7 +180,7 @@ TEST_CASE("All kernels of the surface splatter give the same bits") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
   CHECK(kernels.front().name == render::splat_instructions());
-  std::vector<qnv::Cloud> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), octree_sphere(3000)};
+  std::vector<qnv::Cloud> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
   clouds.push_back(random_discs(5000));
   for (std::size_t c = 0; c < clouds.size(); ++c) {
     const render::SplatPiece whole{&clouds[c], 0, clouds[c].size()};
@@ -323,7 +323,7 @@ TEST_CASE("A plane of discs has no holes at any distance") {
 
 TEST_CASE("The silhouette of a sphere from an octree is within half a voxel") {
   for (const std::size_t vectors : {600u, 6000u}) {
-    const qnv::Cloud cloud = octree_sphere(vectors);
+    const qnv::Cloud cloud = finely_cut_sphere(vectors);
     float edge = 0;
     for (const qnv::Cell& cell : cloud.cells) edge = std::max(edge, cell.edge);
     REQUIRE(edge > 0);

@@ -14,7 +14,7 @@ using namespace gs::render::testing;
 
 namespace {
 
-bool add(SplatStore& store, std::shared_ptr<const qnv::Cloud> cloud) { return store.add(std::span(&cloud, 1)); }
+bool add_cloud(SplatStore& store, std::shared_ptr<const qnv::Cloud> cloud) { return store.add(std::span(&cloud, 1)); }
 
 /// What the GPU holds of a cloud.
 std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Cloud& cloud) {
@@ -39,22 +39,22 @@ TEST_CASE("Clouds are forgotten with their last holder") {
   OpenContext open;
   SplatStore store(open.gl, 100000, 1000);
   auto first = sphere(1000), second = sphere(3000), third = sphere(5000);
-  REQUIRE(add(store, first));
+  REQUIRE(add_cloud(store, first));
   CHECK(store.bytes() == 16000);
   CHECK(store.reserved_bytes() == 16000);
-  REQUIRE(add(store, second));
+  REQUIRE(add_cloud(store, second));
   CHECK(store.bytes() == 64000);
   CHECK(store.find(second.get())->ranges.size() == 3);
   // No room while this frame needs the others; later, the one that was drawn longest ago makes way.
-  CHECK(!add(store, third));
+  CHECK(!add_cloud(store, third));
   CHECK(!store.find(third.get()));
   CHECK(store.bytes() == 64000);
   CHECK(store.reserved_bytes() <= 100000);
   store.forget_unused();
-  REQUIRE(add(store, first));
+  REQUIRE(add_cloud(store, first));
   store.forget_unused();
   CHECK(store.bytes() == 64000);
-  REQUIRE(add(store, third));
+  REQUIRE(add_cloud(store, third));
   CHECK(store.bytes() == 96000);
   third.reset();
   store.forget_unused();
@@ -65,7 +65,7 @@ TEST_CASE("Clouds are forgotten with their last holder") {
   CHECK(store.bytes() == 0);
   CHECK(store.reserved_bytes() == 0);
   const auto cells = octree_sphere(1000);
-  REQUIRE(add(store, cells));
+  REQUIRE(add_cloud(store, cells));
   CHECK(store.bytes() == 20 * cells->size());
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("Where no slab has room in one piece, a cloud is cut") {
   store.forget_unused();
   REQUIRE(store.add(clouds));  // so that this frame needs them
   const auto large = sphere(4096);
-  REQUIRE(add(store, large));
+  REQUIRE(add_cloud(store, large));
   CHECK(store.find(large.get())->ranges.size() == 4);
   CHECK(store.reserved_bytes() == 16 * 8192);
 }

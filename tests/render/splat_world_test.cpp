@@ -18,8 +18,9 @@ namespace {
 using NamedClouds = std::map<std::string, std::shared_ptr<const qnv::Cloud>>;
 
 /// QNV nodes show the cloud that the first string of their url names.
-struct World {
-  World(const std::string& body, const NamedClouds& named) : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
+struct CloudWorld {
+  CloudWorld(const std::string& body, const NamedClouds& named)
+      : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
     vrml::Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
     for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
@@ -47,7 +48,7 @@ std::string shape(const std::string& cloud) {
   return "Shape { " + kPaint + " geometry QNV { url \"" + cloud + "\" } }\n";
 }
 
-Camera camera_from(const glm::vec3& eye) {
+Camera upright_camera(const glm::vec3& eye) {
   Camera camera;
   camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0)));
   return camera;
@@ -70,12 +71,12 @@ void check_alike(const std::string& world, const std::string& same, const NamedC
   drawing.options.width = 160;
   drawing.options.height = 120;
   drawing.options.samples = 4;
-  World first(world, clouds), second(same, clouds);
+  CloudWorld first(world, clouds), second(same, clouds);
   const RenderList a = first.collect(eye), b = second.collect(eye);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;
-    const Image nothing = drawing.draw({}, camera_from(eye)), of_a = drawing.draw(a, camera_from(eye)),
-                of_b = drawing.draw(b, camera_from(eye));
+    const Image nothing = drawing.draw({}, upright_camera(eye)), of_a = drawing.draw(a, upright_camera(eye)),
+                of_b = drawing.draw(b, upright_camera(eye));
     CHECK(psnr(of_b, nothing) < 25);
     INFO((path == SplatPath::gl ? "gl" : "cpu") << ", PSNR " << psnr(of_a, of_b));
     CHECK(psnr(of_a, of_b) >= least);
@@ -172,7 +173,7 @@ TEST_CASE("Switch and LOD choose among clouds") {
   const NamedClouds clouds{{"ball", sphere(3000)}, {"coarse", sphere(60)}, {"painted", painted()}};
   check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
               100);
-  World none("Switch { choice " + shape("ball") + "}", clouds);
+  CloudWorld none("Switch { choice " + shape("ball") + "}", clouds);
   CHECK(none.collect({0, 0, 10}).splats.empty());
   const std::string lod = "LOD { range [ 5 ] level [ " + shape("ball") + shape("coarse") + "] }";
   check_alike(lod, shape("ball"), clouds, 100, {0, 0.5f, 4});
@@ -209,7 +210,7 @@ TEST_CASE("Instances of a PROTO with a cloud stand where they are put") {
 TEST_CASE("The detail of a QNV node is collected, and kept within bounds") {
   const NamedClouds clouds{{"ball", sphere(100)}};
   const auto detail = [&](const std::string& value) {
-    World world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
+    CloudWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
     const RenderList list = world.collect({0, 0, 10});
     REQUIRE(list.splats.size() == 1);
     return list.splats[0].detail;
@@ -223,8 +224,8 @@ TEST_CASE("The detail of a QNV node is collected, and kept within bounds") {
 
 TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
   Drawing drawing;
-  World world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
-  const Camera camera = camera_from({0, 0, 3});
+  CloudWorld world("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  const Camera camera = upright_camera({0, 0, 3});
   RenderList list = world.collect({0, 0, 3});
   drawing.options.width = drawing.options.height = 200;
   (void)drawing.draw(list, camera);
@@ -239,7 +240,7 @@ TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
   (void)drawing.draw(list, camera);
   CHECK(drawing.statistics.vectors < all / 4);
 
-  World fresh("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
+  CloudWorld fresh("Shape { geometry QNV { url \"stream\" } }", {{"stream", bumpy_stream(60000)}});
   list = fresh.collect({0, 0, 3});
   drawing.options.most_decoded = 3000;
   drawing.options.viewport = 3;
@@ -253,7 +254,7 @@ TEST_CASE("Budget, detail and pending show in what is drawn of streams") {
 TEST_CASE("Colours that tell vectors apart are drawn whatever the material") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 64;
-  World world(
+  CloudWorld world(
       "Shape { appearance Appearance { material Material { diffuseColor 0 0 0 } } geometry QNV { url \"ball\" } }",
       {{"ball", sphere(6000)}});
   const RenderList list = world.collect({0, 0, 4});
@@ -261,7 +262,7 @@ TEST_CASE("Colours that tell vectors apart are drawn whatever the material") {
     drawing.options.splats = path;
     const auto middle = [&](ColorBy color_by) {
       drawing.options.clouds.color_by = color_by;
-      return pixel(drawing.draw(list, camera_from({0, 0, 4})), 32, 32);
+      return pixel(drawing.draw(list, upright_camera({0, 0, 4})), 32, 32);
     };
     CHECK(middle(ColorBy::own) == glm::vec3(0));
     // Towards the viewer: +Z, blue; and the headlight falls on it straight.

@@ -18,10 +18,8 @@ namespace {
 constexpr int kWidth = 80, kHeight = 60;
 using Target = VolumePicture;
 
-RenderList list_of(const std::shared_ptr<const qnv::Cloud>& cloud) { return volume_list(cloud); }
-
 /// One pixel of a picture, 0..1.
-glm::vec3 pixel(const Pixels& pixels, int x, int y) {
+glm::vec3 pixel_color(const Pixels& pixels, int x, int y) {
   const std::uint8_t* p = pixels.data() + 4 * (y * kWidth + x);
   return glm::vec3(p[0], p[1], p[2]) / 255.0f;
 }
@@ -46,7 +44,7 @@ VolumeItem item_of(const qnv::Cloud& cloud, const VolumeModel& model, const glm:
 TEST_CASE("A volume is blended over what was drawn, pixel by pixel") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
-  const Pixels drawn = target.draw(list_of(cloud), {0.2f, 0.4f, 0.8f}, 9);
+  const Pixels drawn = target.draw(volume_list(cloud), {0.2f, 0.4f, 0.8f}, 9);
   CHECK(target.statistics.vectors == 900);
   CHECK(target.statistics.draw_calls == 1);
   SplatView view;
@@ -72,8 +70,8 @@ TEST_CASE("A polygon in front of a volume hides it, one behind does not") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f));
   const glm::vec3 color(0, 0, 1);
-  CHECK(plain(target.draw(list_of(cloud), color, 1), color));
-  CHECK(!plain(target.draw(list_of(cloud), color, 5), color));
+  CHECK(plain(target.draw(volume_list(cloud), color, 1), color));
+  CHECK(!plain(target.draw(volume_list(cloud), color, 5), color));
 }
 
 TEST_CASE("Surfaces, empty volumes and volumes behind the camera are left alone") {
@@ -81,12 +79,12 @@ TEST_CASE("Surfaces, empty volumes and volumes behind the camera are left alone"
   const glm::vec3 color(0.6f, 0, 0);
   qnv::Cloud surface = random_volume(50, 1, 0.1f);
   surface.description.kind = qnv::Kind::surface;
-  CHECK(plain(target.draw(list_of(std::make_shared<const qnv::Cloud>(surface)), color, 9), color));
+  CHECK(plain(target.draw(volume_list(std::make_shared<const qnv::Cloud>(surface)), color, 9), color));
   CHECK(target.statistics.vectors == 0);
   qnv::Cloud nothing;
   nothing.description.kind = qnv::Kind::volume;
-  CHECK(plain(target.draw(list_of(std::make_shared<const qnv::Cloud>(nothing)), color, 9), color));
-  RenderList list = list_of(std::make_shared<const qnv::Cloud>(random_volume(50, 1, 0.1f)));
+  CHECK(plain(target.draw(volume_list(std::make_shared<const qnv::Cloud>(nothing)), color, 9), color));
+  RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(50, 1, 0.1f)));
   list.splats[0].world_from_node = testing::translation({0, 0, 30});
   CHECK(plain(target.draw(list, color, 9), color));
 }
@@ -94,7 +92,7 @@ TEST_CASE("Surfaces, empty volumes and volumes behind the camera are left alone"
 TEST_CASE("Transparency, clipping plane and threshold of a volume") {
   Target target;
   const glm::vec3 color(0, 0, 0.5f);
-  RenderList list = list_of(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
+  RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
   list.splats[0].material.transparency = 1;
   CHECK(plain(target.draw(list, color, 9), color));
   list.splats[0].material.transparency = 0;
@@ -117,7 +115,7 @@ TEST_CASE("Of two volumes the nearer one is drawn over the other") {
     cloud->description.transfer = {{0, color, 0.99f}, {1, color, 0.99f}};
     return cloud;
   };
-  RenderList list = list_of(of_color({255, 0, 0}));
+  RenderList list = volume_list(of_color({255, 0, 0}));
   list.splats.push_back(list.splats[0]);
   list.splats[0].cloud = of_color({0, 255, 0});
   list.splats[1].world_from_node = testing::translation({0, 0, -3});
@@ -199,7 +197,7 @@ TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what
     const glm::vec3 yellow(1, 1, 0), blue(0, 0, 1);
     target.clear(blue, 25);
     target.polygon(rectangle(target, 3, 20, 15, 60, 45), yellow);
-    target.volumes(list_of(cloud));
+    target.volumes(volume_list(cloud));
     const Pixels drawn = target.read();
     std::vector<float> stops(kWidth * kHeight, kInfinity);
     Pixels under(drawn.size());
@@ -218,7 +216,7 @@ TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what
     // Neither the bare polygon nor all of the volume over it.
     const RayImage all = exact_volumes(std::span(&item, 1), target.view());
     CHECK(psnr_over(drawn, all, under) < 35);
-    CHECK(glm::distance(pixel(drawn, 40, 30), yellow) > 0.1f);
+    CHECK(glm::distance(pixel_color(drawn, 40, 30), yellow) > 0.1f);
   }
 }
 
@@ -235,7 +233,7 @@ TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay
         target.clear({0, 0, 1}, 25);
         // Its left edge cuts the column 30 in halves.
         if (polygon) target.polygon(rectangle(target, depth, 30.5f, -5, 90, 70), {1, 0, 0});
-        if (volume) target.volumes(list_of(cloud));
+        if (volume) target.volumes(volume_list(cloud));
         return target.read();
       };
       drawn[path] = draw(true, true);
@@ -243,9 +241,9 @@ TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay
       double worst = 0;
       for (int y = 5; y < kHeight - 5; ++y) {
         // In the column half of the samples show what the left column shows, half what the right one does.
-        const glm::vec3 left = pixel(bare, 30, y),
-                        right = 0.5f * (pixel(drawn[path], 31, y) + pixel(drawn[path], 32, y)),
-                        middle = pixel(drawn[path], 30, y), wanted = 0.5f * (left + right);
+        const glm::vec3 left = pixel_color(bare, 30, y),
+                        right = 0.5f * (pixel_color(drawn[path], 31, y) + pixel_color(drawn[path], 32, y)),
+                        middle = pixel_color(drawn[path], 30, y), wanted = 0.5f * (left + right);
         worst = std::max(worst, static_cast<double>(glm::distance(middle, wanted)));
       }
       INFO("depth " << depth << " path " << path);
@@ -261,7 +259,7 @@ TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for w
   auto cloud = std::make_shared<qnv::Cloud>(random_volume(20'000, 3, 0.05f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   cloud->description.box = {glm::vec3(-1), glm::vec3(1)};
-  RenderList list = list_of(cloud);
+  RenderList list = volume_list(cloud);
   const auto brightness = [&](const Pixels& pixels) {
     double sum = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) sum += i % 4 == 3 ? 0 : pixels[i];
@@ -278,7 +276,7 @@ TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for w
   }
   auto small = std::make_shared<qnv::Cloud>(random_volume(50, 4, 0.05f));
   small->description = cloud->description;
-  list.splats.push_back(list_of(small).splats[0]);
+  list.splats.push_back(volume_list(small).splats[0]);
   list.splats.push_back(list.splats[0]);
   target.options.budget = 4050;
   (void)target.draw(list, {0, 0, 0}, 25);
@@ -289,25 +287,25 @@ TEST_CASE("The budget is shared by the volumes, and what is drawn fills in for w
 TEST_CASE("A transfer function in place of the volumes' own, and colours by where vectors come from") {
   Target target;
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(2000, 5, 0.1f));
-  const Pixels own = target.draw(list_of(cloud), {0, 0, 0}, 25);
+  const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
-  const Pixels green = target.draw(list_of(cloud), {0, 0, 0}, 25);
+  const Pixels green = target.draw(volume_list(cloud), {0, 0, 0}, 25);
   // Its gloss is white, but weak.
-  CHECK(pixel(green, 40, 30).y > 3 * pixel(green, 40, 30).x);
+  CHECK(pixel_color(green, 40, 30).y > 3 * pixel_color(green, 40, 30).x);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
-  CHECK(plain(target.draw(list_of(cloud), {0, 0, 0}, 25), {0, 0, 0}));
+  CHECK(plain(target.draw(volume_list(cloud), {0, 0, 0}, 25), {0, 0, 0}));
   target.options.clouds.transfer.clear();
   target.options.clouds.color_by = ColorBy::age;
-  CHECK(psnr_of(target.draw(list_of(cloud), {0, 0, 0}, 25), own) < 30);
+  CHECK(psnr_of(target.draw(volume_list(cloud), {0, 0, 0}, 25), own) < 30);
   target.options.clouds.color_by = ColorBy::own;
-  CHECK(target.draw(list_of(cloud), {0, 0, 0}, 25) == own);
+  CHECK(target.draw(volume_list(cloud), {0, 0, 0}, 25) == own);
 }
 
 TEST_CASE("A volume fills its part of a window and leaves the rest alone") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     Target target(VolumeSort::automatic, kWidth, kHeight), whole(VolumeSort::automatic, 40, 30);
     target.options.splats = whole.options.splats = path;
-    const RenderList list = list_of(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
+    const RenderList list = volume_list(std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)));
     const Pixels wanted = whole.draw(list, {0, 0, 0.5f}, 25);
     target.clear({0, 0, 0.5f}, 25);
     target.options.x = 30;
@@ -348,7 +346,7 @@ TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn 
         target.options.splats = path;
         target.clear({0, 0, 1}, 25);
         if (format != GL_NONE) target.polygon(rectangle(target, 3, 20.5f, 15.2f, 60, 45), {1, 1, 0});
-        target.volumes(list_of(cloud));
+        target.volumes(volume_list(cloud));
         const Pixels drawn = target.read();
         if (wanted.empty()) wanted = drawn;
         INFO("format " << format << " samples " << samples << " path " << static_cast<int>(path));

@@ -6,12 +6,18 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <numbers>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace gs::vrml::test {
+
+inline constexpr float kPi = std::numbers::pi_v<float>;
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+inline constexpr Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 
 /// A scene with one geometry node and what its fields need.
 struct GeometryScene {

@@ -1,14 +1,9 @@
 #include "mesh_checks.h"
 
-#include <limits>
-
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
 namespace {
-
-const Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 GeometryScene grid(int columns, int rows, MFFloat heights) {
   GeometryScene scene("ElevationGrid");

@@ -2,16 +2,10 @@
 
 #include "vrml/mesh/spine.h"
 
-#include <limits>
-#include <numbers>
-
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 GeometryScene extrusion() { return GeometryScene("Extrusion"); }
 

@@ -1,15 +1,9 @@
 #include "mesh_checks.h"
 
-#include <limits>
-#include <numbers>
-
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 GeometryScene face_set(MFVec3f points, MFInt32 index) {
   GeometryScene faces("IndexedFaceSet");
@@ -22,7 +16,7 @@ GeometryScene cube() { return face_set(cube_points(), cube_faces()); }
 MFVec3f bent_points() { return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, -1}}; }
 MFInt32 bent_faces() { return {0, 1, 2, -1, 1, 3, 2, -1}; }
 
-const Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1}, kWhite{1, 1, 1};
+const Color kWhite{1, 1, 1};
 
 /// Colours at the corners of the first triangle and so on.
 std::vector<Color> corner_colors(const Mesh& mesh) {

@@ -1,15 +1,11 @@
 #include "mesh_checks.h"
 
-#include <limits>
-
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
 namespace {
 
-const Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 using Colors = std::vector<Color>;
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 GeometryScene lines(MFInt32 index) {
   GeometryScene set("IndexedLineSet");

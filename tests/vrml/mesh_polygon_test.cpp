@@ -11,7 +11,6 @@ using namespace gs::vrml;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Polygon = std::vector<glm::vec3>;
 
 struct Cut {
@@ -51,7 +50,7 @@ template <class Radius>
 Polygon around(int n, const Radius& radius) {
   Polygon polygon;
   for (int i = 0; i < n; ++i) {
-    const double angle = 2 * kPi * i / n, r = radius(i);
+    const double angle = 2 * std::numbers::pi * i / n, r = radius(i);
     polygon.emplace_back(r * std::cos(angle), r * std::sin(angle), 0);
   }
   return polygon;
@@ -106,11 +105,11 @@ TEST_CASE("Simple polygons of n corners become n - 2 triangles that cover them")
 TEST_CASE("A spiral corridor is covered") {
   Polygon spiral;
   for (int i = 0; i < 1000; ++i) {
-    const double angle = 12 * kPi * i / 1000;
+    const double angle = 12 * std::numbers::pi * i / 1000;
     spiral.emplace_back((1 + angle) * std::cos(angle), (1 + angle) * std::sin(angle), 0);
   }
   for (int i = 999; i >= 0; --i) {
-    const double angle = 12 * kPi * i / 1000;
+    const double angle = 12 * std::numbers::pi * i / 1000;
     spiral.emplace_back((2 + angle) * std::cos(angle), (2 + angle) * std::sin(angle), 0);
   }
   CHECK(cut(spiral).triangles == 1998);

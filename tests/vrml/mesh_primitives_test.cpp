@@ -7,8 +7,6 @@ using namespace gs::vrml;
 using namespace gs::vrml::test;
 
 namespace {
-constexpr double kPi = std::numbers::pi;
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 const float kInfinity = std::numeric_limits<float>::infinity();
 }  // namespace
 
@@ -67,8 +65,8 @@ TEST_CASE("Sphere") {
   const Mesh mesh = sphere.mesh({.segments = 64});
   check_promises(mesh);
   CHECK(triangles_of(mesh) == 2 * 64 * 31);
-  CHECK(volume_of(mesh) == Approx(4.0 / 3 * kPi * 8).epsilon(0.01));
-  CHECK(volume_of(mesh) < 4.0 / 3 * kPi * 8);
+  CHECK(volume_of(mesh) == Approx(4.0 / 3 * std::numbers::pi * 8).epsilon(0.01));
+  CHECK(volume_of(mesh) < 4.0 / 3 * std::numbers::pi * 8);
   CHECK(normals_on_front(mesh));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) REQUIRE(near(mesh.positions[i], 2.0f * mesh.normals[i]));
 
@@ -95,7 +93,7 @@ TEST_CASE("Cylinder") {
   const Mesh mesh = cylinder.mesh(fine);
   check_promises(mesh);
   CHECK(triangles_of(mesh) == 4 * 256);
-  CHECK(volume_of(mesh) == Approx(kPi * 4 * 3).epsilon(0.001));
+  CHECK(volume_of(mesh) == Approx(std::numbers::pi * 4 * 3).epsilon(0.001));
   CHECK(normals_on_front(mesh));
 
   CHECK(near(texture_at(mesh, {0, 1.5f, 2}, {0, 0, 1}), {0.5f, 1}));
@@ -111,7 +109,7 @@ TEST_CASE("Cylinder") {
     CHECK(triangles_of(cylinder.mesh(fine)) == 3 * 256);
     cylinder.set("side", false);
     const Mesh bottom = cylinder.mesh(fine);
-    CHECK(area_of(bottom) == Approx(kPi * 4).epsilon(0.001));
+    CHECK(area_of(bottom) == Approx(std::numbers::pi * 4).epsilon(0.001));
     CHECK(bottom.bounds.upper.y == -1.5f);
     CHECK(bottom.normals[0] == glm::vec3(0, -1, 0));
     check_promises(bottom);
@@ -136,7 +134,7 @@ TEST_CASE("Cone") {
   const Mesh mesh = cone.mesh(fine);
   check_promises(mesh);
   CHECK(triangles_of(mesh) == 2 * 256);
-  CHECK(volume_of(mesh) == Approx(kPi * 9 * 4 / 3).epsilon(0.001));
+  CHECK(volume_of(mesh) == Approx(std::numbers::pi * 9 * 4 / 3).epsilon(0.001));
   CHECK(normals_on_front(mesh));
   CHECK(mesh.bounds.upper.y == 2);
   CHECK(mesh.bounds.lower.y == -2);
@@ -146,7 +144,7 @@ TEST_CASE("Cone") {
   CHECK(near(texture_at(mesh, {0, -2, 3}, {0, -1, 0}), {0.5f, 1}));
 
   cone.set("bottom", false);
-  CHECK(area_of(cone.mesh(fine)) == Approx(kPi * 3 * 5).epsilon(0.001));
+  CHECK(area_of(cone.mesh(fine)) == Approx(std::numbers::pi * 3 * 5).epsilon(0.001));
   cone.set("side", false);
   CHECK(cone.mesh(fine).empty());
 }

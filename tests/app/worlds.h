@@ -1,0 +1,33 @@
+#pragma once
+
+#include "app/world_loader.h"
+#include "vrml/node_type.h"
+#include "vrml/scene_graph.h"
+
+#include <catch2/catch.hpp>
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+
+namespace gs::app {
+
+/// All diagnostics of a world, a line each.
+inline std::string said(const OpenedWorld& world) {
+  std::string text;
+  for (const auto& diagnostic : world.diagnostics.entries()) text += diagnostic.text() + "\n";
+  return text;
+}
+
+/// A world of nodes of these types, side by side.
+inline OpenedWorld world_with(std::initializer_list<const char*> types) {
+  OpenedWorld world;
+  world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
+  for (const char* type : types) {
+    REQUIRE(vrml::built_in_node_type(type));
+    world.scene->add_root(world.scene->create(*vrml::built_in_node_type(type)));
+  }
+  return world;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <fstream>
+
+#include <unistd.h>
+
+namespace gs::net::test {
+
+/// The memory of this process that is in RAM, in bytes.
+inline std::size_t resident() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t all = 0, now = 0;
+  file >> all >> now;
+  return now * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace gs::net::test
