@@ -22,9 +22,11 @@ namespace {
 
 constexpr std::size_t kBuffer = 65536;
 constexpr int kSystemBuffer = 1 << 20;
-constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+constexpr std::array<std::uint8_t, 12> kIpv4Mapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
 
-bool is_ipv4(const Endpoint& endpoint) { return std::equal(kMapped.begin(), kMapped.end(), endpoint.address.begin()); }
+bool is_ipv4(const Endpoint& endpoint) {
+  return std::equal(kIpv4Mapped.begin(), kIpv4Mapped.end(), endpoint.address.begin());
+}
 
 socklen_t address_of(const Endpoint& endpoint, bool ipv6, sockaddr_storage& storage) {
   storage = {};
@@ -39,7 +41,7 @@ socklen_t address_of(const Endpoint& endpoint, bool ipv6, sockaddr_storage& stor
   auto& address = reinterpret_cast<sockaddr_in&>(storage);
   address.sin_family = AF_INET;
   address.sin_port = htons(endpoint.port);
-  std::memcpy(&address.sin_addr, endpoint.address.data() + kMapped.size(), 4);
+  std::memcpy(&address.sin_addr, endpoint.address.data() + kIpv4Mapped.size(), 4);
   return sizeof address;
 }
 
@@ -53,8 +55,8 @@ std::optional<Endpoint> endpoint_of(const sockaddr* from) {
   }
   if (from->sa_family != AF_INET) return std::nullopt;
   const auto* address = reinterpret_cast<const sockaddr_in*>(from);
-  std::copy(kMapped.begin(), kMapped.end(), endpoint.address.begin());
-  std::memcpy(endpoint.address.data() + kMapped.size(), &address->sin_addr, 4);
+  std::copy(kIpv4Mapped.begin(), kIpv4Mapped.end(), endpoint.address.begin());
+  std::memcpy(endpoint.address.data() + kIpv4Mapped.size(), &address->sin_addr, 4);
   endpoint.port = ntohs(address->sin_port);
   return endpoint;
 }
@@ -70,7 +72,7 @@ int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
   (void)::setsockopt(made, SOL_SOCKET, SO_RCVBUF, &kSystemBuffer, sizeof kSystemBuffer);
   (void)::setsockopt(made, SOL_SOCKET, SO_SNDBUF, &kSystemBuffer, sizeof kSystemBuffer);
   Endpoint any;
-  if (!ipv6 || loopback) std::copy(kMapped.begin(), kMapped.end(), any.address.begin());
+  if (!ipv6 || loopback) std::copy(kIpv4Mapped.begin(), kIpv4Mapped.end(), any.address.begin());
   if (loopback) any.address[12] = 127, any.address[15] = 1;
   any.port = port;
   sockaddr_storage storage;
@@ -87,7 +89,7 @@ int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
 std::string endpoint_text(const Endpoint& endpoint) {
   std::array<char, INET6_ADDRSTRLEN> text{};
   const bool ipv4 = is_ipv4(endpoint);
-  (void)::inet_ntop(ipv4 ? AF_INET : AF_INET6, endpoint.address.data() + (ipv4 ? kMapped.size() : 0), text.data(),
+  (void)::inet_ntop(ipv4 ? AF_INET : AF_INET6, endpoint.address.data() + (ipv4 ? kIpv4Mapped.size() : 0), text.data(),
                     static_cast<socklen_t>(text.size()));
   const std::string port = std::to_string(endpoint.port);
   return ipv4 ? text.data() + (":" + port) : "[" + (text.data() + ("]:" + port));
