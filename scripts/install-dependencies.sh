@@ -14,7 +14,7 @@ packages=(
   # images and compression
   libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
   # volumes
-  libnifti2-dev libznz-dev libcfitsio-dev libexpat1-dev
+  libexpat1-dev
   # network
   libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
   # OpenGL headers; rendering without a display
