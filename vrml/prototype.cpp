@@ -48,6 +48,7 @@ class Copier {
   void copy_values(const Node& original, NodeId made) {
     Node& copy = to_.node(made);
     copy.name = original.name;
+    copy.text = original.text;
     copy.fields_set = original.fields_set;
     for (std::size_t i = 0; i < original.type->defaults.size(); ++i) {
       copy.values[i] = original.values[i];
@@ -107,9 +108,13 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
     if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
     // An EXTERNPROTO may declare less than the PROTO; the rest has the PROTO's own values.
     const InterfaceDeclaration* own = type.find_field(mapping.outer->name);
-    FieldValue value = own && own->type == mapping.outer->type ? scene.node(instance).values[own->slot]
-                                                               : copier.import(mapping.outer->initial);
-    Node& inner_node = scene.node(copier.of(mapping.node));
+    const bool has_own = own && own->type == mapping.outer->type;
+    FieldValue value = has_own ? scene.node(instance).values[own->slot] : copier.import(mapping.outer->initial);
+    const NodeId inner_id = copier.of(mapping.node);
+    Node& inner_node = scene.node(inner_id);
+    // Only urls need to be told from where they are.
+    if (std::holds_alternative<MFString>(value))
+      scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.scene);
     inner_node.values[mapping.inner->slot] = std::move(value);
     if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
   }
@@ -137,6 +142,12 @@ bool instantiate(SceneGraph& scene, NodeId instance) {
     if (!instantiate_one(scene, next, waiting)) return false;
   }
   return true;
+}
+
+const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance, const InterfaceDeclaration& field) {
+  const Node& node = scene.node(instance);
+  const bool given = field.slot < 64 && (node.fields_set >> field.slot & 1);
+  return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->scene;
 }
 
 bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source) {

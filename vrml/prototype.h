@@ -10,6 +10,11 @@ namespace gs::vrml {
 /// PROTO's declaration or has content already. False when `limits.nodes` stopped it.
 bool instantiate(SceneGraph& scene, NodeId instance);
 
+/// The scene of the file in which the value of an instance's field was written: that of the instance, where it gives
+/// one, else that of the PROTO, whose default it is.
+[[nodiscard]] const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance,
+                                              const InterfaceDeclaration& field);
+
 /// Gives an EXTERNPROTO of `scene` the body of PROTO `source` (VRML97 4.9), whose scene must be attached
 /// to `scene` as a library or live as long. Fields that an instance does not set get `source`'s defaults,
 /// and all instances that the scene has are instantiated. False when `limits.nodes` stopped it.

@@ -12,6 +12,8 @@ constexpr std::size_t kValuesPerBlock = 4096;
 // A PROTO cannot contain itself, but a chain of PROTOs whose first node is an instance can be long.
 constexpr int kMaxResolveSteps = 100'000;
 
+std::uint64_t slot_key(NodeId id, int slot) { return std::uint64_t{id.index} << 32 | static_cast<std::uint32_t>(slot); }
+
 }  // namespace
 
 SceneGraph::SceneGraph(std::string file_name, Limits limits) : file_name_(std::move(file_name)), limits_(limits) {
@@ -44,6 +46,7 @@ NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
   std::uninitialized_copy(type.defaults.begin(), type.defaults.end(), values);
   Node& made = nodes_.emplace_back();
   made.type = &type;
+  made.text = this;
   made.values = values;
   made.value_capacity = static_cast<std::uint32_t>(type.defaults.size());
   made.location = location;
@@ -63,6 +66,18 @@ NodeId SceneGraph::resolve(NodeId id) const {
 NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
   const NodeId resolved = resolve(id);
   return resolved && nodes_[resolved.index].type->name == type_name ? resolved : NodeId{};
+}
+
+const SceneGraph& SceneGraph::text_of(NodeId id, int slot) const {
+  const auto found = value_texts_.find(slot_key(id, slot));
+  return found == value_texts_.end() ? *node(id).text : *found->second;
+}
+
+void SceneGraph::set_text(NodeId id, int slot, const SceneGraph& text) {
+  if (&text == node(id).text)
+    value_texts_.erase(slot_key(id, slot));
+  else
+    value_texts_[slot_key(id, slot)] = &text;
 }
 
 void SceneGraph::set_name(NodeId id, std::string_view name) { node(id).name = *keep_name(name); }

@@ -18,8 +18,9 @@ namespace gs::vrml {
 /// One node: its type and one value for each slot of the type.
 struct Node {
   const NodeType* type = nullptr;
-  FieldValue* values = nullptr;  // type->defaults.size() of them, owned by the scene
-  std::string_view name;         // DEF name or empty; bytes owned by the scene
+  FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
+  std::string_view name;             // DEF name or empty; bytes owned by the scene
+  const SceneGraph* text = nullptr;  // of the file that the node was written in: of a copy, that of the PROTO's body
   SourceLocation location;
   std::uint32_t value_capacity = 0;
   std::uint32_t generation = 1;
@@ -117,6 +118,11 @@ class SceneGraph {
   /// `resolve(id)` if that node is of the built-in type `type_name`, else null.
   [[nodiscard]] NodeId resolve_as(NodeId id, std::string_view type_name) const;
 
+  /// The scene of the file in which the value of a slot was written: that of the node, unless IS handed the value on
+  /// (VRML97 4.8.2). It tells what a url is relative to, and what it may name.
+  [[nodiscard]] const SceneGraph& text_of(NodeId id, int slot) const;
+  void set_text(NodeId id, int slot, const SceneGraph& text);
+
   void set_name(NodeId id, std::string_view name);
   /// A copy of `name` that lives as long as the scene.
   const std::string* keep_name(std::string_view name);
@@ -170,6 +176,7 @@ class SceneGraph {
   MFNode roots_;
   std::vector<Statement> statements_;
   std::vector<Route> routes_;
+  std::unordered_map<std::uint64_t, const SceneGraph*> value_texts_;  // by node and slot, where it is not the node's
   std::deque<std::unique_ptr<NodeType>> types_;
   std::unordered_map<std::uint32_t, std::unique_ptr<SceneGraph>> inlines_;
   std::vector<std::unique_ptr<SceneGraph>> libraries_;

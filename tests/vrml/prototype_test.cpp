@@ -4,8 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace gs::vrml;
 
@@ -104,4 +107,43 @@ TEST_CASE("ten thousand PROTOs inside each other need no stack") {
     text += "PROTO P" + std::to_string(i) + " [ ] { P" + std::to_string(i - 1) + " { } }\n";
   const auto scene = scene_of(text + "P9999 { }");
   CHECK(scene->resolve_as(scene->roots()[0], "Group"));
+}
+
+TEST_CASE("nodes and urls know the file in which they were written, through EXTERNPROTO and IS") {
+  auto library = std::make_unique<SceneGraph>("lib.wrl");
+  Diagnostics diagnostics;
+  (void)parse(R"(#VRML V2.0 utf8
+                 PROTO Inner [ field MFString i "inner.png" ] { ImageTexture { url IS i } }
+                 PROTO Outer [ field MFString own "default.png" field MFString given "default.png" ] {
+                   Group { children [ ] } Inner { } Inner { i "written.png" } Inner { i IS own } Inner { i IS given } })",
+              *library, diagnostics);
+  const auto scene = scene_of(R"(EXTERNPROTO Outer [ field MFString own field MFString given ] "lib.wrl#Outer"
+                  Outer { given "world.png" } ImageTexture { url "here.png" })");
+  const SceneGraph* const written = library.get();
+  const NodeType* const source = find_prototype(*library, "Outer");
+  REQUIRE(source);
+  NodeType* external = nullptr;
+  for (const auto& type : scene->types())
+    if (type->kind == NodeType::Kind::external_prototype) external = type.get();
+  REQUIRE(external);
+  scene->attach_library(std::move(library));
+  REQUIRE(resolve_external(*scene, *external, *source));
+  std::vector<std::pair<std::string, const SceneGraph*>> seen;
+  for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
+    const NodeId id = scene->id_at(i);
+    if (scene->node(id).type->name != "ImageTexture") continue;
+    const std::string url(scene->get<MFString>(id, "url")[0].view());
+    CHECK(scene->node(id).text == (url == "here.png" ? scene.get() : written));
+    seen.emplace_back(url, &scene->text_of(id, scene->node(id).type->find_field("url")->slot));
+  }
+  std::sort(seen.begin(), seen.end());
+  const std::vector<std::pair<std::string, const SceneGraph*>> expected = {{"default.png", written},
+                                                                           {"here.png", scene.get()},
+                                                                           {"inner.png", written},
+                                                                           {"world.png", scene.get()},
+                                                                           {"written.png", written}};
+  CHECK(seen == expected);
+  const NodeId instance = scene->roots()[0];
+  CHECK(&text_of_field(*scene, instance, *external->find_field("given")) == scene.get());
+  CHECK(&text_of_field(*scene, instance, *external->find_field("own")) == written);
 }
