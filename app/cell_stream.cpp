@@ -28,6 +28,7 @@ CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Si
   client.rate = options.rate > 0 ? options.rate : kAnyRate;
   client.loss = options.loss;
   client.loss_seed = options.loss_seed;
+  client.reach = options.reach;
   auto started = net::CellClientDriver::start(client, place->host, place->port.value_or(kCellsPort), std::move(wake));
   if (auto* error = std::get_if<net::UdpError>(&started)) {
     problem_ = name_ + ": " + error->message;
@@ -67,6 +68,7 @@ void CellStream::take(net::CellEvent& event) {
                  ": the file changed on the server while it was read; shown is what came before, and reading it again "
                  "shows the new one");
     version_ = event.version;
+    answered_ = true;
     if (!std::exchange(granted_, true)) sink_.granted();
   } else if (event.kind == Kind::base) {
     if (std::exchange(base_, true)) return;
@@ -83,6 +85,7 @@ void CellStream::take(net::CellEvent& event) {
   } else if (event.kind == Kind::complete) {
     end(std::nullopt);
   } else if (event.kind == Kind::refused || event.kind == Kind::failed) {
+    answered_ = answered_ || event.kind == Kind::refused;
     end(name_ + ": " + event.text);
   }
 }

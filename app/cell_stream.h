@@ -19,8 +19,9 @@ struct CellStreamOptions {
   std::uint64_t rate = 0;  // bits a second; 0: as many as the server grants
   double loss = 0;         // this share of its datagrams is dropped as they come, as if they had never come
   std::uint64_t loss_seed = 1;
-  std::uint64_t budget = 0;  // bytes; 0: no limit
-  bool repair = false;       // what was lost is asked for again once all was sent
+  std::uint64_t budget = 0;                              // bytes; 0: no limit
+  bool repair = false;                                   // what was lost is asked for again once all was sent
+  net::AddressSpace reach = net::AddressSpace::special;  // the most private space in which the server may be
 };
 
 /// A stream that a server sends as cells: its base, then chunks in any order, of which some never come. Whoever looks
@@ -42,6 +43,8 @@ class CellStream {
   /// From now on the views of this feed say what comes first.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
   /// Nothing more comes.
+  /// The server has said anything.
+  [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }
   /// Datagrams, and those that were lost.
   [[nodiscard]] net::CellClientStatistics statistics() const;
@@ -59,7 +62,7 @@ class CellStream {
   std::optional<std::uint32_t> version_;
   std::vector<net::CellEvent> early_;  // pieces that came before the base
   std::size_t early_bytes_ = 0;
-  bool granted_ = false, base_ = false, over_ = false;
+  bool granted_ = false, base_ = false, answered_ = false, over_ = false;
 };
 
 }  // namespace gs::app

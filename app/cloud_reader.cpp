@@ -147,7 +147,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
   }
-  auto opened = open_volume(file_.path);
+  auto opened = open_volume(file_.path, {}, file_.origin);
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     // It names the file itself.
     const bool named = problem->starts_with(file_.path + ": ");

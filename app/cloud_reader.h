@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/content_types.h"
+#include "app/formats/volume.h"
 #include "app/load_limit.h"
 #include "qnv/cloud.h"
 #include "qnv/lod_source.h"
@@ -28,6 +29,7 @@ struct CloudFile {
   bool cut = false;                  // more bytes would follow, and nobody misses them (`--max-bytes`)
   double loss = 0;                   // this share of a stream's packets never comes (`--loss`)
   std::uint64_t loss_seed = 1;
+  VolumeOrigin origin{};  // of a volume
 };
 
 /// The vectors of a file of a type that `is_cloud`: a stream's, an importer's, or the strongest 9 % of a

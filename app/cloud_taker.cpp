@@ -13,6 +13,12 @@ namespace {
 
 using vrml::Severity;
 
+std::string file_name_of(const Found& found) {
+  net::Url as_file = found.url;
+  as_file.scheme = "file";
+  return std::filesystem::path(found.local ? found.path : net::path_of_url(as_file)).filename().string();
+}
+
 }  // namespace
 
 CloudTaker::CloudTaker(World& world, Place place, Show show)
@@ -42,6 +48,7 @@ void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string&
     return;
   }
   CloudFile file{path, bytes, cut};
+  file.origin = {world_.reader_of(found_.origin), file_name_of(found_)};
   if (!place_.is_node) {
     file.loss = world_.options.loss;
     file.loss_seed = world_.options.loss_seed;
@@ -143,7 +150,7 @@ void CloudTaker::end(const std::optional<std::string>& problem) {
 }
 
 void CloudTaker::read_bytes() {
-  const std::string name = found_.local ? found_.path : std::filesystem::path(found_.url.path).filename().string();
+  const std::string name = found_.local ? found_.path : file_name_of(found_);
   const ContentType& type = content_type_of(name, first_bytes(bytes_));
   if (type.content != ContentClass::volume || found_.local) {
     read_whole(bytes_, name);
@@ -187,7 +194,7 @@ void CloudTaker::report_problems(const std::vector<qnv::StreamProblem>& problems
 }
 
 void CloudTaker::missing(const std::string& why) {
-  world_.report(Severity::warning, place_.file, place_.location, "QNV: " + why_missing(place_.urls, why));
+  if (!told) world_.report(Severity::warning, place_.file, place_.location, "QNV: " + why_missing(place_.urls, why));
 }
 
 }  // namespace gs::app

@@ -14,6 +14,13 @@ namespace gs::app {
 
 class StreamFeed;
 
+/// A folder with something that a world refers to and may not read; the user may allow it.
+struct OutsideFolder {
+  std::string folder;
+  std::string reference;  // the first, as the world has it
+  friend bool operator==(const OutsideFolder&, const OutsideFolder&) = default;
+};
+
 /// A world that was read, with everything a picture of it needs.
 struct OpenedWorld {
   std::string title;                        // WorldInfo.title or the file's name
@@ -23,6 +30,7 @@ struct OpenedWorld {
   render::Clouds clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
   vrml::Diagnostics diagnostics;
+  std::vector<OutsideFolder> outside;
   bool truncated = false;    // the file ends before the world does
   std::size_t bytes = 0;     // of the file itself, as it lies on disk
   double parse_seconds = 0;  // of the file itself, without what it refers to

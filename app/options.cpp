@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <utility>
 
 namespace gs::app {
@@ -101,6 +102,13 @@ Problem set_loss(Options& options, const std::string& value) {
                     options.loss <= 1 &&
                     (colon == std::string::npos || read(std::string_view(value).substr(colon + 1), options.loss_seed));
   return good ? Problem{} : "expected a share from 0 to 1, with :SEED behind it where it matters which";
+}
+
+Problem set_allowed(Options& options, const std::string& value) {
+  std::error_code error;
+  if (!std::filesystem::exists(value, error)) return "expected a folder that is there";
+  options.allowed.push_back(value);
+  return {};
 }
 
 Problem set_timeout(Options& options, const std::string& value) {
@@ -277,6 +285,10 @@ constexpr OptionRow kOptions[] = {
        o.offline = true;
        return Problem{};
      }},
+    {"--allow", "FOLDER", "",
+     "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
+     "several times",
+     "open check print info encode export fetch ", set_allowed, true},
     {"--http", "PORT", "8080", "serve by HTTP on this port; 0: any free one. Not if only --cells is given", "serve ",
      [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
     {"--cells", "PORT", "", "serve streams as ATM cells in UDP on this port", "serve ",
@@ -361,7 +373,8 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
     } else {
       parser.add_option_function<std::string>(std::string(row.name), take, help)
           ->type_name(std::string(row.argument))
-          ->expected(1);
+          ->expected(1)
+          ->trigger_on_parse(row.repeats);
     }
   }
   if (command.most_files > 0) parser.add_option("files", options.files, "")->type_name("")->group("");

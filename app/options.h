@@ -40,6 +40,7 @@ struct Options {
   std::uint64_t rate = 0;  // bits a second; 0: no limit
   net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;
+  std::vector<std::string> allowed;  // files and folders that worlds may read besides their own folders
   bool markdown = false, wrl = false, json = false, vrml97 = false;
   std::size_t vectors = 0;       // 0: not asked for
   double fraction = 0;           // 0: not asked for
@@ -67,6 +68,7 @@ struct OptionRow {
   std::string_view commands;  // where it may stand, a blank behind each: "open check "
   /// Takes the value; what was expected when it is wrong.
   std::optional<std::string> (*set)(Options& options, const std::string& value);
+  bool repeats = false;  // may be given several times
 };
 [[nodiscard]] std::span<const OptionRow> option_rows();
 

@@ -152,10 +152,12 @@ TextureUrls texture_urls(const OpenedWorld& world) {
     const auto found = world.images.find(&world.scene->node(id));
     if (found == world.images.end() || !world.scene->resolve_as(id, "ImageTexture")) continue;
     const auto& list = world.scene->get<vrml::MFString>(id, "url");
-    if (!list.empty())
+    const int slot = world.scene->node(id).type->find_field("url")->slot;
+    // A library's is relative to the library.
+    if (!list.empty() && &world.scene->text_of(id, slot) == world.scene.get())
       urls.emplace(found->second.get(), net::resolve(base, net::parse_url(net::tidy_url(list.front().view()))).text());
   }
-  // Pictures of Inlines, importers and PixelTextures: as they are.
+  // Pictures of Inlines, libraries, importers and PixelTextures: as they are.
   for (const auto& [node, image] : world.images)
     if (image && !urls.contains(image.get()))
       urls.emplace(image.get(), "data:image/png;base64," + base64(render::encode_png(*image)));

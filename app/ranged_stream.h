@@ -19,7 +19,8 @@ namespace gs::app {
 class RangedStream {
  public:
   struct Place {
-    std::string url, from;
+    std::string url;
+    net::Origin from;
     net::Validator validator;
     std::uint64_t front = 0;      // bytes that the stream has already
     std::uint64_t directory = 0;  // its offset

@@ -15,9 +15,10 @@ using vrml::Severity;
 
 constexpr std::size_t kMaxCopied = std::size_t{1} << 26;  // vectors of nodes that change what a stream says
 
-std::string key_of(const std::vector<net::Url>& candidates) {
-  std::string key;
-  for (const net::Url& url : candidates) key += url.text() + "\n";
+// Texts of different sites that name the same share nothing: what one may have, another may not.
+std::string key_of(const std::vector<net::Url>& places, const net::Origin& from) {
+  std::string key = from.site() + "\n";
+  for (const net::Url& url : places) key += url.text() + "\n";
   return key;
 }
 
@@ -32,8 +33,8 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 
 /// A picture that textures show.
 struct WorldLoading::State::SharedImage final : Taker {
-  SharedImage(State& state, SceneTaker& scene_taker, vrml::SourceLocation at, vrml::MFString list)
-      : world(state), file(scene_taker.scene->file_name()), place(at), urls(std::move(list)) {}
+  SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
+      : world(state), file(node.text->file_name()), place(node.location), urls(std::move(list)) {}
 
   bool begin(const Found& where) override {
     name = where.path;
@@ -55,7 +56,7 @@ struct WorldLoading::State::SharedImage final : Taker {
   }
   void missing(const std::string& why) override {
     over = true;
-    world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
+    if (!told) world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
   }
   void add(const vrml::Node* node) {
     if (image)
@@ -79,6 +80,44 @@ struct WorldLoading::State::SharedCloud {
   std::shared_ptr<const qnv::Cloud> cloud;
   std::vector<std::pair<std::shared_ptr<SceneTaker>, NodeId>> nodes;
 };
+
+// In the order of VRML97 4.5.3: as seen from the file that uses a PROTO, then from the one that declares it.
+SceneTaker::Reference SceneTaker::refer(const vrml::MFString& list, const vrml::SceneGraph& text) const {
+  const auto own = origins_.find(scene), source = origins_.find(&text);
+  // Of a text that nobody knows, nothing is trusted.
+  Reference reference{{},
+                      source == origins_.end() ? net::Origin{"data:", net::AddressSpace::global} : source->second,
+                      list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
+  std::vector<net::Url> bases;
+  // What came over a network has no business with the names of files.
+  if (own != origins_.end() && (!own->second.is_file() || reference.from.is_file()))
+    bases.push_back(net::parse_url(own->second.url));
+  if (&text != scene) bases.push_back(net::parse_url(reference.from.url));
+  std::unordered_set<std::string> seen;
+  for (const vrml::SFString& url : list) {
+    const net::Url parsed = net::parse_url(net::tidy_url(url.view()));
+    for (const net::Url& base : bases) {
+      net::Url resolved = net::resolve(base, parsed);
+      if (seen.insert(resolved.text()).second) reference.places.push_back(std::move(resolved));
+    }
+  }
+  return reference;
+}
+
+SceneTaker::Reference SceneTaker::refer(NodeId id) const {
+  const int slot = scene->node(id).type->find_field("url")->slot;
+  return refer(scene->get<vrml::MFString>(id, "url"), scene->text_of(id, slot));
+}
+
+void SceneTaker::ask_for(Reference reference, NodeId id, std::shared_ptr<Taker> taker, Urgency urgency) {
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = std::move(reference.places);
+  fetch->from = std::move(reference.from);
+  fetch->reference = std::move(reference.first);
+  fetch->node = id ? &scene->node(id) : nullptr;
+  fetch->taker = std::move(taker);
+  world_.fetch(std::move(fetch), urgency);
+}
 
 void SceneTaker::look_for_references() {
   if (!scene || refused || !world_.options.references) return;
@@ -119,11 +158,11 @@ void SceneTaker::look_for_prototypes() {
     if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
         !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
       continue;
-    auto places = world_.candidates(type->url, {bases_.front()});
-    std::vector<net::Url> files = places;
+    Reference reference = refer(type->url, *scene);
+    std::vector<net::Url> files = reference.places;
     for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
-    const std::string fragment = places.empty() ? std::string() : places.front().fragment;
-    SceneTaker*& known = fresh[key_of(files)];
+    const std::string fragment = files.empty() ? std::string() : reference.places.front().fragment;
+    SceneTaker*& known = fresh[key_of(files, reference.from)];
     if (known) {
       known->types.push_back(type.get());
       known->fragments.push_back(fragment);
@@ -132,22 +171,19 @@ void SceneTaker::look_for_prototypes() {
     auto library = std::make_shared<SceneTaker>(world_, Role::library, this);
     known = library.get();
     library->what = "EXTERNPROTO " + type->name;
+    library->place_file = scene->file_name();
     library->urls = type->url;
     library->types = {type.get()};
     library->fragments = {fragment};
     libraries_.push_back(library);
     ++awaited_libraries_;
-    auto fetch = std::make_unique<Fetch>();
-    fetch->candidates = std::move(places);
-    fetch->from = bases_.front().text();
-    fetch->taker = std::move(library);
-    world_.fetch(std::move(fetch), Urgency::prototypes);
+    ask_for(std::move(reference), {}, std::move(library), Urgency::prototypes);
   }
 }
 
 void SceneTaker::take_library(SceneTaker& library) {
   if (library.scene && !library.refused) {
-    bases_.push_back(library.bases_.front());
+    origins_.insert(library.origins_.begin(), library.origins_.end());
     vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
     const std::string& file = attached.file_name();
     for (std::size_t i = 0; i < library.types.size(); ++i) {
@@ -188,31 +224,21 @@ void SceneTaker::visit_inline(NodeId id) {
   inner->what = "Inline";
   inner->urls = list;
   inner->inline_node = id;
+  inner->place_file = scene->node(id).text->file_name();
   inner->place = scene->node(id).location;
   inner_.push_back(inner);
-  auto fetch = std::make_unique<Fetch>();
-  fetch->candidates = world_.candidates(list, bases_);
-  fetch->from = bases_.front().text();
-  fetch->node = &scene->node(id);
-  fetch->taker = std::move(inner);
-  world_.fetch(std::move(fetch), Urgency::inline_scene);
+  ask_for(refer(id), id, std::move(inner), Urgency::inline_scene);
 }
 
 void SceneTaker::visit_image(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  auto places = world_.candidates(list, bases_);
-  auto& shared = world_.shared_images[key_of(places)];
+  Reference reference = refer(id);
+  auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
   const bool fresh = !shared;
-  if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, *this, scene->node(id).location, list);
+  if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), list);
   shared->add(&scene->node(id));
-  if (!fresh) return;
-  auto fetch = std::make_unique<Fetch>();
-  fetch->candidates = std::move(places);
-  fetch->from = bases_.front().text();
-  fetch->node = &scene->node(id);
-  fetch->taker = shared;
-  world_.fetch(std::move(fetch), Urgency::texture);
+  if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
 }
 
 // From its own records, else from the first file of its url list; the node's transfer function goes before the
@@ -223,15 +249,15 @@ void SceneTaker::visit_cloud(NodeId id) {
   if (!scene->get<vrml::MFInt32>(id, "vectors").empty()) {
     auto made = inline_cloud(*scene, id);
     if (const auto* problem = std::get_if<std::string>(&made))
-      report(Severity::warning, node.location, "QNV: " + *problem);
+      report_at(node, "QNV: " + *problem);
     else
       world_.world.clouds[&node] = std::make_shared<const qnv::Cloud>(std::move(std::get<qnv::Cloud>(made)));
     return;
   }
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  auto places = world_.candidates(list, bases_);
-  auto& shared = world_.shared_clouds[key_of(places)];
+  Reference reference = refer(id);
+  auto& shared = world_.shared_clouds[key_of(reference.places, reference.from)];
   if (shared) {
     shared->nodes.emplace_back(shared_from_this(), id);
     if (shared->cloud) set_cloud(id, shared->cloud);
@@ -239,18 +265,14 @@ void SceneTaker::visit_cloud(NodeId id) {
   }
   shared = std::make_shared<WorldLoading::State::SharedCloud>();
   shared->nodes.emplace_back(shared_from_this(), id);
-  auto taker = std::make_shared<CloudTaker>(world_, CloudTaker::Place{scene->file_name(), node.location, list, true},
-                                            [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
-                                              shared->cloud = cloud;
-                                              for (const auto& [scene_taker, of] : shared->nodes)
-                                                scene_taker->set_cloud(of, cloud);
-                                            });
-  auto fetch = std::make_unique<Fetch>();
-  fetch->candidates = std::move(places);
-  fetch->from = bases_.front().text();
-  fetch->node = &node;
-  fetch->taker = std::move(taker);
-  world_.fetch(std::move(fetch), Urgency::vectors);
+  auto taker =
+      std::make_shared<CloudTaker>(world_, CloudTaker::Place{node.text->file_name(), node.location, list, true},
+                                   [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                     shared->cloud = cloud;
+                                     for (const auto& [scene_taker, of] : shared->nodes)
+                                       scene_taker->set_cloud(of, cloud);
+                                   });
+  ask_for(std::move(reference), id, std::move(taker), Urgency::vectors);
 }
 
 /// Polygons of an OutlineGroup that its url names.
@@ -283,7 +305,8 @@ struct WorldLoading::State::OutlineTaker final : Taker {
     show();
   }
   void missing(const std::string& why) override {
-    world.report(Severity::warning, owner->scene->file_name(), place, "OutlineGroup: " + why_missing(urls, why));
+    if (!told)
+      world.report(Severity::warning, owner->scene->file_name(), place, "OutlineGroup: " + why_missing(urls, why));
   }
   void show() {
     for (const NodeId changed : reader.take_changed()) owner->outlines_changed(changed);
@@ -301,12 +324,8 @@ struct WorldLoading::State::OutlineTaker final : Taker {
 void SceneTaker::visit_outlines(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  auto fetch = std::make_unique<Fetch>();
-  fetch->candidates = world_.candidates(list, bases_);
-  fetch->from = bases_.front().text();
-  fetch->node = &scene->node(id);
-  fetch->taker = std::make_shared<WorldLoading::State::OutlineTaker>(world_, shared_from_this(), id, list);
-  world_.fetch(std::move(fetch), Urgency::vectors);
+  ask_for(refer(id), id, std::make_shared<WorldLoading::State::OutlineTaker>(world_, shared_from_this(), id, list),
+          Urgency::vectors);
 }
 
 void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
@@ -318,7 +337,7 @@ void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& c
     held = cloud;
   } else if (cloud->size() > kMaxCopied - world_.copied_vectors) {
     held = cloud;
-    report(Severity::warning, node->location, "QNV: too many vectors with a transfer of their own; left out");
+    report_at(*node, "QNV: too many vectors with a transfer of their own; left out");
   } else {
     world_.copied_vectors += cloud->size();
     qnv::Cloud own = *cloud;
@@ -342,8 +361,9 @@ void SceneTaker::replace_fallback(NodeId id) {
   vrml::Node& node = scene->node(made);
   for (const vrml::InterfaceDeclaration& declaration : native.interfaces) {
     const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
-    if (declaration.slot >= 0 && own && own->type == declaration.type)
-      node.values[declaration.slot] = instance.values[own->slot];
+    if (declaration.slot < 0 || !own || own->type != declaration.type) continue;
+    node.values[declaration.slot] = instance.values[own->slot];
+    scene->set_text(made, declaration.slot, vrml::text_of_field(*scene, id, *own));
   }
   fallbacks_[made.index] = id;  // the new node is looked at like any other
 }

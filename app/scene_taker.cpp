@@ -29,16 +29,16 @@ bool SceneTaker::leads_back(const Found& found) const {
 
 bool SceneTaker::begin(const Found& found) {
   if (outer && leads_back(found)) {
-    outer->report(Severity::error, place, what + " leads back to " + found.path + "; left out");
+    world_.report(Severity::error, place_file, place, what + " leads back to " + found.path + "; left out");
     refused = true;
     finished_reading();
     return false;
   }
   errors_before_ = world_.world.diagnostics.errors();
   found_ = found;
-  bases_ = {found.url};
   own_ = std::make_unique<vrml::SceneGraph>(found.path);
   scene = own_.get();
+  origins_ = {{scene, found.origin}};
   return true;
 }
 
@@ -129,11 +129,12 @@ void SceneTaker::outlines_changed(vrml::NodeId id) {
 }
 
 void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
-  auto read = import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_beside(found_.url));
+  auto read = import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin));
   refused = !read;
   if (refused) return;
   own_ = std::move(read);
   scene = own_.get();
+  origins_ = {{scene, found_.origin}};
   world_.changed = true;
 }
 
@@ -230,8 +231,8 @@ void SceneTaker::missing(const std::string& why) {
   refused = true;
   if (!outer)
     world_.report(Severity::error, world_.world.path, {}, why.empty() ? "cannot be found" : why);
-  else if (role == Role::inlined || what != "EXTERNPROTO QNV")
-    outer->report(Severity::warning, place, what + ": " + why_missing(urls, why));
+  else if (!told && (role == Role::inlined || what != "EXTERNPROTO QNV"))
+    world_.report(Severity::warning, place_file, place, what + ": " + why_missing(urls, why));
   finished_reading();
 }
 

@@ -199,6 +199,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   }
   if (state.help) state.help_panel();
   if (state.open_panel) state.open_files_panel(actions);
+  state.question_panel(model, actions);
   state.viewport_marks(model);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
@@ -256,6 +257,7 @@ void UiOverlay::show_notice(std::string text, bool is_error) {
 void UiOverlay::clear_notice() { state_->notice.clear(); }
 
 bool UiOverlay::close_one() {
+  if (state_->question) return state_->question_refused = true;
   for (bool* open : {&state_->open_panel, &state_->help}) {
     if (*open) {
       *open = false;

@@ -27,6 +27,12 @@ struct UiViewport {
   bool active = false;
 };
 
+/// Whether a world may read a folder that is not its own.
+struct UiQuestion {
+  std::string world;  // label
+  std::string folder, reference;
+};
+
 /// What the user interface shows. Made anew for each frame; pointers need to last only that long.
 struct UiModel {
   std::vector<std::string> files;   // labels
@@ -35,6 +41,7 @@ struct UiModel {
   std::vector<UiViewport> viewports;
   ViewportLayout layout = ViewportLayout::one;
   bool linked = false;  // all viewports move as one
+  std::optional<UiQuestion> question;
 
   // From here on: the active viewport.
   bool has_world = false;
@@ -71,6 +78,7 @@ struct UiActions {
   bool reset = false, fit = false, toggle_headlight = false, reload = false;
   std::optional<ViewportLayout> layout;
   bool toggle_link = false;
+  std::optional<bool> allow_folder;           // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
   std::optional<render::CloudLook> look;      // instead of the model's
 };

@@ -36,6 +36,9 @@ struct UiOverlay::State {
   bool notice_is_error = false;
   double notice_until = 0;
 
+  // Whether a question stands, and whether a key has answered it.
+  bool question = false, question_refused = false;
+
   // What `replay` owes the next frame.
   std::optional<glm::vec2> late_click;
   std::vector<int> late_keys;
@@ -61,6 +64,7 @@ struct UiOverlay::State {
   void log_rows(const std::vector<const vrml::Diagnostic*>& rows);
   void help_panel();
   void open_files_panel(UiActions& actions);
+  void question_panel(const UiModel& model, UiActions& actions);
   void notice_line();
   void view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit, bool whole_word);
   void layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link);

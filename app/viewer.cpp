@@ -178,6 +178,7 @@ bool Viewer::take_news(const Reader& from, const WorldReader::News& news) {
     show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
     return true;
   }
+  questions_.ask(from.reading.path, news.document->world.outside);
   news.document->reader = from.reader;
   panes_.deliver(from.reading.number, news.document, area().size());
   return true;

@@ -216,7 +216,15 @@ void Viewer::change_speed(float factor) {
 
 void Viewer::open_files(const std::vector<std::string>& paths) {
   ui_.clear_notice();
+  // What the user gives may be read by what he gives, as on the command line.
+  load_.allowed.insert(load_.allowed.end(), paths.begin(), paths.end());
   panes_.open(paths);
+}
+
+void Viewer::answer_question(bool allow) {
+  if (!questions_.current()) return;
+  if (allow) load_.allowed.push_back(questions_.current()->folder);
+  for (const std::string& world : questions_.answer(allow)) panes_.reload(world);
 }
 
 void Viewer::select_file(std::size_t index) {

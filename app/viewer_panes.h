@@ -48,6 +48,8 @@ class Panes {
   void select(std::size_t file);
   /// Has the file of the active viewport read again.
   void reload();
+  /// Has this file read again once a viewport shows it.
+  void reload(std::string_view path) { documents_.reload(path); }
   /// No longer reads the file that a viewport waits for; it goes back to what it showed. False: it waits for none.
   bool cancel(std::size_t pane);
 

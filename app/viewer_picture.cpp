@@ -115,6 +115,8 @@ UiModel Viewer::model() {
   for (const DocumentList::Entry& entry : panes_.documents().entries()) model.files.push_back(file_label(entry.path));
   model.file = panes_.selected();
   describe_viewports(model);
+  if (const FolderQuestions::Question* question = questions_.current())
+    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
   const Pane& pane = panes_.at(panes_.active());
   model.statistics = pane.statistics;
   model.frame_ms = frame_ms_;
@@ -150,6 +152,7 @@ void Viewer::apply(const UiActions& actions) {
   if (actions.file) select_file(*actions.file);
   if (actions.layout) choose_layout(*actions.layout);
   if (actions.toggle_link) toggle_link();
+  if (actions.allow_folder) answer_question(*actions.allow_folder);
   const std::vector<std::size_t> sight = panes_.visible();
   if (actions.cancel_loading && *actions.cancel_loading < sight.size())
     (void)panes_.cancel(sight[*actions.cancel_loading]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/folder_questions.h"
 #include "app/picking.h"
 #include "app/ui_overlay.h"
 #include "app/viewer.h"
@@ -73,6 +74,7 @@ class Viewer {
   void activate(std::size_t pane);
   void toggle_link();
   void close_or_cancel();
+  void answer_question(bool allow);
 
   /// Of the active viewport; null: nothing is shown there.
   [[nodiscard]] View* view() { return panes_.at(panes_.active()).view(); }
@@ -91,7 +93,7 @@ class Viewer {
   void draw_viewport(std::size_t pane, render::DrawOptions draw);
 
   const ViewerOptions& options_;
-  const LoadOptions& load_;
+  LoadOptions load_;  // with what the user has allowed since
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Renderer> renderer_;
   UiOverlay ui_;
@@ -99,6 +101,7 @@ class Viewer {
   PointerRouter router_;
   Picker picker_;
   Refinement refinement_;
+  FolderQuestions questions_;
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last
   std::string title_;

@@ -22,21 +22,45 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
   sum.server_rate += more.server_rate;
 }
 
+// A text may have anyone sent datagrams, so they are few: 16 greetings of 256 bytes for each server that does not
+// answer.
+constexpr std::size_t kMostUnanswered = 4;      // at once
+constexpr std::size_t kMostSilentServers = 16;  // of one world
+
 }  // namespace
 
 struct WorldLoading::State::Cells {
   std::unique_ptr<CellStream> stream;
+  std::string server;
   Fetch* fetch = nullptr;            // null: it is not waited for
   std::shared_ptr<StreamFeed> feed;  // of the views that see to the rest
 };
 
-void WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
+// False: not for this text.
+bool WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
+  if (fetch.from.is_user()) {
+    open_cells(fetch, url);
+    return true;
+  }
+  if (silent_servers.contains(url.authority) || silent_servers.size() >= kMostSilentServers) {
+    fail_candidate(fetch, net::url_for_messages(url.text()) + (silent_servers.contains(url.authority)
+                                                                   ? ": its server has not answered before"
+                                                                   : ": too many servers have not answered"));
+    return false;
+  }
+  waiting_cells.push_back(&fetch);
+  return true;
+}
+
+void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
   auto one = std::make_shared<Cells>();
   one->fetch = &fetch;
+  one->server = url.authority;
   CellStreamOptions settings;
   settings.rate = options.rate;
   settings.loss = options.loss;
   settings.loss_seed = options.loss_seed;
+  settings.reach = fetch.from.reach();
   if (fetch.max_bytes != Fetch::kNoLimit)
     settings.budget = fetch.max_bytes;
   else
@@ -49,6 +73,7 @@ void WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
     found.fragment = std::exchange(found.url.fragment, {});
     found.url.has_fragment = false;
     found.path = net::url_for_messages(url.text());
+    found.origin = {found.url.text(), net::AddressSpace::global};
     if (!at->fetch) return;
     begin_taking(*at->fetch, found);
     if (at->fetch->refused) finish(*std::exchange(at->fetch, nullptr), std::nullopt);
@@ -76,9 +101,10 @@ void WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
   sink.ended = [this, at](const std::optional<std::string>& problem) {
     if (at->feed && problem) at->feed->fail("no finer vectors come: " + *problem);
     if (!at->fetch) return;
+    if (!at->stream->answered()) silent_servers.insert(at->server);
     Fetch& ending = *std::exchange(at->fetch, nullptr);
     if (ending.begun) return finish(ending, problem);
-    if (ending.first_problem.empty()) ending.first_problem = problem.value_or("");
+    fail_candidate(ending, problem.value_or(""));
     begin_next_candidate(ending);
   };
   one->stream = std::make_unique<CellStream>(url, settings, std::move(sink), [waker = waker] { waker->wake(); });
@@ -87,6 +113,20 @@ void WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
 
 bool WorldLoading::State::step_cells() {
   bool any = false;
+  const auto unanswered = [this] {
+    return std::count_if(cells.begin(), cells.end(),
+                         [](const auto& one) { return !one->stream->over() && !one->stream->answered(); });
+  };
+  while (!waiting_cells.empty() && unanswered() < static_cast<std::ptrdiff_t>(kMostUnanswered)) {
+    Fetch& next = *waiting_cells.front();
+    waiting_cells.pop_front();
+    const net::Url url = next.candidates[next.next - 1];
+    if (!silent_servers.contains(url.authority))
+      open_cells(next, url);
+    else if (!begin_cells(next, url))
+      begin_next_candidate(next);
+    any = true;
+  }
   // What comes may lead to more of them.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::shared_ptr<Cells> one = cells[i];
@@ -101,6 +141,7 @@ bool WorldLoading::State::step_cells() {
 }
 
 void WorldLoading::State::stop_cells(const Fetch* fetch) {
+  std::erase(waiting_cells, fetch);
   for (const auto& one : cells)
     if (one->fetch == fetch) one->fetch = nullptr;
 }

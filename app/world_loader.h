@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace gs::net {
 class MemoryNetwork;
@@ -23,6 +24,7 @@ struct LoadOptions {
   const std::atomic<bool>* cancelled = nullptr;  // set by another thread: as if the time were over
   bool references = true;                        // also Inlines, EXTERNPROTOs, textures and QNV streams
   bool offline = false;                          // nothing is read over the network
+  std::vector<std::string> allowed;  // folders and files, besides its own folder, that a world of this machine may read
   bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
   std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are
   std::string cache_folder;  // for what comes over the network; empty: none

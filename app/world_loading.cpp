@@ -56,26 +56,13 @@ void WorldLoading::State::start() {
     const std::filesystem::path absolute = std::filesystem::absolute(path, error);
     first->candidates = {net::url_of_path(error ? path : absolute.lexically_normal().string())};
     first->given_path = path;
+    policy = policy_of_world(path, options.allowed);
   } else {
     first->candidates = {asked};
   }
   first->max_bytes = options.max_bytes;
   first->taker = root;
   fetch(std::move(first), Urgency::world);
-}
-
-std::vector<net::Url> WorldLoading::State::candidates(const vrml::MFString& urls,
-                                                      const std::vector<net::Url>& bases) const {
-  std::vector<net::Url> found;
-  std::unordered_set<std::string> seen;
-  for (const vrml::SFString& url : urls) {
-    const net::Url parsed = net::parse_url(net::tidy_url(url.view()));
-    for (const net::Url& base : bases) {
-      net::Url resolved = net::resolve(base, parsed);
-      if (seen.insert(resolved.text()).second) found.push_back(std::move(resolved));
-    }
-  }
-  return found;
 }
 
 void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
@@ -90,11 +77,8 @@ void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) 
 void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
   while (fetch.next < fetch.candidates.size()) {
     const net::Url& url = fetch.candidates[fetch.next++];
-    const auto failed = [&](const std::string& why) {
-      if (fetch.first_problem.empty()) fetch.first_problem = why;
-    };
-    if (const auto refused = net::refuse_reference(fetch.from, url)) {
-      failed(*refused);
+    if (const auto refused = policy.refuse(fetch.from, url)) {
+      fail_candidate(fetch, refused->message, refused->folder);
       continue;
     }
     if (url.scheme.empty() || url.scheme == "file" || url.scheme == "data") {
@@ -102,12 +86,14 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
       return;
     }
     if (options.offline) {
-      failed(net::url_for_messages(url.text()) + ": the network is not used (--offline)");
+      fail_candidate(fetch, net::url_for_messages(url.text()) + ": the network is not used (--offline)");
       continue;
     }
     if (const net::Scheme* scheme = net::find_scheme(url.scheme);
-        scheme && scheme->transport == net::TransportKind::cells)
-      return begin_cells(fetch, url);
+        scheme && scheme->transport == net::TransportKind::cells) {
+      if (begin_cells(fetch, url)) return;
+      continue;
+    }
     std::vector<net::ByteRange> ranges;
     if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
     fetch.front = options.by_view && ranges.empty() && url.path.ends_with(".qnv");
@@ -115,7 +101,24 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
     return ask(fetch, std::move(ranges));
   }
   ended.push_back(&fetch);
+  fetch.taker->told = fetch.told;
   fetch.taker->missing(fetch.first_problem);
+}
+
+void WorldLoading::State::fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder) {
+  const bool known = !folder.empty() && !refuse_folder(folder, fetch.reference);
+  if (!fetch.first_problem.empty()) return;
+  fetch.first_problem = why;
+  fetch.told = known;
+}
+
+// True when nobody has been told of this folder yet.
+bool WorldLoading::State::refuse_folder(const std::string& folder, const std::string& reference) {
+  constexpr std::size_t kMostFolders = 64;
+  const auto same = [&](const OutsideFolder& one) { return one.folder == folder; };
+  if (std::any_of(world.outside.begin(), world.outside.end(), same)) return false;
+  if (world.outside.size() < kMostFolders) world.outside.push_back({folder, reference});
+  return true;
 }
 
 // Local files and data: URLs
@@ -128,23 +131,26 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
   if (url.scheme == "data") {
     auto decoded = net::decode_data_url(url.text());
     if (!decoded) {
-      if (fetch.first_problem.empty()) fetch.first_problem = "malformed data: URL";
+      fail_candidate(fetch, "malformed data: URL");
       return false;
     }
     fetch.data = std::move(decoded->bytes);
     fetch.rest = fetch.data;
     found.path = "data: URL";
+    // A text inside another has its origin; one that the user was given by a URL may be anyone's.
+    found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
   } else {
     found.local = true;
-    LocalFile file = open_local_file(url, fetch.given_path);
+    LocalFile file = open_local_file(url, policy, fetch.from, fetch.given_path);
     if (!file.file) {
-      if (fetch.first_problem.empty()) fetch.first_problem = file.problem;
+      fail_candidate(fetch, file.problem, file.folder);
       return false;
     }
     fetch.file = std::move(file.file);
     fetch.rest = fetch.file->bytes();
     found.path = fetch.given_path.empty() ? file.path : fetch.given_path;
     if (fetch.given_path.empty()) found.url = net::url_of_path(file.path);
+    found.origin = {found.url.text()};
   }
   fetch.total = fetch.rest.size();
   if (fetch.rest.size() > fetch.max_bytes) {

@@ -41,6 +41,7 @@ struct Found {
   std::string path;  // of a local file; of anything else the URL: what diagnostics call it
   std::string fragment;
   bool local = false;
+  net::Origin origin;  // of what it holds, where that is a text
 };
 
 class Fetch;
@@ -69,7 +70,8 @@ class Taker {
   /// Whether what is there is enough, and views see to the rest by a feed. Null: no; else neither more nor an end come.
   virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
 
-  bool cut = false;  // bytes are left out that nobody misses (`--max-bytes`)
+  bool cut = false;   // bytes are left out that nobody misses (`--max-bytes`)
+  bool told = false;  // why it is missing has been said already
 };
 
 /// A resource, and where it may be.
@@ -77,7 +79,7 @@ class Fetch {
  public:
   std::vector<net::Url> candidates;  // with fragments
   std::size_t next = 0;
-  std::string from;        // the URL of the document that refers to it; empty: the user
+  net::Origin from;        // of the text that refers to it
   std::string given_path;  // of a file, as the user gave it
   int priority = 0;
   const vrml::Node* node = nullptr;  // that it is for; null: none, or several
@@ -91,6 +93,8 @@ class Fetch {
   bool front = false;  // only the first bytes are asked for yet
   net::RequestId request;
   std::string first_problem;
+  bool told = false;      // it is one that was said already of another
+  std::string reference;  // as the text has it, for messages
   std::optional<net::MappedFile> file;
   std::vector<std::byte> data;  // of a data: URL
   std::span<const std::byte> rest;
@@ -150,22 +154,25 @@ struct WorldLoading::State {
   void deliver(Fetch& fetch, std::span<const std::byte> bytes);
   void finish(Fetch& fetch, const std::optional<std::string>& problem);
   void stop(const std::string& why);
-  [[nodiscard]] std::vector<net::Url> candidates(const vrml::MFString& urls, const std::vector<net::Url>& bases) const;
+  void fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder = {});
+  bool refuse_folder(const std::string& folder, const std::string& reference);
   void report(vrml::Severity severity, const std::string& file, vrml::SourceLocation at, std::string message) {
     world.diagnostics.add({severity, file, at, std::move(message)});
   }
   void set_priorities();
   net::Loader* network();
   // world_cells.cpp
-  void begin_cells(Fetch& fetch, const net::Url& url);
+  bool begin_cells(Fetch& fetch, const net::Url& url);
+  void open_cells(Fetch& fetch, const net::Url& url);
   bool step_cells();
   void stop_cells(const Fetch* fetch);
   [[nodiscard]] net::CellClientStatistics cell_statistics() const;
 
-  [[nodiscard]] ReadFile reader_beside(const net::Url& base);
-  std::optional<std::vector<std::byte>> read_now(const std::string& url, const std::string& from);
+  [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
+  BytesResult read_now(const std::string& url, const net::Origin& from);
 
   LoadOptions options;
+  net::ReferencePolicy policy;
   LoadLimit limit;
   OpenedWorld world;
   render::MeshCache meshes;
@@ -182,8 +189,10 @@ struct WorldLoading::State {
   /// A resource that comes as cells.
   struct Cells;
   std::vector<std::shared_ptr<Cells>> cells;
-  net::CellClientStatistics ended_cells;  // of those that are over
-  std::deque<net::LoadEvent> events;      // that were polled and not taken in yet
+  std::deque<Fetch*> waiting_cells;                // that documents ask for
+  std::unordered_set<std::string> silent_servers;  // that were asked for cells, and never answered
+  net::CellClientStatistics ended_cells;           // of those that are over
+  std::deque<net::LoadEvent> events;               // that were polled and not taken in yet
   std::size_t files = 0, copied_vectors = 0;
   std::uint64_t received = 0;
   bool stopped = false, is_done = false, changed = false, fed = false, taken = false;
@@ -228,7 +237,8 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   Role role;
   SceneTaker* outer;                   // whose Inline or EXTERNPROTO this is; null: the root
   vrml::NodeId inline_node;            // of outer's scene
-  vrml::SourceLocation place;          // in outer's file, for messages
+  std::string place_file;              // where outer's node is, for messages
+  vrml::SourceLocation place;          // in that file
   std::string what;                    // "Inline", "EXTERNPROTO Name", for messages
   vrml::MFString urls;                 // where it may be, for messages
   std::vector<vrml::NodeType*> types;  // library: outer's types that wait for it
@@ -251,6 +261,15 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void settle();
   [[nodiscard]] bool leads_back(const Found& found) const;
   // scene_references.cpp
+  /// What a url list names, and in whose name it is asked for.
+  struct Reference {
+    std::vector<net::Url> places;
+    net::Origin from;
+    std::string first;  // as the text has it
+  };
+  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SceneGraph& text) const;
+  [[nodiscard]] Reference refer(vrml::NodeId id) const;
+  void ask_for(Reference reference, vrml::NodeId id, std::shared_ptr<Taker> taker, Urgency urgency);
   void look_for_references();
   void visit(vrml::NodeId id);
   void look_for_prototypes();
@@ -264,11 +283,14 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
     world_.report(severity, scene ? scene->file_name() : found_.path, at, std::move(message));
   }
+  void report_at(const vrml::Node& node, std::string message) {
+    world_.report(vrml::Severity::warning, node.text->file_name(), node.location, std::move(message));
+  }
 
   World& world_;
   Found found_;
-  std::unique_ptr<vrml::SceneGraph> own_;  // until it is attached or handed over
-  std::vector<net::Url> bases_;
+  std::unique_ptr<vrml::SceneGraph> own_;                             // until it is attached or handed over
+  std::unordered_map<const vrml::SceneGraph*, net::Origin> origins_;  // of this text, and of libraries'
   std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
   const ContentType* type_ = nullptr;
   std::optional<vrml::Parser> parser_;

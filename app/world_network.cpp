@@ -27,6 +27,7 @@ net::Loader* WorldLoading::State::network() {
   net::LoaderOptions settings;
   settings.cache_folder = options.cache_folder;
   settings.memory = options.memory;
+  settings.policy = policy;
   settings.bytes_per_second = options.rate / 8;
   settings.wake = [waker = waker] { waker->wake(); };
   loader = net::Loader::create(std::move(settings));
@@ -92,6 +93,7 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
     found.url = net::parse_url(head->url);
     found.fragment = fetch.candidates[fetch.next - 1].fragment;
     found.path = net::url_for_messages(head->url);
+    found.origin = head->origin();
     if (!fetch.begun) begin_taking(fetch, found);
   } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
     if (!fetch.refused) deliver(fetch, data->bytes);
@@ -110,7 +112,7 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
   } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
     over();
     if (fetch.begun) return finish(fetch, error->message);
-    if (fetch.first_problem.empty()) fetch.first_problem = error->message;
+    fail_candidate(fetch, error->message);
     return begin_next_candidate(fetch);
   }
   if (!fetch.refused) return;
@@ -145,33 +147,38 @@ void WorldLoading::State::take_rest(Fetch& fetch) {
     ask(fetch, {{fetch.received, *fetch.total}});
 }
 
-ReadFile WorldLoading::State::reader_beside(const net::Url& base) {
-  return [this, base](const std::string& name) -> std::optional<std::vector<std::byte>> {
-    const net::Url url = net::resolve(base, net::parse_url(net::tidy_url(name)));
-    if (net::refuse_reference(base.text(), url)) return std::nullopt;
+ReadFile WorldLoading::State::reader_of(const net::Origin& origin) {
+  return [this, origin](const std::string& name) -> BytesResult {
+    const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(net::tidy_url(name)));
+    const auto refused = policy.refuse(origin, url);
+    if (refused && !refused->folder.empty()) (void)refuse_folder(refused->folder, name);
+    if (refused) return name + ": " + refused->message;
     if (url.scheme == "file") {
-      const LocalFile local_file = open_local_file(url);
-      if (!local_file.file) return std::nullopt;
-      const auto bytes = local_file.file->bytes();
-      return std::vector<std::byte>(bytes.begin(), bytes.end());
+      LocalFile local_file = open_local_file(url, policy, origin);
+      if (!local_file.folder.empty()) (void)refuse_folder(local_file.folder, name);
+      if (!local_file.file) return local_file.problem;
+      return shared_bytes(std::move(*local_file.file));
     }
     if (url.scheme == "data") {
       auto decoded = net::decode_data_url(url.text());
-      return decoded ? std::optional(std::move(decoded->bytes)) : std::nullopt;
+      if (!decoded) return std::string("malformed data: URL");
+      return shared_bytes(std::move(decoded->bytes));
     }
-    return options.offline ? std::nullopt : read_now(without_fragment(url), base.text());
+    if (options.offline) return name + ": the network is not used (--offline)";
+    return read_now(without_fragment(url), origin);
   };
 }
 
 // An importer cannot go on without. What comes meanwhile for others waits.
-std::optional<std::vector<std::byte>> WorldLoading::State::read_now(const std::string& url, const std::string& from) {
+BytesResult WorldLoading::State::read_now(const std::string& url, const net::Origin& from) {
   net::Request wanted;
   wanted.url = url;
   wanted.from = from;
   wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
   const net::RequestId id = network()->request(std::move(wanted));
   std::vector<std::byte> bytes;
-  bool over = false, whole = false;
+  std::optional<std::string> problem = "the time for loading is over";
+  bool over = false;
   while (!over && !limit.over()) {
     for (net::LoadEvent& event : loader->poll()) {
       if (event.id != id) {
@@ -180,16 +187,20 @@ std::optional<std::vector<std::byte>> WorldLoading::State::read_now(const std::s
         bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
       } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
         bytes.clear();
-      } else {
-        whole = whole || std::holds_alternative<net::LoadDone>(event.what);
-        over = whole || std::holds_alternative<net::LoadError>(event.what);
+      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+        over = true;
+        problem.reset();
+      } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
+        over = true;
+        problem = std::move(error->message);
       }
     }
     if (!over && loader->queued_bytes() == 0) waker->wait(kLongestWait);
   }
   loader->cancel(id);
   received += bytes.size();
-  return whole ? std::optional(std::move(bytes)) : std::nullopt;
+  if (problem) return std::move(*problem);
+  return shared_bytes(std::move(bytes));
 }
 
 }  // namespace gs::app

@@ -13,15 +13,15 @@ namespace gs::net {
 namespace {
 
 constexpr std::size_t kMappedBytes = 12;
-constexpr IpAddress kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+constexpr IpAddress kIpv4Prefix{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
 
 bool is_ipv4(const IpAddress& address) {
-  return std::equal(kMapped.begin(), kMapped.begin() + kMappedBytes, address.begin());
+  return std::equal(kIpv4Prefix.begin(), kIpv4Prefix.begin() + kMappedBytes, address.begin());
 }
 
 /// The address of IPv4 that stands at `at` in another.
 IpAddress carried(const IpAddress& address, std::size_t at) {
-  IpAddress result = kMapped;
+  IpAddress result = kIpv4Prefix;
   std::copy_n(address.begin() + static_cast<std::ptrdiff_t>(at), 4, result.begin() + kMappedBytes);
   return result;
 }
@@ -58,14 +58,14 @@ constexpr SpaceRow kSpaces[] = {
     {"::/0", AddressSpace::special},
 };
 
-struct Row {
+struct SpaceBlock {
   AddressBlock block;
   AddressSpace space;
 };
 
-const std::vector<Row>& rows() {
-  static const std::vector<Row> all = [] {
-    std::vector<Row> made;
+const std::vector<SpaceBlock>& space_blocks() {
+  static const std::vector<SpaceBlock> all = [] {
+    std::vector<SpaceBlock> made;
     for (const SpaceRow& row : kSpaces)
       if (const auto block = address_block_of(row.block)) made.push_back({*block, row.space});
     return made;
@@ -117,13 +117,13 @@ AddressSpace address_space_of(const IpAddress& address) {
   static const AddressBlock nat64 = *address_block_of("64:ff9b::/96"), six_to_four = *address_block_of("2002::/16");
   if (nat64.contains(address)) return address_space_of(carried(address, kMappedBytes));
   if (six_to_four.contains(address)) return address_space_of(carried(address, 2));
-  for (const Row& row : rows())
+  for (const SpaceBlock& row : space_blocks())
     if (row.block.contains(address)) return row.space;
   return AddressSpace::special;
 }
 
 std::optional<IpAddress> ip_address_of(const sockaddr* address) {
-  IpAddress result = kMapped;
+  IpAddress result = kIpv4Prefix;
   if (address->sa_family == AF_INET6) {
     std::copy_n(reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr.s6_addr, result.size(), result.begin());
     return result;
@@ -135,7 +135,7 @@ std::optional<IpAddress> ip_address_of(const sockaddr* address) {
 }
 
 std::optional<IpAddress> ip_address_of(const std::string& text) {
-  IpAddress result = kMapped;
+  IpAddress result = kIpv4Prefix;
   if (::inet_pton(AF_INET, text.c_str(), result.data() + kMappedBytes) == 1) return result;
   if (::inet_pton(AF_INET6, text.c_str(), result.data()) == 1) return result;
   return std::nullopt;

@@ -10,7 +10,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::string_view kMark = "GSCACHE1";
+constexpr std::string_view kMark = "GSCACHE2";
 constexpr std::size_t kExtentBytes = 16;
 constexpr std::uint64_t kUnknown = std::numeric_limits<std::uint64_t>::max();
 
@@ -108,7 +108,7 @@ std::vector<std::byte> write_cache_entry(const CacheEntry& entry) {
   put_number(result, entry.head.total.value_or(kUnknown), 8);
   put_number(result,
              (entry.head.validator.date_is_strong ? 1u : 0u) | (entry.head.accepts_ranges ? 2u : 0u) |
-                 (entry.head.encoded ? 4u : 0u),
+                 (entry.head.encoded ? 4u : 0u) | static_cast<unsigned>(entry.head.space) << 3,
              1);
   put_number(result, static_cast<std::uint64_t>(entry.head.stored_at), 8);
   put_number(result, static_cast<std::uint64_t>(entry.head.fresh_for), 8);
@@ -140,6 +140,7 @@ std::optional<CacheEntry> read_cache_entry(std::span<const std::byte> bytes) {
   entry.head.validator.date_is_strong = flags & 1;
   entry.head.accepts_ranges = flags & 2;
   entry.head.encoded = flags & 4;
+  entry.head.space = static_cast<AddressSpace>(flags >> 3 & 3);
   entry.head.stored_at = static_cast<std::int64_t>(reader.number(8));
   entry.head.fresh_for = static_cast<std::int64_t>(reader.number(8));
   const std::uint64_t count = reader.number(4);

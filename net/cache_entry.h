@@ -22,6 +22,7 @@ struct CachedHead {
   bool encoded = false;        // what is stored was compressed on the way, so that the server's ranges do not fit it
   std::int64_t stored_at = 0;  // Unix seconds at which the server last confirmed it
   std::int64_t fresh_for = 0;  // seconds from then
+  AddressSpace space = AddressSpace::global;  // of the host that sent it
 };
 
 /// Bytes of the data file that were written together, with their CRC-32 (zlib's).

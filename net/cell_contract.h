@@ -1,5 +1,6 @@
 #pragma once
 
+#include "net/address_space.h"
 #include "net/cell_source.h"
 #include "net/cells.h"
 #include "net/erasure.h"
@@ -31,7 +32,7 @@ constexpr std::uint8_t kFewestCells = 4;  // in a datagram
 
 /// An address and port of UDP; IPv4 is mapped into IPv6 (RFC 4291 2.5.5.2).
 struct Endpoint {
-  std::array<std::uint8_t, 16> address{};
+  IpAddress address{};
   std::uint16_t port = 0;
   friend auto operator<=>(const Endpoint&, const Endpoint&) = default;
 };

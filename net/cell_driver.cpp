@@ -134,12 +134,14 @@ struct CellClientDriver::State {
         most_waiting(options.most_waiting),
         loss(options.loss),
         chance(options.loss_seed),
+        reach(options.reach),
+        space_of(options.space_of),
         host(std::move(the_host)),
         port(the_port),
         wake(std::move(the_wake)) {}
 
   void run() {
-    auto found = find_host(host, port);
+    auto found = find_host(host, port, reach, space_of);
     if (const auto* error = std::get_if<UdpError>(&found)) {
       CellEvent event;
       event.text = error->message;
@@ -209,6 +211,8 @@ struct CellClientDriver::State {
   std::size_t most_waiting;
   double loss;
   std::mt19937_64 chance;
+  AddressSpace reach;
+  AddressSpaceOf space_of;
   std::string host;
   std::uint16_t port;
   std::function<void()> wake;

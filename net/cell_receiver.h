@@ -25,6 +25,8 @@ struct CellClientOptions {
                                                      // taken; what comes then is lost
   double loss = 0;                                   // of the driver: this share of what comes is dropped, for trials
   std::uint64_t loss_seed = 1;
+  AddressSpace reach = AddressSpace::special;  // of the driver: the most private space in which the server may be
+  AddressSpaceOf space_of = address_space_of;
 };
 
 /// What a client wants in one of its slots.

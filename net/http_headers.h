@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "net/address_space.h"
+
 namespace gs::net {
 
 /// What tells versions of a resource apart (RFC 9110 8.8). All strings as the server wrote them.
@@ -49,6 +51,7 @@ struct ResponseHead {
   std::optional<std::int64_t> date, expires;  // Unix seconds
   std::int64_t age = 0;                       // seconds
   std::optional<std::int64_t> retry_after;    // seconds from now
+  AddressSpace space = AddressSpace::global;  // of the host that answers
 };
 
 [[nodiscard]] std::optional<std::uint64_t> parse_decimal(std::string_view text);

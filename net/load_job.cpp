@@ -24,7 +24,11 @@ std::string without_fragment(const std::string& url) {
 }  // namespace
 
 LoadJob::LoadJob(JobContext& context, RequestId id, Request request)
-    : context_(context), id_(id), request_(std::move(request)), first_url_(request_.url) {
+    : context_(context),
+      id_(id),
+      request_(std::move(request)),
+      first_url_(request_.url),
+      reach_(request_.from.reach()) {
   set_url(request_.url);
 }
 
@@ -69,9 +73,9 @@ std::optional<std::string> LoadJob::refusal() const {
 
 void LoadJob::begin() {
   if (const auto why = refusal()) return fail(LoadErrorKind::bad_request, *why);
-  const Url target = parse_url(scheme_ ? std::string(scheme_->name) + ":" : url_);
-  if (const auto why = refuse_reference(request_.from, target))
-    return fail(scheme_ ? LoadErrorKind::forbidden : LoadErrorKind::unsupported, *why);
+  const bool data = scheme_ && scheme_->transport == TransportKind::data;
+  if (const auto why = context_.options.policy.refuse(request_.from, parse_url(data ? "data:" : url_)))
+    return fail(scheme_ ? LoadErrorKind::forbidden : LoadErrorKind::unsupported, why->message);
   open_version();
 }
 
@@ -120,7 +124,8 @@ void LoadJob::open_version() {
 void LoadJob::look_up() {
   const std::int64_t now = context_.unix_seconds();
   auto found = context_.cache->find(key(), now);
-  if (!found || (!request_.validator.empty() && !request_.validator.agrees(found->head().validator)))
+  if (!found || (!request_.validator.empty() && !request_.validator.agrees(found->head().validator)) ||
+      !reaches(reach_, found->head().space))
     return plan(needed_);
   const CachedHead& head = found->head();
   const bool continuable = !head.encoded && !head.validator.strong().empty();
@@ -142,10 +147,11 @@ void LoadJob::look_up() {
   total_ = head.total;
   encoded_ = head.encoded;
   accepts_ranges_ = head.accepts_ranges;
+  space_ = head.space;
   cached_ = std::move(found);
   if (fresh) {
     trusted_ = true;
-    emit_head({url_, total_, cached_->head().content_type, version_, accepts_ranges_, true});
+    emit_head({url_, total_, cached_->head().content_type, version_, accepts_ranges_, true, space_});
     if (over_) return;
     plan(missing);
     return check_done();
@@ -191,6 +197,7 @@ TransferRequest LoadJob::describe(const Fetch& fetch) const {
   TransferRequest result;
   result.url = url_;
   result.accept = request_.accept;
+  result.reach = reach_;
   const bool all = fetch.position == 0 && fetch.range.end == kOpenEnd;
   if (!all) result.range = ByteRange{fetch.position, fetch.range.end};
   if (fetch.conditional && cached_) {

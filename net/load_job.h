@@ -42,6 +42,7 @@ struct Fetch {
   /// Of the answer that is coming.
   struct Answer {
     std::string redirect;
+    AddressSpace space = AddressSpace::global;  // of the host
     std::optional<LoadError> error;
     bool transient = false;
     std::optional<std::int64_t> retry_after;
@@ -116,7 +117,7 @@ class LoadJob {
   void open_writer(const ResponseHead& head);
   DataVerdict deliver(Fetch& fetch, std::span<const std::byte> bytes);
   void end_body(Fetch& fetch, TimePoint now);
-  void follow(const std::string& location);
+  void follow(const std::string& location, AddressSpace space);
   void use_confirmed(Fetch& fetch);
   void retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
              TimePoint now);
@@ -135,6 +136,7 @@ class LoadJob {
   RangeSet needed_;  // not handed out yet
   std::uint64_t received_ = 0;
   unsigned redirects_ = 0, restarts_ = 0;
+  AddressSpace reach_;  // grows narrower by every host that has had a say
   bool over_ = false, use_cache_ = true;
 
   // The version: of the head that was emitted, or of what the cache has
@@ -142,6 +144,7 @@ class LoadJob {
   Validator version_;
   std::optional<std::uint64_t> total_;
   bool encoded_ = false, accepts_ranges_ = false;
+  AddressSpace space_ = AddressSpace::global;
   std::optional<CachedResource> cached_;
   ByteRange cached_part_;  // what of it is used
   bool trusted_ = false;   // it is fresh, or confirmed by the server

@@ -44,6 +44,11 @@ std::string range_text(std::uint64_t begin, std::uint64_t end) {
 
 HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
   fetch.answer = {};
+  if (const auto why = refuse_host(reach_, head.space)) {
+    fail(LoadErrorKind::forbidden, *why);
+    return HeadVerdict::stop;
+  }
+  fetch.answer.space = head.space;
   if (is_redirect(head.status) && !head.location.empty()) {
     fetch.answer.redirect = head.location;
     return HeadVerdict::discard;
@@ -149,6 +154,8 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   if (!head_sent_) adopt(head, total);
   if (over_) return HeadVerdict::stop;
+  // What comes later is of no more private a host: a name may mean another by then.
+  reach_ = std::max(reach_, head.space);
   if (!total_ && total) {
     total_ = total;
     if (!clamp()) return HeadVerdict::stop;
@@ -177,7 +184,9 @@ void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total
   if (!cached_) {
     version_ = head.validator;
     encoded_ = head.encoded;
+    space_ = head.space;
   }
+  space_ = std::max(space_, head.space);
   if (total) total_ = total;
   accepts_ranges_ = head.accepts_ranges && !head.encoded;
   if (accepts_ranges_) {
@@ -185,7 +194,7 @@ void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total
     if (context_.ranges_known.size() >= kMost) context_.ranges_known.clear();
     context_.ranges_known[url_] = true;
   }
-  emit_head({url_, total_, head.content_type, version_, accepts_ranges_, cached_.has_value()});
+  emit_head({url_, total_, head.content_type, version_, accepts_ranges_, cached_.has_value(), space_});
 }
 
 void LoadJob::open_writer(const ResponseHead& head) {
@@ -194,7 +203,7 @@ void LoadJob::open_writer(const ResponseHead& head) {
   const std::int64_t fresh_for = freshness(head);
   if (version_.empty() && fresh_for == 0) return;
   writer_ = context_.cache->write(key(), {url_, head.content_type, version_, total_, accepts_ranges_, encoded_,
-                                          context_.unix_seconds(), fresh_for});
+                                          context_.unix_seconds(), fresh_for, space_});
 }
 
 DataVerdict LoadJob::on_data(Fetch& fetch, std::span<const std::byte> bytes) {
@@ -248,7 +257,7 @@ void LoadJob::on_end(Fetch& fetch, const TransferEnd& end, TimePoint now) {
     return;
   }
   const Fetch::Answer& answer = fetch.answer;
-  if (!answer.redirect.empty()) return follow(std::string(answer.redirect));
+  if (!answer.redirect.empty()) return follow(std::string(answer.redirect), answer.space);
   if (answer.not_modified) return use_confirmed(fetch);
   if (answer.error) return retry(fetch, LoadError(*answer.error), answer.transient, answer.retry_after, now);
   if (!end.error) return end_body(fetch, now);
@@ -288,7 +297,7 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
   check_done();
 }
 
-void LoadJob::follow(const std::string& location) {
+void LoadJob::follow(const std::string& location, AddressSpace space) {
   constexpr std::size_t kLongest = 8192;
   if (redirects_ >= context_.options.max_redirects)
     return fail(LoadErrorKind::too_many_redirects,
@@ -301,6 +310,11 @@ void LoadJob::follow(const std::string& location) {
   if (!scheme || (!scheme->redirect_target && !within_memory))
     return fail(LoadErrorKind::forbidden,
                 "the server redirects to " + url_for_messages(target.text()) + "; expected http or https");
+  // The answer is a text of the server's, however short.
+  reach_ = std::max(reach_, Origin{url_, space}.reach());
+  if (const auto why = context_.options.policy.refuse({url_, space}, target))
+    return fail(LoadErrorKind::forbidden,
+                "the server redirects to " + url_for_messages(target.text()) + ": " + why->message);
   const bool sent = head_sent_;
   if (sent && !void_version(LoadErrorKind::changed, "the server began to redirect while it was read")) return;
   stop_all();
@@ -319,7 +333,8 @@ void LoadJob::use_confirmed(Fetch& fetch) {
   const bool says = head.cache_control.max_age || head.expires || head.cache_control.no_cache;
   context_.cache->confirm(key(), version_, says ? freshness(head) : cached_->head().fresh_for, context_.unix_seconds());
   trusted_ = true;
-  emit_head({url_, total_, cached_->head().content_type, version_, accepts_ranges_, true});
+  space_ = std::max(space_, head.space);
+  emit_head({url_, total_, cached_->head().content_type, version_, accepts_ranges_, true, space_});
   check_done();
 }
 

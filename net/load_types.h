@@ -13,6 +13,7 @@
 
 #include "net/http_headers.h"
 #include "net/range_set.h"
+#include "net/reference_policy.h"
 #include "net/schemes.h"
 
 namespace gs::net {
@@ -44,14 +45,14 @@ struct Request {
   std::uint32_t viewport = 0;     // who asks: among equal priorities the viewports take turns
   std::uint64_t max_bytes = std::uint64_t{4} << 30;  // more than so many bytes are refused, also decompressed ones
   std::string accept;                                // media types, as in the header Accept; empty: any
-  std::string from;                                  // URL of the document that refers to it; empty: the user asked
+  Origin from;                                       // of the text that refers to it
   Validator validator;                               // when not empty: only bytes of this version are of use
   CacheUse cache = CacheUse::normal;
 };
 
 enum class LoadErrorKind {
   bad_request,         // a URL or ranges that cannot be
-  forbidden,           // not for this document, or not to be redirected to
+  forbidden,           // not for this document: by its URL, the address of its host, or where a server redirects to
   unsupported,         // a scheme without transport
   not_found,           // no such file, or status 404 or 410
   http_status,         // any other answer that is no success
@@ -75,12 +76,16 @@ struct LoadError {
 
 /// The first event of a request: what is about to come.
 struct LoadHead {
-  std::string url;                     // after redirects
-  std::optional<std::uint64_t> total;  // bytes of the whole resource
-  std::string content_type;            // as sent; empty where the transport knows none
-  Validator validator;                 // the version that all data up to the next restart is of
-  bool accepts_ranges = false;         // further ranges can be had without reading all before them
-  bool from_cache = false;             // the server was not asked, or said that nothing changed
+  std::string url;                            // after redirects
+  std::optional<std::uint64_t> total;         // bytes of the whole resource
+  std::string content_type;                   // as sent; empty where the transport knows none
+  Validator validator;                        // the version that all data up to the next restart is of
+  bool accepts_ranges = false;                // further ranges can be had without reading all before them
+  bool from_cache = false;                    // the server was not asked, or said that nothing changed
+  AddressSpace space = AddressSpace::global;  // of the host that sent it
+
+  /// Of what comes, where it is a text.
+  [[nodiscard]] Origin origin() const { return {url, space}; }
 };
 /// Bytes, each wanted byte once. Of one range they come in order, and all in order where the server knows no ranges.
 struct LoadData {
@@ -132,6 +137,9 @@ struct LoaderOptions {
   std::string cache_folder;
   std::uint64_t cache_bytes = std::uint64_t{2} << 30;
   std::size_t cache_entries = 4096;
+  // Who may refer to what
+  ReferencePolicy policy;
+  AddressSpaceOf space_of = address_space_of;
   // Surroundings
   std::function<void()> wake;                  // called from the loader's threads when poll() has something new
   std::function<std::uint64_t()> random;       // 64 bits by chance; called from the network thread only

@@ -7,22 +7,14 @@ namespace gs::net {
 namespace {
 
 constexpr std::array kSchemes{
-    // name, transport, lane, from_network, redirect_target, cached, has_host
-    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false},
-    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false},
-    Scheme{"http", TransportKind::http, Lane::network, true, true, true, true},
-    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true},
-    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, true},
-    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, true},
+    // name, transport, lane, from_network, redirect_target, cached, secure, has_host
+    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false, false},
+    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false},
+    Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true},
+    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true},
+    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true},
+    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true},
 };
-
-std::string names(bool from_network_only) {
-  std::string result;
-  for (const Scheme& scheme : kSchemes)
-    if (scheme.transport != TransportKind::memory && (scheme.from_network || !from_network_only))
-      result.append(result.empty() ? "" : ", ").append(scheme.name);
-  return result;
-}
 
 }  // namespace
 
@@ -32,20 +24,6 @@ const Scheme* find_scheme(std::string_view name) {
   const auto found =
       std::find_if(kSchemes.begin(), kSchemes.end(), [name](const Scheme& scheme) { return scheme.name == name; });
   return found == kSchemes.end() ? nullptr : &*found;
-}
-
-std::optional<std::string> refuse_reference(std::string_view from, const Url& to) {
-  const Scheme* const target = find_scheme(to.scheme);
-  if (!target) {
-    if (to.scheme.empty()) return "it has no scheme; expected one of " + names(false);
-    return "the scheme " + to.scheme.substr(0, 32) + ": is not known; expected one of " + names(false);
-  }
-  if (from.empty()) return std::nullopt;
-  const Url origin = parse_url(from);
-  // Unknown origins are trusted no more than the network.
-  if (origin.scheme == "file" || target->from_network) return std::nullopt;
-  return "a document of " + (origin.scheme.empty() ? "unknown origin" : origin.scheme.substr(0, 32) + ":") +
-         " may not refer to " + to.scheme + ":; expected one of " + names(true);
 }
 
 std::string url_for_messages(std::string_view url) {

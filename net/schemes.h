@@ -24,6 +24,7 @@ struct Scheme {
   bool from_network;     // documents that came over a network (and data: documents) may refer to it
   bool redirect_target;  // a server may redirect to it
   bool cached;           // answers are kept on disk
+  bool secure;           // nobody on the way can read or change what comes
   bool has_host;         // the number of transfers of one host is bounded
 };
 
@@ -31,10 +32,6 @@ struct Scheme {
 [[nodiscard]] std::span<const Scheme> schemes();
 /// The row of a scheme in lower case, or nothing.
 [[nodiscard]] const Scheme* find_scheme(std::string_view name);
-
-/// Why a document at `from` may not refer to `to`, or nothing when it may. `from` empty: the user asked. What came over
-/// a network, or out of a data: URL, may have been written by anyone and never reaches files.
-[[nodiscard]] std::optional<std::string> refuse_reference(std::string_view from, const Url& to);
 
 /// A URL as it may stand in messages and logs: without user name and password, without control characters, shortened.
 [[nodiscard]] std::string url_for_messages(std::string_view url);

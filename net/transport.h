@@ -23,6 +23,7 @@ struct TransferRequest {
   std::string if_none_match;       // status 304 if the resource still is this version
   std::string if_modified_since;   // the same by date
   std::string accept;
+  AddressSpace reach = AddressSpace::special;  // the most private space in which the host may be
 };
 
 /// How a transfer ended. Without error the whole announced body has been handed over.

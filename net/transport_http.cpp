@@ -1,12 +1,18 @@
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <memory>
 #include <string_view>
 #include <unordered_map>
 
 #include <curl/curl.h>
 
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include "net/http_headers.h"
+#include "net/http_proxy.h"
+#include "net/reference_policy.h"
 #include "net/transport.h"
 
 namespace gs::net {
@@ -29,6 +35,34 @@ struct FreeMulti {
 struct FreeList {
   void operator()(curl_slist* list) const { curl_slist_free_all(list); }
 };
+
+struct FreeUrl {
+  void operator()(CURLU* url) const { curl_url_cleanup(url); }
+};
+
+/// Where a host is that a proxy will look up: what its name alone tells. Hosts whose names tell nothing are the
+/// proxy's to refuse.
+AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {
+  const std::unique_ptr<CURLU, FreeUrl> parts(curl_url());
+  char* text = nullptr;
+  // curl writes numbers of any base as addresses.
+  if (curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
+      curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
+    return AddressSpace::special;
+  std::string host = text;
+  curl_free(text);
+  if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.find(']') - 1);
+  if (const auto address = ip_address_of(host)) return space_of(*address);
+  if (host.ends_with('.')) host.pop_back();
+  std::transform(host.begin(), host.end(), host.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return host == "localhost" || host.ends_with(".localhost") ? AddressSpace::loopback : AddressSpace::global;
+}
+
+std::string environment_variable(const std::string& name) {
+  const char* const value = std::getenv(name.c_str());
+  return value ? value : "";
+}
 
 std::string milliseconds(Milliseconds time) { return std::to_string(time.count()) + " ms"; }
 
@@ -114,6 +148,10 @@ class CurlTransport final : public HttpTransport {
     std::size_t header_bytes = 0, discarded = 0;
     TimePoint progress;                // the start, the end of the headers, or the last byte of the body
     std::optional<LoadError> failure;  // found by us, not by curl
+    AddressSpace reach = AddressSpace::special;
+    AddressSpace space = AddressSpace::special;  // of the host
+    std::string refused_host;                    // why an address was passed over
+    bool proxied = false;                        // the host's address is the proxy's to find
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
   };
@@ -127,10 +165,28 @@ class CurlTransport final : public HttpTransport {
     return transfer.transport->on_body(transfer, {data, count});
   }
 
+  /// In place of a connection to an address that the text may not reach, none is made.
+  static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
+      return CURL_SOCKET_BAD;
+    return ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+  }
+  /// Before each request, also on a connection that was made for another.
+  static int request_callback(void* user, char* address, char*, int, int) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    if (transfer.proxied) return CURL_PREREQFUNC_OK;
+    return transfer.transport->may_reach(transfer, ip_address_of(std::string(address ? address : "")))
+               ? CURL_PREREQFUNC_OK
+               : CURL_PREREQFUNC_ABORT;
+  }
+
+  bool may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const;
   void set_options(Transfer& transfer, const TransferRequest& request);
   bool on_header(Transfer& transfer, std::string_view line);
   std::size_t on_body(Transfer& transfer, std::string_view bytes);
   void apply_pauses();
+  void end_refused();
   void collect();
   void watch_the_clock();
   void end(Transfer& transfer, const TransferEnd& how) {
@@ -155,11 +211,21 @@ void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoi
   transfer->transport = this;
   transfer->id = id;
   transfer->progress = now;
+  transfer->reach = request.reach;
   transfer->easy.reset(curl_easy_init());
   set_options(*transfer, request);
-  curl_multi_add_handle(multi_.get(), transfer->easy.get());
+  // What is refused already ends in the next step.
+  if (transfer->refused_host.empty()) curl_multi_add_handle(multi_.get(), transfer->easy.get());
   transfers_[id] = std::move(transfer);
   dirty_ = true;
+}
+
+bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const {
+  const AddressSpace space = address ? options_.space_of(*address) : AddressSpace::special;
+  const auto why = refuse_host(transfer.reach, space, address ? address_text(*address) : std::string());
+  transfer.refused_host = why.value_or("");
+  transfer.space = space;
+  return !why;
 }
 
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
@@ -185,7 +251,19 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   if (options_.bytes_per_second > 0)
     curl_easy_setopt(easy, CURLOPT_MAX_RECV_SPEED_LARGE, static_cast<curl_off_t>(options_.bytes_per_second));
   if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
-  if (!options_.proxy_from_environment) curl_easy_setopt(easy, CURLOPT_PROXY, "");
+  const std::string proxy =
+      options_.proxy_from_environment ? proxy_of(parse_url(request.url), environment_variable) : std::string();
+  curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
+  curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
+  transfer.proxied = !proxy.empty();
+  if (transfer.proxied) {
+    transfer.space = space_by_name(request.url, options_.space_of);
+    transfer.refused_host = refuse_host(transfer.reach, transfer.space).value_or("");
+  }
+  curl_easy_setopt(easy, CURLOPT_OPENSOCKETFUNCTION, &open_socket_callback);
+  curl_easy_setopt(easy, CURLOPT_OPENSOCKETDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_PREREQFUNCTION, &request_callback);
+  curl_easy_setopt(easy, CURLOPT_PREREQDATA, &transfer);
 
   const auto add = [&transfer](const std::string& name, const std::string& value) {
     const bool safe =
@@ -237,6 +315,7 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   }
   if (transfer.head.status < 200) return true;  // another head follows
   finish_head(transfer.head);
+  transfer.head.space = transfer.space;
   transfer.head_done = true;
   transfer.progress = now_;
   const HeadVerdict verdict = sink_->on_head(transfer.id, transfer.head);
@@ -281,10 +360,18 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   apply_pauses();
   int running = 0;
   curl_multi_perform(multi_.get(), &running);
+  end_refused();
   collect();
   watch_the_clock();
   remove_over();
   sink_ = nullptr;
+}
+
+/// Those that were never begun.
+void CurlTransport::end_refused() {
+  for (auto& [id, transfer] : transfers_)
+    if (!transfer->over && transfer->proxied && !transfer->refused_host.empty())
+      end(*transfer, {LoadError{LoadErrorKind::forbidden, transfer->refused_host, 0}, false});
 }
 
 void CurlTransport::collect() {
@@ -302,6 +389,8 @@ void CurlTransport::collect() {
       end(transfer, {});
     else if (code == CURLE_OK)
       end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent no complete head", 0}, false});
+    else if (!transfer.head_done && !transfer.refused_host.empty())
+      end(transfer, {LoadError{LoadErrorKind::forbidden, transfer.refused_host, 0}, false});
     else
       end(transfer, describe_failure(code, transfer.detail.data(), options_));
   }

@@ -17,6 +17,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "net/reference_policy.h"
+
 namespace gs::net {
 namespace {
 
@@ -46,19 +48,11 @@ socklen_t address_of(const Endpoint& endpoint, bool ipv6, sockaddr_storage& stor
 }
 
 std::optional<Endpoint> endpoint_of(const sockaddr* from) {
-  Endpoint endpoint;
-  if (from->sa_family == AF_INET6) {
-    const auto* address = reinterpret_cast<const sockaddr_in6*>(from);
-    std::copy_n(address->sin6_addr.s6_addr, 16, endpoint.address.begin());
-    endpoint.port = ntohs(address->sin6_port);
-    return endpoint;
-  }
-  if (from->sa_family != AF_INET) return std::nullopt;
-  const auto* address = reinterpret_cast<const sockaddr_in*>(from);
-  std::copy(kIpv4Mapped.begin(), kIpv4Mapped.end(), endpoint.address.begin());
-  std::memcpy(endpoint.address.data() + kIpv4Mapped.size(), &address->sin_addr, 4);
-  endpoint.port = ntohs(address->sin_port);
-  return endpoint;
+  const auto address = ip_address_of(from);
+  if (!address) return std::nullopt;
+  const bool six = from->sa_family == AF_INET6;
+  return Endpoint{*address, ntohs(six ? reinterpret_cast<const sockaddr_in6*>(from)->sin6_port
+                                      : reinterpret_cast<const sockaddr_in*>(from)->sin_port)};
 }
 
 std::string reason() { return std::generic_category().message(errno); }
@@ -87,23 +81,27 @@ int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
 }  // namespace
 
 std::string endpoint_text(const Endpoint& endpoint) {
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  const bool ipv4 = is_ipv4(endpoint);
-  (void)::inet_ntop(ipv4 ? AF_INET : AF_INET6, endpoint.address.data() + (ipv4 ? kIpv4Mapped.size() : 0), text.data(),
-                    static_cast<socklen_t>(text.size()));
-  const std::string port = std::to_string(endpoint.port);
-  return ipv4 ? text.data() + (":" + port) : "[" + (text.data() + ("]:" + port));
+  const std::string address = address_text(endpoint.address), port = std::to_string(endpoint.port);
+  return is_ipv4(endpoint) ? address + ":" + port : "[" + address + "]:" + port;
 }
 
-std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port) {
+std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port, AddressSpace reach,
+                                           const AddressSpaceOf& space_of) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
   const int code = ::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found);
   if (code != 0) return UdpError{"cannot find the host " + host + ": " + ::gai_strerror(code)};
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, ::freeaddrinfo);
-  for (const addrinfo* at = found; at; at = at->ai_next)
-    if (const auto endpoint = endpoint_of(at->ai_addr)) return *endpoint;
+  std::optional<std::string> refused;
+  for (const addrinfo* at = found; at; at = at->ai_next) {
+    const auto endpoint = endpoint_of(at->ai_addr);
+    if (!endpoint) continue;
+    const auto why = refuse_host(reach, space_of(endpoint->address), address_text(endpoint->address));
+    if (!why) return *endpoint;
+    if (!refused) refused = why;
+  }
+  if (refused) return UdpError{"no datagrams are sent to " + host + ": " + *refused};
   return UdpError{"cannot find the host " + host + ": it has no address of IPv4 or IPv6"};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "net/address_space.h"
 #include "net/cell_contract.h"
 
 #include <chrono>
@@ -21,9 +22,11 @@ struct UdpError {
 
 /// "192.0.2.1:6635" or "[2001:db8::1]:6635".
 [[nodiscard]] std::string endpoint_text(const Endpoint& endpoint);
-/// The first address of a host, by its name or number. Blocks as long as name
-/// servers do.
-[[nodiscard]] std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port);
+/// The first address of a host, by its name or number, that a text of this
+/// reach may have datagrams sent to. Blocks as long as name servers do.
+[[nodiscard]] std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port,
+                                                         AddressSpace reach = AddressSpace::special,
+                                                         const AddressSpaceOf& space_of = address_space_of);
 
 /// A socket of UDP, IPv6 and IPv4 alike where the system has both. Never blocks
 /// but in `wait`. Movable; one thread.

@@ -41,18 +41,21 @@ sweep_one() {
   local file=$1 relative=${1#"$SWEEP_DIR"/} collection scratch check picture check_status=0 picture_status=0 key
   case $relative in */*) collection=${relative%%/*} ;; *) collection=. ;; esac
   scratch=$(mktemp -d)
+  # worlds share textures with those beside them
+  local allowed=$SWEEP_DIR
+  [ "$collection" = . ] || allowed=$SWEEP_DIR/$collection
   key=$(printf '%s' "$relative" | tr -c 'A-Za-z0-9._\n-' '_')
   local image=$SWEEP_OUT/pictures/$key.png
   ulimit -c 0
   [ "$SWEEP_ASAN" = yes ] || ulimit -v $((8 * 1024 * 1024))
 
   # in braces, so that what bash says about a crash goes into the file too
-  { timeout -k 2 "$SWEEP_LIMIT" "$SWEEP_BINARY" check --stats "$scratch/check.json" "$file" \
+  { timeout -k 2 "$SWEEP_LIMIT" "$SWEEP_BINARY" check --allow "$allowed" --stats "$scratch/check.json" "$file" \
     >"$scratch/check.out" </dev/null || check_status=$?; } 2>"$scratch/check.err"
   check=$(outcome "$check_status" "$scratch/check.err")
   [ "$check" != refused ] || check=errors
   { timeout -k 2 "$SWEEP_LIMIT" "$SWEEP_BINARY" --snapshot "$image" --size 256x192 --samples 1 --timeout 10 \
-    --stats "$scratch/picture.json" "$file" >"$scratch/picture.out" </dev/null ||
+    --allow "$allowed" --stats "$scratch/picture.json" "$file" >"$scratch/picture.out" </dev/null ||
     picture_status=$?; } 2>"$scratch/picture.err"
   picture=$(outcome "$picture_status" "$scratch/picture.err")
   local colors

@@ -11,11 +11,7 @@ int run_check(const Options& options) {
   std::size_t bytes = 0, nodes = 0, errors = 0, warnings = 0;
   double seconds = 0;
   for (const std::string& file : options.files) {
-    LoadOptions load;
-    load.max_bytes = options.max_bytes;
-    load.timeout_seconds = options.timeout_seconds;
-    load.offline = options.offline;
-    load.cache_folder = http_cache_folder();
+    LoadOptions load = load_options(options);
     load.references = false;
     const OpenedWorld world = load_world(file, load);
     for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries())

@@ -2,6 +2,7 @@
 
 #include "app/opened_world.h"
 #include "app/options.h"
+#include "app/world_loader.h"
 #include "render/renderer.h"
 
 #include <cstddef>
@@ -47,6 +48,9 @@ int fail(const std::string& what);
                                                            std::span<const std::byte> bytes);
 /// ".ply (PLY points), .glb (...), ...": what export writes.
 [[nodiscard]] std::string export_format_list();
+/// What the command line says of the reading of files, of which those it names may be read by any world of this
+/// machine.
+[[nodiscard]] LoadOptions load_options(const Options& options);
 /// Where answers of servers are kept between runs: in $XDG_CACHE_HOME, else ~/.cache; empty when there is neither.
 [[nodiscard]] std::string http_cache_folder();
 /// The largest memory this process has held, in bytes.

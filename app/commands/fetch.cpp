@@ -107,12 +107,8 @@ std::optional<std::string> check_fetch(const Options& options) {
 
 int run_fetch(const Options& options) {
   const std::string& url = options.files.front();
-  LoadOptions load;
-  load.max_bytes = options.max_bytes;
-  load.loss = options.loss;
-  load.loss_seed = options.loss_seed;
-  load.timeout_seconds = options.timeout_seconds;
-  load.rate = options.rate;
+  LoadOptions load = load_options(options);
+  load.cache_folder.clear();  // what comes is measured
   Report report;
   report.is_cells = comes_as_cells(url);
   ProgressBar progress;

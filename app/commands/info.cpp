@@ -205,7 +205,7 @@ void describe_world(Json& json, const OpenedSurface& opened) {
   json["warnings"] = world.diagnostics.warnings();
 }
 
-std::string text_of(const Json& value) {
+std::string json_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) {
     char text[32];
@@ -218,7 +218,7 @@ std::string text_of(const Json& value) {
     text += (text.empty()        ? ""
              : value.is_object() ? ", "
                                  : " ") +
-            (value.is_object() ? key + " " : std::string()) + text_of(part);
+            (value.is_object() ? key + " " : std::string()) + json_text(part);
   return text;
 }
 
@@ -229,12 +229,12 @@ void print_facts(const Json& json) {
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', ' ');
     if (!list && key != "metadata") {
-      std::printf("%-22s %s\n", name.c_str(), text_of(value).c_str());
+      std::printf("%-22s %s\n", name.c_str(), json_text(value).c_str());
       continue;
     }
     std::printf("%s\n", name.c_str());
     for (const auto& [inner, part] : value.items())
-      std::printf("  %s%s\n", list ? "" : (inner + ": ").c_str(), text_of(part).c_str());
+      std::printf("  %s%s\n", list ? "" : (inner + ": ").c_str(), json_text(part).c_str());
   }
 }
 

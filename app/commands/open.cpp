@@ -25,16 +25,10 @@ int run_open(const Options& options) {
   viewer.viewpoint = options.viewpoint;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);
-  LoadOptions load;
-  load.max_bytes = options.max_bytes;
-  load.loss = options.loss;
-  load.loss_seed = options.loss_seed;
+  LoadOptions load = load_options(options);
   // Who looks at a window sees how far it is, and can cancel.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
-  load.offline = options.offline;
-  load.rate = options.rate;
   load.by_view = true;
-  load.cache_folder = http_cache_folder();
   std::string error;
   const int status = run_viewer(viewer, load, error);
   if (status != 0)

@@ -7,10 +7,7 @@
 namespace gs::app {
 
 int run_print(const Options& options) {
-  LoadOptions load;
-  load.timeout_seconds = options.timeout_seconds;
-  load.offline = options.offline;
-  load.cache_folder = http_cache_folder();
+  LoadOptions load = load_options(options);
   load.references = false;
   const OpenedWorld world = load_world(options.files.front(), load);
   print_diagnostics(world.diagnostics);

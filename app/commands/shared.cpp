@@ -71,6 +71,20 @@ std::string export_format_list() {
   return text;
 }
 
+LoadOptions load_options(const Options& options) {
+  LoadOptions load;
+  load.max_bytes = options.max_bytes;
+  load.loss = options.loss;
+  load.loss_seed = options.loss_seed;
+  load.timeout_seconds = options.timeout_seconds;
+  load.offline = options.offline;
+  load.rate = options.rate;
+  load.cache_folder = http_cache_folder();
+  load.allowed = options.allowed;
+  load.allowed.insert(load.allowed.end(), options.files.begin(), options.files.end());
+  return load;
+}
+
 std::string http_cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
   if (cache && cache[0] == '/') return std::string(cache) + "/ghostspace/http";

@@ -119,15 +119,7 @@ std::optional<SnapshotView> choose_view(const Options& options, const render::Re
 
 int run_snapshot(const Options& options, const std::string& file) {
   const Clock::time_point start = Clock::now();
-  LoadOptions load;
-  load.max_bytes = options.max_bytes;
-  load.loss = options.loss;
-  load.loss_seed = options.loss_seed;
-  load.timeout_seconds = options.timeout_seconds;
-  load.offline = options.offline;
-  load.rate = options.rate;
-  load.cache_folder = http_cache_folder();
-  const OpenedWorld world = load_world(file, load);
+  const OpenedWorld world = load_world(file, load_options(options));
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;

@@ -3,6 +3,7 @@
 #include "app/cloud_reader.h"
 #include "app/commands/commands.h"
 #include "app/content_types.h"
+#include "app/local_file.h"
 #include "app/surface_triangles.h"
 #include "app/text.h"
 #include "app/world_loader.h"
@@ -29,7 +30,7 @@ using qnv::EncodeError;
 bool is_raw(const Options& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
 
 std::optional<Opened> open_volume_input(const Options& options, const std::string& path) {
-  auto opened = open_volume(path, options.raw);
+  auto opened = open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}});
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     (void)fail(*problem);
     return std::nullopt;
@@ -49,10 +50,8 @@ std::optional<Opened> open_cloud_input(const Options& options, const ContentType
 
 std::optional<Opened> open_world_input(const Options& options, const std::string& path, std::string& title) {
   auto surface = std::make_unique<OpenedSurface>();
-  LoadOptions load;
-  load.timeout_seconds = options.timeout_seconds;
-  load.offline = options.offline;
-  load.cache_folder = http_cache_folder();
+  LoadOptions load = load_options(options);
+  load.max_bytes = LoadOptions{}.max_bytes;  // `--max-bytes` bounds what is written
   surface->world = load_world(path, load);
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;

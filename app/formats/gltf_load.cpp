@@ -134,9 +134,10 @@ bool strip_draco(nlohmann::json& document) {
 /// The files that tinygltf asks for. It asks first whether one exists, then for its bytes.
 struct Files {
   const ReadFile* read = nullptr;
-  std::unordered_map<std::string, std::vector<std::byte>> found;
+  std::unordered_map<std::string, SharedBytes> found;
   std::unordered_set<std::string> missing;
   std::size_t total = 0;
+  std::string problem;  // of the first one that is missing
 
   bool exists(const std::string& name) {
     // Textures are loaded by whoever shows them.
@@ -150,12 +151,14 @@ struct Files {
     // tinygltf's second try, in the current folder, is the same file to us.
     if (name.starts_with("./") && missing.contains(name.substr(2))) return false;
     if (found.contains(name)) return true;
-    auto bytes = *read ? (*read)(name) : std::nullopt;
-    if (!bytes || bytes->size() > kMaxExternalBytes - total) {
+    BytesResult read_now = *read ? (*read)(name) : BytesResult(std::string());
+    auto* const bytes = std::get_if<SharedBytes>(&read_now);
+    if (!bytes || bytes->bytes.size() > kMaxExternalBytes - total) {
       missing.insert(name);
+      if (!bytes && problem.empty()) problem = std::get<std::string>(read_now);
       return false;
     }
-    total += bytes->size();
+    total += bytes->bytes.size();
     found.emplace(name, std::move(*bytes));
     return true;
   }
@@ -174,8 +177,8 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
     if (error) *error += "not available";
     return false;
   }
-  const auto* first = reinterpret_cast<const unsigned char*>(file->second.data());
-  out->assign(first, first + file->second.size());
+  const auto* first = reinterpret_cast<const unsigned char*>(file->second.bytes.data());
+  out->assign(first, first + file->second.bytes.size());
   found.erase(file);
   return true;
 }
@@ -218,6 +221,7 @@ std::optional<std::string> parse(std::string_view asset, bool binary, const Read
   if (good) return std::nullopt;
   error = error.empty() ? "broken glTF" : error.substr(0, kMaxMessage);
   while (!error.empty() && error.back() == '\n') error.pop_back();
+  if (!files.problem.empty()) error += " (" + files.problem.substr(0, kMaxMessage) + ")";
   std::replace(error.begin(), error.end(), '\n', ' ');
   return error;
 }

@@ -288,10 +288,11 @@ class ObjImporter {
     if (libraries_.size() >= kMaxLibraries || std::find(libraries_.begin(), libraries_.end(), name) != libraries_.end())
       return;
     libraries_.emplace_back(name);
-    if (const auto bytes = read_file_(libraries_.back()))
-      read_obj_materials(*bytes, libraries_.back(), materials_, builder_);
+    const BytesResult found = read_file_(libraries_.back());
+    if (const auto* problem = std::get_if<std::string>(&found))
+      builder_.warn("material library " + std::string(name) + " cannot be read: " + *problem, lines_.location(start));
     else
-      builder_.warn("material library " + std::string(name) + " cannot be read", lines_.location(start));
+      read_obj_materials(std::get<SharedBytes>(found).bytes, libraries_.back(), materials_, builder_);
   }
 
   // --- The scene ------------------------------------------------------------------------------------

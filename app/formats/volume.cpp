@@ -2,6 +2,7 @@
 
 #include "app/formats/volume_common.h"
 #include "app/gunzip.h"
+#include "app/local_file.h"
 
 #include <algorithm>
 #include <charconv>
@@ -101,10 +102,13 @@ VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
   return make_source(std::move(layout), std::move(voxels));
 }
 
-std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw) {
+std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw,
+                                                         const VolumeOrigin& origin) {
   BytesResult loaded = load_bytes(path);
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
-  const VolumeFile file{path, std::get<SharedBytes>(std::move(loaded))};
+  const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // npos + 1 is 0
+                        std::get<SharedBytes>(std::move(loaded)),
+                        origin.read_beside ? origin.read_beside : reader_beside(path, {})};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
   VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;

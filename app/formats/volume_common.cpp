@@ -4,6 +4,7 @@
 #include "app/formats/text_cursor.h"
 #include "app/gunzip.h"
 #include "net/file.h"
+#include "net/reference_policy.h"
 #include "qnv/volume_slices.h"
 
 #include <zlib.h>
@@ -12,7 +13,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -58,11 +58,6 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
 }  // namespace
 
 std::size_t size_of(StoredType type) { return type < StoredType::u64 ? qnv::size_of(voxel_type_of(type)) : 8; }
-
-SharedBytes shared_bytes(std::vector<std::byte> bytes) {
-  auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-  return {owner, std::span<const std::byte>(*owner)};
-}
 
 std::optional<std::string> unpacking_problem(std::uint64_t from, std::uint64_t to) {
   if (to > kMostUnpacked) return "unpacks to " + plural(to) + "; expected at most " + std::to_string(kMostUnpacked);
@@ -127,20 +122,19 @@ BytesResult load_bytes(const std::string& path) {
 }
 
 BytesResult load_beside(const VolumeFile& file, std::string_view name) {
-  namespace fs = std::filesystem;
   if (name.empty() || name.size() > 4096 || name.find('\0') != std::string_view::npos)
     return std::string("the name of the data file is not one; expected the name of a file");
-  std::string text(name);
-  fs::path path = fs::path(file.path).parent_path() / text;
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) {  // headers from Windows, and names with the folder of long ago
-    std::replace(text.begin(), text.end(), '\\', '/');
-    path = fs::path(file.path).parent_path() / text;
-    if (!fs::exists(path, ignored)) path = fs::path(file.path).parent_path() / fs::path(text).filename();
-  }
-  BytesResult loaded = load_bytes(path.string());
+  if (!file.read_beside) return std::string("the data file: files beside this one are not read");
+  const std::string reference = net::reference_of_path(name);
+  BytesResult loaded = file.read_beside(reference);
+  // Names with the folder of long ago.
+  const std::string alone = reference.substr(reference.rfind('/') + 1);  // npos + 1 is 0
+  if (std::holds_alternative<std::string>(loaded) && !alone.empty() && alone != reference)
+    if (BytesResult beside = file.read_beside(alone); std::holds_alternative<SharedBytes>(beside))
+      loaded = std::move(beside);
   if (const auto* problem = std::get_if<std::string>(&loaded)) return "the data file: " + *problem;
-  return loaded;
+  const SharedBytes& bytes = std::get<SharedBytes>(loaded);
+  return is_gzip(bytes.bytes) ? unpacked_gzip(bytes.bytes) : loaded;
 }
 
 std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,

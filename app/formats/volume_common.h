@@ -20,14 +20,6 @@ namespace gs::app {
 /// A volume, or what is wrong with the file.
 using VolumeResult = std::variant<qnv::VolumeSource, std::string>;
 
-/// Bytes with an owner that they share: of a mapped file, or in memory.
-struct SharedBytes {
-  std::shared_ptr<const void> owner;
-  std::span<const std::byte> bytes;
-};
-[[nodiscard]] SharedBytes shared_bytes(std::vector<std::byte> bytes);
-using BytesResult = std::variant<SharedBytes, std::string>;
-
 /// More is not unpacked; nor more than deflate can make of what is there (RFC 1951: 258 bytes from 2 bits).
 inline constexpr std::uint64_t kMostUnpacked = std::uint64_t{4} << 30;
 inline constexpr std::uint64_t kMostDeflateRatio = 1032;
@@ -45,10 +37,12 @@ inline constexpr std::uint64_t kMostDeflateRatio = 1032;
 
 /// A file that is being opened.
 struct VolumeFile {
-  std::string path;
-  SharedBytes content;  // unpacked
+  std::string path, name;  // the name is that of where it came from
+  SharedBytes content;     // unpacked
+  ReadFile read_beside;
 };
-/// The file that a header names: as the name says, or beside the header. Unpacked as load_bytes does.
+/// The file that a header names by a path, where it may be read (see ReadFile); else the file of that name beside the
+/// header. Unpacked as load_bytes does.
 [[nodiscard]] BytesResult load_beside(const VolumeFile& file, std::string_view name);
 
 /// What stored voxels may be; 64-bit integers are widened to f64 when they are read.

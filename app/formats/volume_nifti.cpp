@@ -224,7 +224,7 @@ void describe(const NiftiHeader& header, qnv::VolumeLayout& layout) {
 
 /// The file that belongs to this one: "a.img.gz" and ".hdr" give "a.hdr" or "a.hdr.gz".
 BytesResult load_partner(const VolumeFile& file, std::string_view extension) {
-  std::string name = file.path.substr(file.path.rfind('/') + 1);  // npos + 1 is 0
+  std::string name = file.name;
   if (lower_case(name).ends_with(".gz")) name.resize(name.size() - 3);
   name.resize(std::min(name.size(), name.rfind('.')));
   BytesResult loaded = load_beside(file, name + std::string(extension));

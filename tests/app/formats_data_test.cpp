@@ -21,9 +21,9 @@ Import with_files(void (*import)(std::span<const std::byte>, gs::vrml::SceneGrap
                                  const gs::app::ReadFile&),
                   const fs::path& folder) {
   return [=](auto bytes, auto& scene, auto& diagnostics) {
-    import(bytes, scene, diagnostics, [&](const std::string& name) -> std::optional<Bytes> {
-      if (!fs::is_regular_file(folder / name)) return std::nullopt;
-    return file_bytes(folder / name);
+    import(bytes, scene, diagnostics, [&](const std::string& name) -> gs::app::BytesResult {
+      if (!fs::is_regular_file(folder / name)) return "there is no " + name;
+    return gs::app::shared_bytes(file_bytes(folder / name));
     });
 };
 }

@@ -116,15 +116,15 @@ TEST_CASE("external buffers come through the callback and from nowhere else") {
   std::string json = asset.json(scene_of(kSquarePrimitive), false);
   json.replace(json.find("\"byteLength\""), 0, R"("uri":"my%20data.bin",)");
   std::vector<std::string> asked;
-  const Imported result = gltf(json, [&](const std::string& name) -> std::optional<Bytes> {
+  const Imported result = gltf(json, [&](const std::string& name) -> gs::app::BytesResult {
     asked.push_back(name);
-    return asset.data;
+    return gs::app::shared_bytes(asset.data);
   });
   CHECK(result.messages().empty());
   CHECK(asked == std::vector<std::string>{"my data.bin"});
   CHECK(result.corners().size() == 8);
   CHECK(gltf(json).diagnostics.errors() == 1);
-  CHECK(gltf(json, [](const std::string&) { return std::nullopt; }).diagnostics.errors() == 1);
+  CHECK(gltf(json, [](const std::string&) -> gs::app::BytesResult { return "it is gone"; }).diagnostics.errors() == 1);
 }
 
 TEST_CASE("nodes become Transforms") {

@@ -20,10 +20,10 @@ Imported obj(std::string_view text, const ReadFile& read_file = {}) {
 }
 
 ReadFile files(std::map<std::string, std::string> contents) {
-  return [contents](const std::string& name) -> std::optional<Bytes> {
+  return [contents](const std::string& name) -> gs::app::BytesResult {
     const auto found = contents.find(name);
-    if (found == contents.end()) return std::nullopt;
-    return bytes_of(found->second);
+    if (found == contents.end()) return "there is no " + name;
+    return gs::app::shared_bytes(bytes_of(found->second));
   };
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("libraries that cannot be read are said so") {
   CHECK(silent.messages().find("test:1:1: note: material library a b.mtl is not read\n") == 0);
   const Imported missing = obj(text, files({{"c.mtl", "newmtl y\nKd broken\n"}}));
   CHECK(missing.messages() ==
-        "test:1:1: warning: material library a b.mtl cannot be read\n"
+        "test:1:1: warning: material library a b.mtl cannot be read: there is no a b.mtl\n"
         "test: warning: material library c.mtl, line 2: broken Kd; it is skipped\n"
         "test: warning: material x is in no library; the usual one is used\n");
   CHECK(missing.corners().size() == 4);

@@ -3,6 +3,7 @@
 #include "app/content_types.h"
 #include "app/formats/volume_common.h"
 #include "app/gunzip.h"
+#include "app/local_file.h"
 #include "qnv/encode_volume.h"
 #include "qnv/lod.h"
 #include "render/render_list.h"
@@ -73,9 +74,9 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   vrml::Diagnostics diagnostics;
   int reads = 0;
   // What a file refers to is the other file, whatever the name is.
-  type.import(files.first, scene, diagnostics, [&](const std::string&) -> std::optional<std::vector<std::byte>> {
-    if (files.other.empty() || ++reads > 8) return std::nullopt;
-    return std::vector(files.other.begin(), files.other.end());
+  type.import(files.first, scene, diagnostics, [&](const std::string&) -> BytesResult {
+    if (files.other.empty() || ++reads > 8) return "there is no other";
+    return shared_bytes(std::vector(files.other.begin(), files.other.end()));
   });
   for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   check_scene(scene);
@@ -156,6 +157,7 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   folder.write(files.other);
   VolumeFile file;
   file.path = folder.header();
+  file.read_beside = reader_beside(file.path, {});
   file.content = shared_bytes({files.first.begin(), files.first.end()});
   if (is_gzip(files.first)) {
     BytesResult unpacked = unpacked_gzip(files.first);

@@ -19,7 +19,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/// A server on loopback that does what a test tells it, however wrong. The port is the kernel's choice.
+/// A server on an address of loopback that does what a test tells it, however wrong. The port is the kernel's choice.
 namespace gs::net::test {
 
 class BadServer {
@@ -65,11 +65,12 @@ class BadServer {
   };
   using Handler = std::function<void(Exchange&)>;
 
-  explicit BadServer(Handler handler) : handler_(std::move(handler)) {
+  explicit BadServer(Handler handler, std::string host = "127.0.0.1")
+      : handler_(std::move(handler)), host_(std::move(host)) {
     listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    REQUIRE(::inet_pton(AF_INET, host_.c_str(), &address.sin_addr) == 1);
     socklen_t size = sizeof address;
     REQUIRE(::bind(listener_, reinterpret_cast<const sockaddr*>(&address), size) == 0);
     REQUIRE(::listen(listener_, 64) == 0);
@@ -93,7 +94,7 @@ class BadServer {
   }
 
   [[nodiscard]] std::string url(const std::string& path = "/a") const {
-    return "http://127.0.0.1:" + std::to_string(port_) + path;
+    return "http://" + host_ + ":" + std::to_string(port_) + path;
   }
   [[nodiscard]] std::vector<std::string> requests() const {
     const std::lock_guard lock(mutex_);
@@ -144,6 +145,7 @@ class BadServer {
   }
 
   const Handler handler_;
+  const std::string host_;
   int listener_ = -1;
   unsigned port_ = 0;
   mutable std::mutex mutex_;

@@ -113,7 +113,7 @@ TEST_CASE("requests that cannot be") {
   request.url = "gopher://a/";
   CHECK(message(request).find("the scheme gopher: is not known") != std::string::npos);
   request.url = "file:///etc/passwd";
-  request.from = "http://a/b.wrl";
+  request.from = {"http://a/b.wrl"};
   CHECK(message(request) ==
         "cannot load file:///etc/passwd: a document of http: may not refer to file:; expected one of "
         "data, http, https, cells");

@@ -18,22 +18,6 @@ TEST_CASE("each scheme has one row") {
   CHECK_FALSE(find_scheme("HTTP"));
 }
 
-TEST_CASE("what came over a network reaches no files") {
-  const Url file = parse_url("file:///etc/passwd");
-  for (const char* from :
-       {"http://a/b.wrl", "https://a/b.wrl", "data:model/vrml,x", "cells://a/b", "memory:a", "b.wrl", "javascript:x"})
-    CHECK(refuse_reference(from, file));
-  CHECK_FALSE(refuse_reference("", file));
-  CHECK_FALSE(refuse_reference("file:///b.wrl", file));
-  CHECK_FALSE(refuse_reference("file:///b.wrl", parse_url("http://a/")));
-  CHECK_FALSE(refuse_reference("http://a/", parse_url("data:,x")));
-  CHECK(refuse_reference("http://a/", file) ==
-        "a document of http: may not refer to file:; expected one of data, http, https, cells");
-  CHECK(refuse_reference("", parse_url("gopher://a")) ==
-        "the scheme gopher: is not known; expected one of file, data, http, https, cells");
-  CHECK(refuse_reference("", parse_url("a/b")) == "it has no scheme; expected one of file, data, http, https, cells");
-}
-
 TEST_CASE("messages show no passwords") {
   CHECK(url_for_messages("http://user:secret@host/a?b#c") == "http://host/a?b#c");
   CHECK(url_for_messages("http://user@x:secret@host/a@b") == "http://host/a@b");
