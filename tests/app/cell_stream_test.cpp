@@ -96,7 +96,7 @@ bool tells(const vrml::Diagnostics& diagnostics, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("A stream that comes as cells is the one in the file") {
+TEST_CASE("A stream that comes as cells is the one in the file", "[optimised]") {
   CellSite site;
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {
@@ -111,7 +111,7 @@ TEST_CASE("A stream that comes as cells is the one in the file") {
   }
 }
 
-TEST_CASE("Cells that are lost cost detail, and the rest shows whole") {
+TEST_CASE("Cells that are lost cost detail, and the rest shows whole", "[optimised]") {
   CellSite site;
   site.start();
   for (const char* name : {"packed.qnv", "records.qnv"}) {

@@ -158,7 +158,7 @@ TEST_CASE("numbers that cannot be indices do no harm") {
   CHECK(result.diagnostics.errors() > 0);
 }
 
-TEST_CASE("very many groups are put together in the end") {
+TEST_CASE("very many groups are put together in the end", "[optimised]") {
   std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
   for (int i = 0; i < 100'010; ++i) text += "g g" + std::to_string(i) + "\nf 1 2 3\n";
   const Imported result = obj(text);

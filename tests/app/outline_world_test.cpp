@@ -224,7 +224,7 @@ TEST_CASE("The fallback of a world of outlines shows the polygons that stay") {
   CHECK(area_of(collected(world)) == Approx(made.area).epsilon(1e-4));
 }
 
-TEST_CASE("Merging what is coplanar changes no pixel of flat-shaded CAD parts") {
+TEST_CASE("Merging what is coplanar changes no pixel of flat-shaded CAD parts", "[optimised]") {
   Studio studio;
   if (!studio.good()) {
     WARN("nothing can be drawn here; not tested");

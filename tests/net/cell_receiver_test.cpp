@@ -164,7 +164,7 @@ TEST_CASE("A narrow link is not flooded", "[cell_receiver]") {
   REQUIRE(rate > 0.4 * 3e6);
 }
 
-TEST_CASE("Clients behind one narrow link share it", "[cell_receiver]") {
+TEST_CASE("Clients behind one narrow link share it", "[cell_receiver][optimised]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 20000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;

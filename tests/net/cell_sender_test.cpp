@@ -93,7 +93,7 @@ TEST_CASE("A client gets no more than its grant, all of them no more than the to
   }
 }
 
-TEST_CASE("Two hundred clients are served evenly", "[cell_sender]") {
+TEST_CASE("Two hundred clients are served evenly", "[cell_sender][optimised]") {
   const auto source = std::make_shared<PatternSource>(3000, Streams{{true, 300, 8000}});
   CellServerOptions options = server_options(CongestionResponse::equation);
   options.total_rate = 40'000'000;

@@ -20,7 +20,7 @@ const std::string kAsk = "GET /big HTTP/1.1\r\nHost: a\r\n\r\n";
 
 }  // namespace
 
-TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory") {
+TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory", "[optimised]") {
   ServedSite site;
   site.write("big", std::string(std::size_t{32} << 20, 'x'));
   site.options.limits.total_rate = 40'000'000;

@@ -87,7 +87,7 @@ TEST_CASE("The same bytes come out whatever the threads") {
   }
 }
 
-TEST_CASE("A stream is never longer than was asked for") {
+TEST_CASE("A stream is never longer than was asked for", "[optimised]") {
   const Triangles ball = sphere(70, 1, {}, true);
   double last = 0;
   for (const std::size_t most : {300u, 500u, 700u, 900u, 1200u, 1900u, 3000u, 5000u, 9001u, 20000u, 60000u, 150000u}) {

@@ -195,7 +195,7 @@ TEST_CASE("Noise has a surface without cracks") {
     }
 }
 
-TEST_CASE("The isosurface is the same for every number of threads, and in the order of cells") {
+TEST_CASE("The isosurface is the same for every number of threads, and in the order of cells", "[optimised]") {
   const VolumeSource source = closed_noise(60, 40, 5);
   const std::vector<Triangle> one = surface(source, 20, 1);
   REQUIRE(one.size() > 100000);
@@ -252,7 +252,7 @@ TEST_CASE("A sink that wants no more gets no more") {
   CHECK(calls == 2);
 }
 
-TEST_CASE("The bone of the CT head is as large as another marching cubes makes it") {
+TEST_CASE("The bone of the CT head is as large as another marching cubes makes it", "[optimised]") {
   const std::string folder = GHOSTSPACE_TESTS "/../../shared/data/";
   std::ifstream voxels(folder + "volumes/cthead/CThead.be.raw", std::ios::binary);
   std::ifstream reference(folder + "meshes/derived/cthead_bone_iso1400.ply", std::ios::binary);

@@ -98,7 +98,7 @@ TEST_CASE("Chunks that are added in any order never leave a hole") {
   }
 }
 
-TEST_CASE("What a view wants and has not is listed, most wanted first") {
+TEST_CASE("What a view wants and has not is listed, most wanted first", "[optimised]") {
   const Parts parts = parts_of(sphere_stream(400'000));
   LodView view = from({0, 0, 1.6f}, 400);
   view.planes[0] = {1, 0, 0, 0};  // the half with x > 0

@@ -53,7 +53,7 @@ void check_sound(LodStream& lod, std::size_t most) {
 
 }  // namespace
 
-TEST_CASE("Of a stream that lies elsewhere only what a view needs is read") {
+TEST_CASE("Of a stream that lies elsewhere only what a view needs is read", "[optimised]") {
   const EncodedStream stream = sphere_stream(400'000);
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source));

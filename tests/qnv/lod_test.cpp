@@ -70,7 +70,7 @@ TEST_CASE("What lies outside of the view is neither refined nor drawn") {
   CHECK(inside == Approx(kSphereArea / 4).epsilon(0.06));
 }
 
-TEST_CASE("A small cache gives the same cuts and stays small") {
+TEST_CASE("A small cache gives the same cuts and stays small", "[optimised]") {
   const EncodedStream stream = sphere_stream(200'000);
   constexpr std::size_t kSmall = 100'000;
   const auto large = opened_there(stream.bytes), small = opened_there(stream.bytes, kSmall);

@@ -137,7 +137,7 @@ TEST_CASE("A budget under pressure stays filled, and the same view keeps its cut
   }
 }
 
-TEST_CASE("Detail that is there stays until it is clearly too fine") {
+TEST_CASE("Detail that is there stays until it is clearly too fine", "[optimised]") {
   const EncodedStream stream = sphere_stream(400'000);
   const auto fresh = [&](const LodView& view) { return count(opened_there(stream.bytes)->cut(view)); };
   const auto lod = opened_there(stream.bytes);
@@ -169,7 +169,7 @@ TEST_CASE("Detail that is there stays until it is clearly too fine") {
   CHECK(count(lod->cut(kept)) == fresh(kept));
 }
 
-TEST_CASE("What faces away may be left out, and nothing else") {
+TEST_CASE("What faces away may be left out, and nothing else", "[optimised]") {
   const EncodedStream stream = stream_of(bumpy_sphere(200), 100'000);
   const auto lod = opened_there(stream.bytes), all = opened_there(stream.bytes);
   REQUIRE_FALSE(stream.header.description.two_sided);

@@ -156,7 +156,7 @@ TEST_CASE("holes stay small between the tested prefixes") {
   }
 }
 
-TEST_CASE("an order depends on the seed and on nothing else") {
+TEST_CASE("an order depends on the seed and on nothing else", "[optimised]") {
   const Vectors v = sphere_vectors(60'000);
   const std::vector<std::uint32_t> order = order_of(v, 7, 1);
   CHECK(order == order_of(v, 7, 1));

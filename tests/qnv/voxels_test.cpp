@@ -41,7 +41,7 @@ TEST_CASE("A triangle that is cut into many voxels keeps its area") {
   for (const int level : {1, 3, 5, 6, 8, 10}) check_area(one, level, 1e-4);
 }
 
-TEST_CASE("Random triangles of all sizes keep their area") {
+TEST_CASE("Random triangles of all sizes keep their area", "[optimised]") {
   for (const int level : {2, 5, 7, 9}) check_area(random_triangles(300, 1, 5), level, 1e-4);
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("A long triangle that lies askew takes no more than the voxels it meet
   CHECK(area_of(voxels, cube, kDeepestLevel) == Approx(area_of(sliver)).epsilon(0.01));
 }
 
-TEST_CASE("Threads and batches change no bit") {
+TEST_CASE("Threads and batches change no bit", "[optimised]") {
   Triangles many = random_triangles(3000, 1, 17);
   const Triangles ball = sphere(80);
   many.insert(many.end(), ball.begin(), ball.end());

@@ -113,7 +113,7 @@ Light spot_light() {
 
 }  // namespace
 
-TEST_CASE("Lit pixels equal the lighting equation (VRML97 4.14.4)") {
+TEST_CASE("Lit pixels equal the lighting equation (VRML97 4.14.4)", "[optimised]") {
   SECTION("headlight alone") { check_against_equation(shiny(), {}, true); }
   SECTION("no light: emissive colour") { check_against_equation(shiny(), {}, false); }
   SECTION("directional") { check_against_equation(shiny(), {directional_light()}, false); }
@@ -158,7 +158,7 @@ TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)
   check_color(pixel(image, 48, 32), glm::vec3(0));
 }
 
-TEST_CASE("Sixteen lights reach an item, the strongest of more") {
+TEST_CASE("Sixteen lights reach an item, the strongest of more", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;

@@ -54,7 +54,7 @@ TEST_CASE("Unlit shapes are exactly white, or of the colours of their Color node
   check_color(middle(drawing, textured), glm::vec3(0.2f, 0.4f, 0.6f) * (128 / 255.0f));
 }
 
-TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says") {
+TEST_CASE("Textures and colours make the diffuse colour as VRML97 Table 4.6 says", "[optimised]") {
   Drawing drawing;
   DrawItem item;
   item.mesh = square(20);

@@ -109,7 +109,7 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 
 }  // namespace
 
-TEST_CASE("OpenGL draws surfaces of discs as the processor does") {
+TEST_CASE("OpenGL draws surfaces of discs as the processor does", "[optimised]") {
   check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
   // Wide discs, between which the normals follow the surface.
   check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
@@ -119,14 +119,14 @@ TEST_CASE("OpenGL draws surfaces of discs as the processor does") {
   check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
 }
 
-TEST_CASE("OpenGL draws discs of an octree as the processor does") {
+TEST_CASE("OpenGL draws discs of an octree as the processor does", "[optimised]") {
   const auto coarse = octree_sphere(500), fine = octree_sphere(8000);
   REQUIRE(!fine->cells.empty());
   check_same_picture(sphere_list(coarse), camera_at({0, 0, 3.5f}));
   check_same_picture(sphere_list(fine), camera_at({0, 0.2f, 3.5f}));
 }
 
-TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart") {
+TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart", "[optimised]") {
   auto cloud = sphere(3000, true);
   cloud->description.two_sided = true;
   check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
@@ -136,7 +136,7 @@ TEST_CASE("OpenGL keeps the sides of two-sided surfaces apart") {
   check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
 }
 
-TEST_CASE("OpenGL draws surfaces under any scale, and partly behind the viewer") {
+TEST_CASE("OpenGL draws surfaces under any scale, and partly behind the viewer", "[optimised]") {
   const glm::mat4 turn(glm::vec4(0.8f, 0.6f, 0, 0), glm::vec4(-0.6f, 0.8f, 0, 0), glm::vec4(0, 0, 1, 0),
                        glm::vec4(0, 0, 0, 1));
   check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
@@ -173,7 +173,7 @@ TEST_CASE("Software OpenGL leaves splats to the processor") {
   CHECK(drawing.statistics.splats == std::string("none"));
 }
 
-TEST_CASE("Records are drawn as they came, with the picture of the unpacked ones") {
+TEST_CASE("Records are drawn as they came, with the picture of the unpacked ones", "[optimised]") {
   OpenContext open;
   SplatGl splats(open.gl);
   std::vector<qnv::Rgb8> palette;

@@ -174,7 +174,7 @@ TEST_CASE("What is smaller than a pixel is met where it is drawn") {
   CHECK_FALSE(pick_surface(cloud, kHere, ray));
 }
 
-TEST_CASE("Surfaces are picked where the exact ray caster sees them") {
+TEST_CASE("Surfaces are picked where the exact ray caster sees them", "[optimised]") {
   const SplatView view = test::view_from({0.4f, 0.7f, 2.5f}, 48, 40);
   SECTION("discs") { CHECK(agreement(test::disc_sphere(3000, 0.9f), view) > 0.995); }
   SECTION("tiny discs far away") {

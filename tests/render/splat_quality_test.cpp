@@ -85,7 +85,7 @@ double steadiness(const std::vector<Image>& frames) {
 
 }  // namespace
 
-TEST_CASE("A closed surface has no holes at any distance, whatever the budget") {
+TEST_CASE("A closed surface has no holes at any distance, whatever the budget", "[optimised]") {
   Drawing drawing;
   const RenderList list = white(bumpy_stream(60000));
   drawing.options.background = glm::vec3(1, 0, 1);
@@ -108,7 +108,7 @@ TEST_CASE("A closed surface has no holes at any distance, whatever the budget") 
   }
 }
 
-TEST_CASE("A surface that turns slowly changes as smoothly as one of polygons") {
+TEST_CASE("A surface that turns slowly changes as smoothly as one of polygons", "[optimised]") {
   Drawing drawing;
   const auto stream = bumpy_stream(60000);
   drawing.options.background = glm::vec3(0.2f, 0.3f, 0.5f);

@@ -176,7 +176,7 @@ TEST_CASE("The surface splatter draws the same bits with every number of threads
   }
 }
 
-TEST_CASE("All kernels of the surface splatter give the same bits") {
+TEST_CASE("All kernels of the surface splatter give the same bits", "[optimised]") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
   CHECK(kernels.front().name == render::splat_instructions());
@@ -283,7 +283,7 @@ TEST_CASE("Clouds that would cover too much are thinned out, the same way with e
   }
 }
 
-TEST_CASE("A plane of discs has no holes at any distance") {
+TEST_CASE("A plane of discs has no holes at any distance", "[optimised]") {
   qnv::Cloud cloud;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> shift(-0.05f, 0.05f);

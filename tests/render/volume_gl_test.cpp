@@ -55,7 +55,7 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
 
 }  // namespace
 
-TEST_CASE("OpenGL draws a volume as the processor and the ray caster do") {
+TEST_CASE("OpenGL draws a volume as the processor and the ray caster do", "[optimised]") {
   const auto cloud = shell();
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(0.9f, 0.2f, 0.3f)}) {
     for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
@@ -72,7 +72,7 @@ TEST_CASE("OpenGL draws a volume as the processor and the ray caster do") {
   }
 }
 
-TEST_CASE("It does with many small vectors, and with few large ones") {
+TEST_CASE("It does with many small vectors, and with few large ones", "[optimised]") {
   (void)check_same(volume_list(shell(30'000, 7, 0.02f)), {});
   (void)check_same(volume_list(shell(20, 8, 0.4f)), {});
   (void)check_same(volume_list(shell(1, 9, 0.4f)), {});
@@ -162,7 +162,7 @@ TEST_CASE("With OpenGL a polygon in a volume hides what is behind it and is veil
   }
 }
 
-TEST_CASE("OpenGL's order is at most that of the picture before, and a view that stays is exact") {
+TEST_CASE("OpenGL's order is at most that of the picture before, and a view that stays is exact", "[optimised]") {
   VolumePicture picture(VolumeSort::thread), fresh(VolumeSort::thread);
   picture.options.splats = fresh.options.splats = SplatPath::gl;
   const RenderList list = volume_list(shell(30'000, 7, 0.03f));
@@ -192,7 +192,7 @@ TEST_CASE("OpenGL's order is at most that of the picture before, and a view that
   }
 }
 
-TEST_CASE("Compute shaders sort as the thread does") {
+TEST_CASE("Compute shaders sort as the thread does", "[optimised]") {
   VolumePicture picture;
   if (!picture.gl.DispatchCompute) {
     WARN("no compute shaders here");

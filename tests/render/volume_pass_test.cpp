@@ -335,7 +335,7 @@ TEST_CASE("A volume fills its part of a window and leaves the rest alone") {
   }
 }
 
-TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn where there is none") {
+TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn where there is none", "[optimised]") {
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
   for (const int samples : {1, 4}) {
     Pixels wanted;

@@ -82,7 +82,7 @@ TEST_CASE("It is with lights, a threshold, a clipping plane, a colour, and under
   CHECK(against_oracle(cloud, view, options).first >= 40);
 }
 
-TEST_CASE("A volume of many small vectors agrees with the oracle") {
+TEST_CASE("A volume of many small vectors agrees with the oracle", "[optimised]") {
   const qnv::Cloud cloud = random_volume(20'000, 7, 0.02f);
   CHECK(against_oracle(cloud, view_from({0, 1, 3}, 64, 64), {}).first >= 40);
 }
@@ -112,7 +112,7 @@ TEST_CASE("The picture of a volume is the same for every number of threads") {
   }
 }
 
-TEST_CASE("So is that of several volumes with stops, which is their exact one") {
+TEST_CASE("So is that of several volumes with stops, which is their exact one", "[optimised]") {
   const qnv::Cloud first = random_volume(30'000, 9, 0.03f), second = random_volume(600, 4, 0.2f);
   const render::VolumeModel models[2] = {render::volume_model(first), render::volume_model(second)};
   SplatView view = view_from({1, 1, 2}, 48, 36);
