@@ -80,7 +80,7 @@ ReadFile reader_beside(const std::string& path, const std::vector<std::string>& 
 
 SharedBytes shared_bytes(net::MappedFile file) {
   auto owner = std::make_shared<const net::MappedFile>(std::move(file));
-  return {owner, owner->bytes()};
+  return {owner, owner->bytes(), owner.get()};
 }
 
 }  // namespace gs::app

@@ -182,7 +182,7 @@ void WorldLoading::State::local_step() {
   }
   if (!fetch.refused && !fetch.rest.empty()) return;
   local.pop_front();
-  finish(fetch, std::nullopt);
+  finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
 }
 
 // What has come

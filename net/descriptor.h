@@ -11,22 +11,23 @@ class Descriptor {
  public:
   Descriptor() = default;
   explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
     if (this != &other) {
-      close();
-      number_ = std::exchange(other.number_, -1);
+      (void)close();
+      number_ = other.release();
     }
     return *this;
   }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { close(); }
+  ~Descriptor() { (void)close(); }
 
   [[nodiscard]] int get() const { return number_; }
   [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
+  /// The caller's from now on.
   [[nodiscard]] int release() { return std::exchange(number_, -1); }
-  /// False when the system could not keep what was written.
+  /// False, and errno, when the system could not keep what was written.
   bool close() {
     const int number = release();
     return number < 0 || ::close(number) == 0;

@@ -4,14 +4,11 @@
 
 #include <atomic>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
-#include <new>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -110,48 +107,16 @@ int create_temporary(const std::string& folder, std::string& name) {
 
 }  // namespace
 
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)),
-      size_(std::exchange(other.size_, 0)),
-      mapped_(std::exchange(other.mapped_, false)) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  if (this == &other) return *this;
-  release();
-  data_ = std::exchange(other.data_, nullptr);
-  size_ = std::exchange(other.size_, 0);
-  mapped_ = std::exchange(other.mapped_, false);
-  return *this;
-}
-
-MappedFile::~MappedFile() { release(); }
-
-void MappedFile::release() noexcept {
-  if (mapped_)
-    ::munmap(data_, size_);
-  else
-    std::free(data_);
-}
-
-RandomAccessFile::RandomAccessFile(RandomAccessFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), size_(std::exchange(other.size_, 0)) {}
-
-RandomAccessFile& RandomAccessFile::operator=(RandomAccessFile&& other) noexcept {
-  if (this == &other) return *this;
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = std::exchange(other.descriptor_, -1);
-  size_ = std::exchange(other.size_, 0);
-  return *this;
-}
-
-RandomAccessFile::~RandomAccessFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+std::optional<std::string> MappedFile::changed() const {
+  if (!file_) return std::nullopt;
+  if (!mapping_.lost() && stamp_of(file_) == stamp_) return std::nullopt;
+  return "the file was changed while it was read; reading it again shows what it is now";
 }
 
 std::size_t RandomAccessFile::read(std::uint64_t offset, std::span<std::byte> to) const {
   std::size_t done = 0;
   while (done < to.size() && offset + done < size_) {
-    const ssize_t got = ::pread(descriptor_, to.data() + done, to.size() - done, static_cast<off_t>(offset + done));
+    const ssize_t got = ::pread(file_.get(), to.data() + done, to.size() - done, static_cast<off_t>(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
     done += static_cast<std::size_t>(got);
@@ -163,30 +128,27 @@ std::variant<RandomAccessFile, FileError> open_file(const std::string& path) {
   auto opened = open_regular(path);
   if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
   auto& [file, size] = std::get<Regular>(opened);
-  return RandomAccessFile(file.release(), size);
+  return RandomAccessFile(std::move(file), size);
 }
 
 std::variant<MappedFile, FileError> map_file(const std::string& path) {
   auto opened = open_regular(path);
   if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
-  const Descriptor& file = std::get<Regular>(opened).file;
-  const auto size = static_cast<std::size_t>(std::get<Regular>(opened).size);
+  auto& [file, length] = std::get<Regular>(opened);
+  const auto size = static_cast<std::size_t>(length);
   MappedFile result;
-  if (size == 0) return result;
   if (size >= MappedFile::kMappedSize) {
-    void* memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
-    if (memory != MAP_FAILED) {
-      result.data_ = static_cast<std::byte*>(memory);
-      result.size_ = size;
-      result.mapped_ = true;
+    result.stamp_ = stamp_of(file);
+    if (auto mapping = GuardedMapping::of(file.get(), size)) {
+      result.mapping_ = std::move(*mapping);
+      result.file_ = std::move(file);
       return result;
     }
   }
-  result.data_ = static_cast<std::byte*>(std::malloc(size));
-  if (!result.data_) throw std::bad_alloc();
-  const ssize_t count = read_all(file.get(), result.data_, size);
+  result.copy_.resize(size);
+  const ssize_t count = read_all(file.get(), result.copy_.data(), size);
   if (count < 0) return FileError{"cannot read " + path + ": " + reason(errno)};
-  result.size_ = static_cast<std::size_t>(count);
+  result.copy_.resize(static_cast<std::size_t>(count));
   return result;
 }
 

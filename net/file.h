@@ -1,11 +1,17 @@
 #pragma once
 
+#include "net/descriptor.h"
+#include "net/file_stamp.h"
+#include "net/guarded_mapping.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 namespace gs::net {
 
@@ -14,33 +20,32 @@ struct FileError {
   std::string message;
 };
 
-/// The bytes of a regular file, mapped read-only and private. Movable; one owner.
+/// The bytes of a regular file, read-only. Movable; one owner; any thread.
 ///
-/// The bytes are those of the moment of mapping as long as no one changes the file. Someone who
-/// truncates it meanwhile makes reading past its new end a SIGBUS, as with every mapping; files
-/// smaller than kMappedSize are therefore copied, and so are files that the system cannot map.
+/// Small files are copied. Larger ones are mapped, so that they take no memory that the system cannot take back: who
+/// truncates one meanwhile makes its missing bytes zeros, and who writes to it changes what is read; `changed` tells of
+/// both. Nothing that is done to the file ends the program.
 class MappedFile {
  public:
-  /// From this size on a file is mapped instead of read.
+  /// From this size on a file is mapped instead of copied.
   static constexpr std::size_t kMappedSize = std::size_t{1} << 20;
 
-  MappedFile() = default;
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  ~MappedFile();
-
   /// All bytes; empty for an empty file.
-  [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
+  [[nodiscard]] std::span<const std::byte> bytes() const {
+    return mapping_.bytes().empty() ? std::span<const std::byte>(copy_) : mapping_.bytes();
+  }
+  /// What to say of the file when the bytes may not be those of the moment of opening: it became shorter, or was
+  /// written to. Nothing as long as they are, as far as the clock of the file system tells. To be asked after reading.
+  [[nodiscard]] std::optional<std::string> changed() const;
 
  private:
   friend std::variant<MappedFile, FileError> map_file(const std::string& path);
-  void release() noexcept;
 
-  std::byte* data_ = nullptr;
-  std::size_t size_ = 0;
-  bool mapped_ = false;  // else from malloc
+  std::vector<std::byte> copy_;
+  GuardedMapping mapping_;
+  // Of a mapped one:
+  Descriptor file_;
+  FileStamp stamp_;
 };
 
 /// Opens a regular file (or a link to one) for reading. Folders, pipes, sockets and devices are refused
@@ -51,12 +56,6 @@ class MappedFile {
 /// Someone who truncates it meanwhile makes a reader get less, and nothing worse.
 class RandomAccessFile {
  public:
-  RandomAccessFile(RandomAccessFile&& other) noexcept;
-  RandomAccessFile& operator=(RandomAccessFile&& other) noexcept;
-  RandomAccessFile(const RandomAccessFile&) = delete;
-  RandomAccessFile& operator=(const RandomAccessFile&) = delete;
-  ~RandomAccessFile();
-
   /// How long it was when it was opened.
   [[nodiscard]] std::uint64_t size() const { return size_; }
   /// Copies what stands from `offset` on; how many bytes came: fewer than `to` has at the end of the file, and where
@@ -65,9 +64,9 @@ class RandomAccessFile {
 
  private:
   friend std::variant<RandomAccessFile, FileError> open_file(const std::string& path);
-  RandomAccessFile(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
+  RandomAccessFile(Descriptor file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
 
-  int descriptor_ = -1;
+  Descriptor file_;
   std::uint64_t size_ = 0;
 };
 

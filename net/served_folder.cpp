@@ -1,7 +1,6 @@
 #include "net/served_folder.h"
 
 #include "net/hexadecimal.h"
-#include "net/siphash.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -9,7 +8,6 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -110,21 +108,6 @@ std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path)
   }
   if (result.names.empty()) result.folder = true;
   return result;
-}
-
-std::string FileStamp::etag(std::string_view suffix) const {
-  const std::array<std::uint64_t, 4> facts{size, inode, static_cast<std::uint64_t>(seconds),
-                                           static_cast<std::uint64_t>(nanoseconds)};
-  char text[32];
-  std::snprintf(text, sizeof text, "%016llx",
-                static_cast<unsigned long long>(siphash(SipKey{}, std::as_bytes(std::span(facts)))));
-  return "\"" + std::string(text) + std::string(suffix) + "\"";
-}
-
-FileStamp stamp_of(const Descriptor& descriptor) {
-  struct stat status {};
-  if (fstat(descriptor.get(), &status) != 0) return {};
-  return {static_cast<std::uint64_t>(status.st_size), status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
 }
 
 std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& path, bool resolve_beneath) {

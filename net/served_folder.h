@@ -1,6 +1,7 @@
 #pragma once
 
 #include "net/descriptor.h"
+#include "net/file_stamp.h"
 
 #include <cstdint>
 #include <string>
@@ -35,21 +36,6 @@ struct RequestPath {
 
 /// A percent-encoded name, fit for a URL.
 [[nodiscard]] std::string encode_name(std::string_view name);
-
-/// What tells versions of a file apart.
-struct FileStamp {
-  std::uint64_t size = 0, inode = 0;
-  std::int64_t seconds = 0, nanoseconds = 0;  // modified, Unix time
-  friend bool operator==(const FileStamp&, const FileStamp&) = default;
-
-  /// A strong entity tag (RFC 9110 8.8.3) with its quotes; `suffix` tells
-  /// representations apart. Strong as far as the file system's clock goes: two
-  /// changes within its tick that keep the length look the same.
-  [[nodiscard]] std::string etag(std::string_view suffix = {}) const;
-};
-/// Of an open descriptor; a size of 0 and nothing else where the system does
-/// not tell.
-[[nodiscard]] FileStamp stamp_of(const Descriptor& descriptor);
 
 /// A regular file or a folder that is open for reading.
 struct ServedFile {

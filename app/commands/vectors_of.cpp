@@ -164,6 +164,10 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
     opened = open_world_input(options, local, input.title);
   }
   if (!opened) return std::nullopt;
+  if (const auto changed = std::get<net::MappedFile>(mapped).changed()) {
+    (void)fail(local + ": " + *changed);
+    return std::nullopt;
+  }
   input.content = std::move(*opened);
   return input;
 }

@@ -9,12 +9,17 @@
 #include <variant>
 #include <vector>
 
+namespace gs::net {
+class MappedFile;
+}
+
 namespace gs::app {
 
 /// Bytes with an owner that they share: of a mapped file, or in memory.
 struct SharedBytes {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;
+  const net::MappedFile* file = nullptr;  // the owner, where it is one: others may change it
 };
 [[nodiscard]] inline SharedBytes shared_bytes(std::vector<std::byte> bytes) {
   auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));

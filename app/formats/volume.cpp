@@ -3,6 +3,7 @@
 #include "app/formats/volume_common.h"
 #include "app/gunzip.h"
 #include "app/local_file.h"
+#include "net/file.h"
 
 #include <algorithm>
 #include <charconv>
@@ -111,6 +112,8 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
                         origin.read_beside ? origin.read_beside : reader_beside(path, {})};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
   VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
+  if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
+    return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
   return result;
 }

@@ -52,7 +52,7 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   } else {
     for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
   }
-  return true;
+  return !voxels.content.file || !voxels.content.file->changed();
 }
 
 }  // namespace
@@ -115,8 +115,9 @@ BytesResult load_bytes(const std::string& path) {
   auto opened = net::map_file(path);
   if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
   auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(opened)));
-  if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes()};
+  if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes(), file.get()};
   BytesResult unpacked = unpacked_gzip(file->bytes());
+  if (const auto changed = file->changed()) return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&unpacked)) return path + ": " + *problem;
   return unpacked;
 }
