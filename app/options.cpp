@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/content_types.h"
 #include "render/context.h"
 
@@ -9,9 +10,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <new>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
+
+#include <unistd.h>
 
 namespace gs::app {
 namespace {
@@ -404,18 +413,25 @@ std::string manual_page() {
   }
   out += ".SH FILES\nRead, gzip'd or not: " + content_type_list() +
          ".\n.PP\nWritten by export: " + export_format_list() + ".\n";
-  out += ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage.\n";
+  out +=
+      ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage. 3: what "
+      "was made could not be "
+      "written, on a full disk for example.\n";
   return out;
 }
 
-int run_command_line(int count, char** arguments) {
+namespace {
+
+int parse_and_run(int count, char** arguments) {
   Options options;
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
   parser.name("ghostspace");
   parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
-  parser.footer("Files, gzip'd or not: " + content_type_list() +
-                ".\n"
-                "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage.");
+  parser.footer(
+      "Files, gzip'd or not: " + content_type_list() +
+      ".\n"
+      "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage, 3 what was made "
+      "could not be written.");
   const CommandRow* chosen = &kCommands[0];
   add_options(parser, kCommands[0], options);
   std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
@@ -438,12 +454,57 @@ int run_command_line(int count, char** arguments) {
       if (const Problem problem = chosen->check(options))
         throw CLI::ValidationError(std::string(chosen->name), *problem);
   } catch (const CLI::Success& help) {
-    return parser.exit(help);
+    std::ostringstream text;
+    const int status = parser.exit(help, text, text);
+    print_text(text.str());
+    return status;
   } catch (const CLI::ParseError& problem) {
-    std::fprintf(stderr, "ghostspace: %s\nSee 'ghostspace --help'.\n", problem.what());
+    complain("ghostspace: %s", problem.what());
+    complain("See 'ghostspace --help'.");
     return kUsage;
   }
   return chosen->run(options);
+}
+
+constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for this";
+
+// An exception that nobody took, of any thread: one line in the place of a crash where it is about what the system has.
+[[noreturn]] void end_at_exception() {
+  const std::exception_ptr exception = std::current_exception();
+  try {
+    if (exception) std::rethrow_exception(exception);
+  } catch (const std::bad_alloc&) {
+    (void)!::write(STDERR_FILENO, kNoMemory, sizeof kNoMemory - 1);
+    (void)!::write(STDERR_FILENO, "\n", 1);
+    ::_exit(kFailed);
+  } catch (const std::exception& problem) {
+    complain("ghostspace: error: %s", problem.what());
+  }
+  std::abort();
+}
+
+}  // namespace
+
+int run_command_line(int count, char** arguments) {
+  prepare_console();
+  // A file that may not become larger is an error of writing, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::set_terminate(end_at_exception);
+  int status = kFailed;
+  try {
+    status = parse_and_run(count, arguments);
+  } catch (const std::bad_alloc&) {
+    complain("%s", kNoMemory);
+  } catch (const std::length_error&) {  // of a vector that no memory could hold
+    complain("%s", kNoMemory);
+  } catch (const std::exception& problem) {
+    complain("ghostspace: error: %s", problem.what());
+  }
+  if (const auto problem = finish_output()) {
+    complain("ghostspace: error: %s", problem->c_str());
+    if (status == kDone) status = kNotWritten;
+  }
+  return status;
 }
 
 }  // namespace gs::app

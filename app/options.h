@@ -56,8 +56,9 @@ struct Options {
   RawVolume raw;  // dimensions 0: the file has a header
 };
 
-/// Exit statuses of every command.
-enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2 };
+/// Exit statuses of every command. Not written: files were read, but there is no room for what was made of them, or no
+/// right to write it; the same may work another time.
+enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2, kNotWritten = 3 };
 
 /// One option: the row from which parsing, --help and the manual page are made.
 struct OptionRow {

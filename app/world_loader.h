@@ -35,5 +35,7 @@ struct LoadOptions {
 /// `scene` is null when there is nothing to show; the diagnostics say why. Any thread; touches nothing else. Safe for
 /// untrusted files and servers.
 [[nodiscard]] OpenedWorld load_world(const std::string& path, const LoadOptions& options = {});
+/// What has become of a world for which there is not enough memory.
+[[nodiscard]] OpenedWorld world_without_memory(const std::string& path);
 
 }  // namespace gs::app

@@ -21,10 +21,7 @@ WorldReader::WorldReader(std::string path, LoadOptions options, std::function<vo
         try {
           run(path, options);
         } catch (const std::bad_alloc&) {
-          OpenedWorld none;
-          none.path = path;
-          none.diagnostics.add({vrml::Severity::error, path, {}, "there is not enough memory to open it"});
-          tell({make_document(std::move(none)), true, false, {}});
+          tell({make_document(world_without_memory(path)), true, false, {}});
         }
         ended_ = true;
       }) {}

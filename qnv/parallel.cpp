@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -31,7 +32,11 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
   };
   {
     std::vector<std::jthread> helpers;
-    for (unsigned i = 1; i < threads; ++i) helpers.emplace_back(run);
+    try {
+      for (unsigned i = 1; i < threads; ++i) helpers.emplace_back(run);
+    } catch (const std::system_error&) {
+      // The system has no more threads: those that there are do it.
+    }
     run();
   }
   if (failure) std::rethrow_exception(failure);

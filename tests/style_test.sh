@@ -16,6 +16,8 @@ report "Dear ImGui belongs in app/ui_*.cpp:" "$(sources app render vrml qnv net 
 report "GL headers belong in render/:" "$(sources app vrml qnv net | xargs -r grep -lnE '#include <GL/')"
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"
+report "What is printed goes through app/console.cpp, which keeps controls off the terminal:" \
+  "$(sources app | grep -v '^app/console.cpp$' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
 report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render | grep '\.h$' | xargs -r grep -L '#pragma once')"

@@ -1,9 +1,8 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/world_loader.h"
 
 #include <nlohmann/json.hpp>
-
-#include <cstdio>
 
 namespace gs::app {
 
@@ -14,10 +13,9 @@ int run_check(const Options& options) {
     LoadOptions load = load_options(options);
     load.references = false;
     const OpenedWorld world = load_world(file, load);
-    for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries())
-      std::printf("%s\n", diagnostic.text().c_str());
+    for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries()) print_line("%s", diagnostic.text().c_str());
     if (world.diagnostics.dropped() > 0)
-      std::printf("%s: note: %zu more diagnostics\n", file.c_str(), world.diagnostics.dropped());
+      print_line("%s: note: %zu more diagnostics", file.c_str(), world.diagnostics.dropped());
     bytes += world.bytes;
     seconds += world.parse_seconds;
     errors += world.diagnostics.errors();
@@ -28,7 +26,7 @@ int run_check(const Options& options) {
     const nlohmann::json stats = {{"bytes", bytes},   {"parse_s", seconds},
                                   {"nodes", nodes},   {"peak_rss_bytes", peak_memory()},
                                   {"errors", errors}, {"warnings", warnings}};
-    if (!write_stats(options.stats, stats.dump(2) + "\n")) return kFailed;
+    if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }
   return errors > 0 ? kFailed : kDone;
 }

@@ -37,11 +37,13 @@ int run_snapshot(const Options& options, const std::string& file);
 
 /// Prints diagnostics to stderr, a line each.
 void print_diagnostics(const vrml::Diagnostics& diagnostics);
-/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; false when that failed. A
-/// file that is there is only written over if it holds such measurements: a mistyped name must not cost a world.
-bool write_stats(const std::string& path, const std::string& json);
+/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; the exit status of that. A file
+/// that is there is only written over if it holds such measurements: a mistyped name must not cost a world.
+[[nodiscard]] int write_stats(const std::string& path, const std::string& json);
 /// "ghostspace: error: WHAT" on stderr; kFailed.
 int fail(const std::string& what);
+/// The same with kNotWritten.
+int fail_to_write(const std::string& what);
 /// What to say when `bytes` made from the file `in` must not be written to `out`: there is another kind of file, or
 /// `in` itself. Nothing when they may: a mistyped name must not cost a world.
 [[nodiscard]] std::optional<std::string> refuse_to_replace(const std::string& out, const std::string& in,

@@ -1,13 +1,13 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
+#include "app/console.h"
 #include "net/file.h"
 #include "qnv/container.h"
 
 #include <nlohmann/json.hpp>
 
 #include <chrono>
-#include <cstdio>
 
 namespace gs::app {
 
@@ -46,7 +46,7 @@ int run_encode(const Options& options) {
   if (options.max_bytes_given && stream.bytes.size() > options.max_bytes)
     return fail(in + ": the smallest stream takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
                 std::to_string(options.max_bytes) + " were asked for");
-  if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail(problem->message);
+  if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail_to_write(problem->message);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto vectors = static_cast<double>(stream.header.vectors);
   const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;
@@ -56,10 +56,10 @@ int run_encode(const Options& options) {
                                  {"bytes", stream.bytes.size()},
                                  {"bits_per_vector", bits},
                                  {"seconds", seconds}};
-    std::printf("%s\n", json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace).c_str());
+    print_text(json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
   } else {
-    std::printf("%s: %llu vectors, %zu bytes, %.2f bits/vector, %.2f s\n", out.c_str(),
-                static_cast<unsigned long long>(stream.header.vectors), stream.bytes.size(), bits, seconds);
+    print_line("%s: %llu vectors, %zu bytes, %.2f bits/vector, %.2f s", out.c_str(),
+               static_cast<unsigned long long>(stream.header.vectors), stream.bytes.size(), bits, seconds);
   }
   return kDone;
 }

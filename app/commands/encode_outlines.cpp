@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
+#include "app/console.h"
 #include "app/formats/outline_text.h"
 #include "app/gunzip.h"
 #include "app/outline_model.h"
@@ -12,7 +13,6 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 
@@ -68,14 +68,14 @@ void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t 
                                  {"duplicates", counts.duplicates},
                                  {"bytes", bytes},
                                  {"seconds", seconds}};
-    std::printf("%s\n", json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace).c_str());
+    print_text(json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
     return;
   }
-  std::printf("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s\n",
-              options.files[1].c_str(), counts.polygons, outlines, groups.groups.size(), inner, bytes, seconds);
+  print_line("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s",
+             options.files[1].c_str(), counts.polygons, outlines, groups.groups.size(), inner, bytes, seconds);
   if (counts.invalid + counts.degenerate + counts.duplicates > 0)
-    std::printf("left out: %zu that have corners without a place, %zu without area, %zu that are there twice\n",
-                counts.invalid, counts.degenerate, counts.duplicates);
+    print_line("left out: %zu that have corners without a place, %zu without area, %zu that are there twice",
+               counts.invalid, counts.degenerate, counts.duplicates);
 }
 
 }  // namespace
@@ -125,12 +125,11 @@ int encode_outlines(const Options& options) {
     bytes = outline_world(groups, model.appearances, input->title);
     if (out.ends_with(".wrz")) bytes = gzip(bytes);
   }
-  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
   if (model.left_out > 0)
-    std::fprintf(stderr, "%s: warning: %zu shapes of lines or points have no outlines and are left out\n", in.c_str(),
-                 model.left_out);
-  if (model.averaged)
-    std::fprintf(stderr, "%s: warning: colours that change within a face became their mean\n", in.c_str());
+    complain("%s: warning: %zu shapes of lines or points have no outlines and are left out", in.c_str(),
+             model.left_out);
+  if (model.averaged) complain("%s: warning: colours that change within a face became their mean", in.c_str());
   tell(options, groups, bytes.size(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   return kDone;
 }

@@ -2,6 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
+#include "app/console.h"
 #include "app/formats/outline_text.h"
 #include "net/file.h"
 #include "net/url.h"
@@ -9,7 +10,6 @@
 #include "qnv/order.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <numeric>
 
@@ -66,8 +66,8 @@ int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::s
       scene.set<vrml::SFBool>(id, "complete", false);
   const std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
-  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
-  std::printf("%s: outline groups, %zu bytes\n", out.c_str(), bytes.size());
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
+  print_line("%s: outline groups, %zu bytes", out.c_str(), bytes.size());
   return kDone;
 }
 
@@ -108,8 +108,8 @@ int run_export(const Options& options) {
   const auto& bytes = std::get<std::vector<std::byte>>(exported);
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
-  if (const auto problem = net::write_file_atomically(out, bytes)) return fail(problem->message);
-  std::printf("%s: %zu vectors, %zu bytes\n", out.c_str(), cloud.size(), bytes.size());
+  if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
+  print_line("%s: %zu vectors, %zu bytes", out.c_str(), cloud.size(), bytes.size());
   return kDone;
 }
 

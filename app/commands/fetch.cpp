@@ -1,5 +1,6 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
+#include "app/console.h"
 #include "app/stream_feed.h"
 #include "app/world_loading.h"
 #include "net/schemes.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <string>
 
 namespace gs::app {
@@ -76,25 +76,25 @@ nlohmann::json as_json(const std::string& url, const Report& report) {
 
 void print(const Report& report) {
   const double rate = report.seconds > 0 ? static_cast<double>(report.bytes) * 8e-6 / report.seconds : 0;
-  std::printf("%llu bytes in %.3f s (%.3f Mbit/s)%s\n", static_cast<unsigned long long>(report.bytes), report.seconds,
-              rate, report.complete ? "" : "; not all of it came");
+  print_line("%llu bytes in %.3f s (%.3f Mbit/s)%s", static_cast<unsigned long long>(report.bytes), report.seconds,
+             rate, report.complete ? "" : "; not all of it came");
   if (report.first_seconds < 0)
-    std::printf("nothing to show\n");
+    print_line("nothing to show");
   else
-    std::printf("first picture after %.3f s and %llu bytes\n", report.first_seconds,
-                static_cast<unsigned long long>(report.first_bytes));
-  std::printf("%llu vectors, %llu triangles\n", static_cast<unsigned long long>(report.vectors),
-              static_cast<unsigned long long>(report.triangles));
+    print_line("first picture after %.3f s and %llu bytes", report.first_seconds,
+               static_cast<unsigned long long>(report.first_bytes));
+  print_line("%llu vectors, %llu triangles", static_cast<unsigned long long>(report.vectors),
+             static_cast<unsigned long long>(report.triangles));
   if (!report.is_cells) return;
   const std::uint64_t sent = report.cells.datagrams + report.cells.lost;
-  std::printf("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu of those rebuilt, %llu PDUs damaged\n",
-              static_cast<unsigned long long>(report.cells.datagrams),
-              static_cast<unsigned long long>(report.cells.lost),
-              sent > 0 ? 100.0 * static_cast<double>(report.cells.lost) / static_cast<double>(sent) : 0.0,
-              static_cast<unsigned long long>(report.cells.rebuilt),
-              static_cast<unsigned long long>(report.cells.damaged_pdus));
-  std::printf("granted %.3f Mbit/s, round trip %.1f ms\n", static_cast<double>(report.cells.granted) * 1e-6,
-              static_cast<double>(report.cells.round_trip.count()) / 1000);
+  print_line("%llu datagrams of cells came, %llu were lost (%.2f %%), %llu of those rebuilt, %llu PDUs damaged",
+             static_cast<unsigned long long>(report.cells.datagrams),
+             static_cast<unsigned long long>(report.cells.lost),
+             sent > 0 ? 100.0 * static_cast<double>(report.cells.lost) / static_cast<double>(sent) : 0.0,
+             static_cast<unsigned long long>(report.cells.rebuilt),
+             static_cast<unsigned long long>(report.cells.damaged_pdus));
+  print_line("granted %.3f Mbit/s, round trip %.1f ms", static_cast<double>(report.cells.granted) * 1e-6,
+             static_cast<double>(report.cells.round_trip.count()) / 1000);
 }
 
 }  // namespace
@@ -141,7 +141,7 @@ int run_fetch(const Options& options) {
   report.complete = !world.truncated && world.diagnostics.errors() == 0;
   count(world, report);
   if (options.json)
-    std::printf("%s\n", as_json(url, report).dump(2).c_str());
+    print_text(as_json(url, report).dump(2) + "\n");
   else
     print(report);
   return report.complete ? kDone : kFailed;

@@ -1,6 +1,7 @@
 #include "app/cloud_reader.h"
 #include "app/commands/commands.h"
 #include "app/commands/vectors_of.h"
+#include "app/console.h"
 #include "app/content_types.h"
 #include "app/surface_triangles.h"
 #include "net/file.h"
@@ -107,7 +108,7 @@ bool describe_outlines(Json& json, std::span<const std::byte> bytes, const std::
   Json problems = Json::array();
   for (const qnv::StreamProblem& problem : decoder.problems()) {
     problems.push_back("byte " + std::to_string(problem.offset) + ": " + problem.message);
-    if (!header) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problems.back().get<std::string>().c_str());
+    if (!header) complain("%s: error: %s", path.c_str(), problems.back().get<std::string>().c_str());
   }
   if (!header) return false;
   json["payload"] = "outlines";
@@ -137,8 +138,8 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
   const qnv::StreamHeader* header = decoder.header();
   if (!header) {
     for (const qnv::StreamProblem& problem : decoder.problems())
-      std::fprintf(stderr, "%s: error: byte %llu: %s\n", path.c_str(), static_cast<unsigned long long>(problem.offset),
-                   problem.message.c_str());
+      complain("%s: error: byte %llu: %s", path.c_str(), static_cast<unsigned long long>(problem.offset),
+               problem.message.c_str());
     return false;
   }
   const qnv::Cloud cloud = decoder.cloud();
@@ -229,12 +230,12 @@ void print_facts(const Json& json) {
     std::string name = key;
     std::replace(name.begin(), name.end(), '_', ' ');
     if (!list && key != "metadata") {
-      std::printf("%-22s %s\n", name.c_str(), json_text(value).c_str());
+      print_line("%-22s %s", name.c_str(), json_text(value).c_str());
       continue;
     }
-    std::printf("%s\n", name.c_str());
+    print_line("%s", name.c_str());
     for (const auto& [inner, part] : value.items())
-      std::printf("  %s%s\n", list ? "" : (inner + ": ").c_str(), json_text(part).c_str());
+      print_line("  %s%s", list ? "" : (inner + ": ").c_str(), json_text(part).c_str());
   }
 }
 
@@ -268,7 +269,7 @@ int run_info(const Options& options) {
     }
   }
   if (options.json)
-    std::printf("%s\n", json.dump(2, ' ', true, Json::error_handler_t::replace).c_str());
+    print_text(json.dump(2, ' ', true, Json::error_handler_t::replace) + "\n");
   else
     print_facts(json);
   return kDone;

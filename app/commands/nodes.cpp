@@ -1,44 +1,43 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "vrml/node_type.h"
 #include "vrml/printer.h"
 
-#include <cstdio>
+#include <string>
 
 namespace gs::app {
 namespace {
 
-void print_markdown(const vrml::NodeType& type) {
-  std::printf("## %s\n%s\n\n| access | type | name | default | range |\n| --- | --- | --- | --- | --- |\n",
-              type.name.c_str(),
-              (type.clause.front() == '6' ? "VRML97 " + type.clause : "An extension of " + type.clause).c_str());
+std::string as_markdown(const vrml::NodeType& type) {
+  std::string text = "## " + type.name + "\n" +
+                     (type.clause.front() == '6' ? "VRML97 " + type.clause : "An extension of " + type.clause) +
+                     "\n\n| access | type | name | default | range |\n| --- | --- | --- | --- | --- |\n";
   const vrml::SceneGraph nothing;
   for (const vrml::InterfaceDeclaration& declaration : type.interfaces) {
     std::string value;
     if (declaration.slot >= 0) vrml::print_value(value, declaration.initial, nothing);
-    std::printf("| %s | %s | %s | %s | %s |\n", std::string(name_of(declaration.access)).c_str(),
-                std::string(name_of(declaration.type)).c_str(), declaration.name.c_str(), value.c_str(),
-                declaration.range.c_str());
+    text.append("| ").append(name_of(declaration.access)).append(" | ").append(name_of(declaration.type));
+    text.append(" | ").append(declaration.name).append(" | ").append(value);
+    text.append(" | ").append(declaration.range).append(" |\n");
   }
-  std::printf("\n");
+  return text + "\n";
+}
+
+std::string as_prototype(const vrml::NodeType& type) {
+  return "\n# " + type.clause + "\nPROTO " + type.name + " [\n" + vrml::print_interface(type) + "] {\n}\n";
 }
 
 }  // namespace
 
 int run_nodes(const Options& options) {
-  if (!options.markdown) std::printf("#VRML V2.0 utf8\n");
-  for (const auto& type : vrml::built_in_node_types()) {
-    if (options.markdown) {
-      print_markdown(*type);
-    } else {
-      std::printf("\n# %s\nPROTO %s [\n%s] {\n}\n", type->clause.c_str(), type->name.c_str(),
-                  vrml::print_interface(*type).c_str());
-    }
-  }
+  std::string text = options.markdown ? "" : "#VRML V2.0 utf8\n";
+  for (const auto& type : vrml::built_in_node_types()) text += (options.markdown ? as_markdown : as_prototype)(*type);
+  print_text(text);
   return kDone;
 }
 
 int run_man(const Options&) {
-  std::fputs(manual_page().c_str(), stdout);
+  print_text(manual_page());
   return kDone;
 }
 

@@ -1,9 +1,9 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/viewer.h"
 #include "app/world_loader.h"
 
 #include <atomic>
-#include <cstdio>
 
 namespace gs::app {
 namespace {
@@ -31,9 +31,8 @@ int run_open(const Options& options) {
   load.by_view = true;
   std::string error;
   const int status = run_viewer(viewer, load, error);
-  if (status != 0)
-    std::fprintf(stderr, "ghostspace: error: %s\nA picture without a window: ghostspace --snapshot OUT.png FILE\n",
-                 error.c_str());
+  if (status != kDone)
+    complain("ghostspace: error: %s; a picture without a window: ghostspace --snapshot OUT.png FILE", error.c_str());
   return status;
 }
 

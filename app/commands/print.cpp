@@ -1,8 +1,7 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/world_loader.h"
 #include "vrml/printer.h"
-
-#include <cstdio>
 
 namespace gs::app {
 
@@ -12,11 +11,7 @@ int run_print(const Options& options) {
   const OpenedWorld world = load_world(options.files.front(), load);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  const std::string text = vrml::print(*world.scene);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    std::fprintf(stderr, "ghostspace: error: the text could not be written\n");
-    return kFailed;
-  }
+  print_text(vrml::print(*world.scene));
   return world.truncated ? kFailed : kDone;
 }
 

@@ -1,11 +1,10 @@
 #include "app/commands/progress_bar.h"
 
-#include <unistd.h>
+#include "app/console.h"
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <string>
 
 namespace gs::app {
@@ -24,13 +23,13 @@ ProgressBar::ProgressBar() {
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    const bool terminal = isatty(STDERR_FILENO) == 1;
+    const bool shows = progress_shows();
     while (!stop.stop_requested()) {
       if (interrupted != 0) whole_.cancelled = part_.cancelled = true;
-      if (terminal) draw();
-      std::this_thread::sleep_for(std::chrono::milliseconds(terminal ? 50 : 10));
+      if (shows) draw();
+      std::this_thread::sleep_for(std::chrono::milliseconds(shows ? 50 : 10));
     }
-    if (terminal) std::fprintf(stderr, "\r\033[K");
+    show_progress({});
   });
 }
 
@@ -45,10 +44,12 @@ void ProgressBar::draw() {
   const qnv::Progress& counted = whole_.total > 0 || part_.done >= part_.total ? whole_ : part_;
   const std::uint64_t total = counted.total, done = std::min(counted.done.load(), total);
   const int percent = total > 0 ? static_cast<int>(done * 100 / total) : 0, filled = percent * kWidth / 100;
-  std::fprintf(stderr, "\r\033[K%-10s ", whole_.cancelled ? "stopping" : whole_.stage.load());
-  if (total == 0) return;
-  std::fprintf(stderr, "[%s%s] %3d %%", std::string(static_cast<std::size_t>(filled), '#').c_str(),
-               std::string(static_cast<std::size_t>(kWidth - filled), ' ').c_str(), percent);
+  std::string text = whole_.cancelled ? "stopping" : whole_.stage.load();
+  text.resize(std::max<std::size_t>(text.size(), 10), ' ');
+  if (total > 0)
+    text += " [" + std::string(static_cast<std::size_t>(filled), '#') +
+            std::string(static_cast<std::size_t>(kWidth - filled), ' ') + "] " + std::to_string(percent) + " %";
+  show_progress(text);
 }
 
 }  // namespace gs::app

@@ -1,10 +1,10 @@
 #include "app/commands/serve.h"
 
 #include "app/commands/commands.h"
+#include "app/console.h"
 
 #include <atomic>
 #include <csignal>
-#include <cstdio>
 #include <thread>
 
 namespace gs::app {
@@ -37,17 +37,15 @@ int serve(const ArchiveOptions& options) {
   }
   Archive& archive = *std::get<std::unique_ptr<Archive>>(started);
   if (const auto port = archive.http_port())
-    std::fprintf(stderr, "ghostspace: serving %s on http://%s\n", options.folder.c_str(),
-                 place(options, *port).c_str());
+    complain("ghostspace: serving %s on http://%s", options.folder.c_str(), place(options, *port).c_str());
   if (const auto port = archive.cells_port())
-    std::fprintf(stderr, "ghostspace: serving %s on cells://%s\n", options.folder.c_str(),
-                 place(options, *port).c_str());
+    complain("ghostspace: serving %s on cells://%s", options.folder.c_str(), place(options, *port).c_str());
   int signal = 0;
   while (sigwait(&signals, &signal) != 0) {
   }
   // A second signal ends it at once, as it would any program.
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  std::fprintf(stderr, "ghostspace: stopping; transfers have %d s to end\n", static_cast<int>(kGrace.count()));
+  complain("ghostspace: stopping; transfers have %d s to end", static_cast<int>(kGrace.count()));
   archive.stop(kGrace);
   return kDone;
 }

@@ -1,4 +1,5 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/content_types.h"
 #include "app/formats/export.h"
 #include "net/file.h"
@@ -6,20 +7,17 @@
 #include <sys/resource.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
 namespace gs::app {
 
 void print_diagnostics(const vrml::Diagnostics& diagnostics) {
-  for (const vrml::Diagnostic& diagnostic : diagnostics.entries())
-    std::fprintf(stderr, "%s\n", diagnostic.text().c_str());
-  if (diagnostics.dropped() > 0)
-    std::fprintf(stderr, "ghostspace: %zu more diagnostics are not shown\n", diagnostics.dropped());
+  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) complain("%s", diagnostic.text().c_str());
+  if (diagnostics.dropped() > 0) complain("ghostspace: %zu more diagnostics are not shown", diagnostics.dropped());
 }
 
-bool write_stats(const std::string& path, const std::string& json) {
+int write_stats(const std::string& path, const std::string& json) {
   std::error_code error;
   if (std::filesystem::exists(path, error)) {
     const auto opened = net::map_file(path);
@@ -31,13 +29,13 @@ bool write_stats(const std::string& path, const std::string& json) {
              : nlohmann::json();
     const bool ours = old.is_object() && old.contains("peak_rss_bytes");
     if (!ours && !(file && file->bytes().empty())) {
-      std::fprintf(stderr, "%s: error: is there and holds no measurements; it is not written over\n", path.c_str());
-      return false;
+      complain("%s: error: is there and holds no measurements; it is not written over", path.c_str());
+      return kFailed;
     }
   }
   const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(json)));
-  if (problem) std::fprintf(stderr, "%s: error: %s\n", path.c_str(), problem->message.c_str());
-  return !problem;
+  if (problem) complain("%s: error: %s", path.c_str(), problem->message.c_str());
+  return problem ? kNotWritten : kDone;
 }
 
 render::SplatPath splat_path(const std::string& name) {
@@ -45,8 +43,13 @@ render::SplatPath splat_path(const std::string& name) {
 }
 
 int fail(const std::string& what) {
-  std::fprintf(stderr, "ghostspace: error: %s\n", what.c_str());
+  complain("ghostspace: error: %s", what.c_str());
   return kFailed;
+}
+
+int fail_to_write(const std::string& what) {
+  (void)fail(what);
+  return kNotWritten;
 }
 
 std::optional<std::string> refuse_to_replace(const std::string& out, const std::string& in,

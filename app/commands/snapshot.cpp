@@ -17,7 +17,6 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <unordered_set>
@@ -164,7 +163,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   const render::Image& image = std::get<render::Image>(picture);
   const double first_image_seconds = seconds_since(start);
   if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))
-    return fail(options.snapshot + ": " + problem->message);
+    return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
     const Clock::time_point again = Clock::now();
@@ -184,7 +183,7 @@ int run_snapshot(const Options& options, const std::string& file) {
                                   {"splats", statistics.splats},
                                   {"errors", world.diagnostics.errors()},
                                   {"warnings", world.diagnostics.warnings()}};
-    if (!write_stats(options.stats, stats.dump(2) + "\n")) return kFailed;
+    if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }
   return world.truncated ? kFailed : kDone;
 }

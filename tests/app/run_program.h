@@ -17,10 +17,10 @@ struct Run {
   std::string output;  // stdout and stderr
 };
 
-/// Runs the program as a user does, through the shell.
-inline Run run(const std::string& arguments) {
+/// Runs a line of the shell; what its parts print elsewhere is not told.
+inline Run run_shell(const std::string& line) {
   // Under AddressSanitizer the program would tell at its end which known leaks it passed over.
-  FILE* pipe = popen(("LSAN_OPTIONS=print_suppressions=0 " GHOSTSPACE_BINARY " " + arguments + " 2>&1").c_str(), "r");
+  FILE* pipe = popen(("export LSAN_OPTIONS=print_suppressions=0; { " + line + "; } 2>&1").c_str(), "r");
   REQUIRE(pipe);
   Run result{0, {}};
   std::array<char, 4096> buffer;
@@ -30,6 +30,9 @@ inline Run run(const std::string& arguments) {
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;
 }
+
+/// Runs the program as a user does, through the shell.
+inline Run run(const std::string& arguments) { return run_shell(GHOSTSPACE_BINARY " " + arguments); }
 
 inline std::string quoted(const std::string& path) { return "'" + path + "'"; }
 
