@@ -3,6 +3,7 @@
 #include "app/commands/commands.h"
 #include "app/console.h"
 #include "app/content_types.h"
+#include "app/temporary_file.h"
 #include "render/context.h"
 
 #include <CLI/CLI.hpp>
@@ -463,6 +464,7 @@ int parse_and_run(int count, char** arguments) {
     complain("See 'ghostspace --help'.");
     return kUsage;
   }
+  remove_abandoned_files();
   return chosen->run(options);
 }
 

@@ -2,14 +2,18 @@
 
 #include "net/file.h"
 
-#include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
+#include <utility>
+#include <variant>
 
 namespace gs::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kTemporaryFolders = "ghostspace-temporary";
 
 std::string file_name_part(const std::string& name) {
   std::string result;
@@ -23,19 +27,20 @@ std::string file_name_part(const std::string& name) {
 TemporaryFile::TemporaryFile(const std::string& name, std::span<const std::byte> bytes) {
   std::error_code error;
   const fs::path base = fs::temp_directory_path(error);
-  std::string folder = (base / "ghostspace-XXXXXX").string();
-  if (error || !mkdtemp(folder.data())) {
-    problem_ = "no folder for temporary files can be made";
+  auto folder = net::LockedFolder::make(base.string(), kTemporaryFolders);
+  if (const auto* problem = std::get_if<std::string>(&folder)) {
+    problem_ = *problem;
     return;
   }
-  folder_ = folder;
-  path_ = (fs::path(folder) / ("x" + file_name_part(name))).string();
+  folder_ = std::move(std::get<net::LockedFolder>(folder));
+  path_ = folder_.path() + "/x" + file_name_part(name);
   if (const auto failed = net::write_file_atomically(path_, bytes)) problem_ = failed->message;
 }
 
-TemporaryFile::~TemporaryFile() {
+void remove_abandoned_files() {
   std::error_code error;
-  if (!folder_.empty()) fs::remove_all(folder_, error);
+  const fs::path base = fs::temp_directory_path(error);
+  if (!error) (void)net::remove_abandoned_folders(base.string(), kTemporaryFolders);
 }
 
 }  // namespace gs::app

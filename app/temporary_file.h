@@ -1,5 +1,7 @@
 #pragma once
 
+#include "net/temporary_folder.h"
+
 #include <cstddef>
 #include <span>
 #include <string>
@@ -11,16 +13,17 @@ class TemporaryFile {
  public:
   /// Its name ends in `name`, whose extension may tell its type; of that only plain letters are kept.
   TemporaryFile(const std::string& name, std::span<const std::byte> bytes);
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
   /// Why there is none; empty: there is.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
-  std::string folder_, path_, problem_;
+  net::LockedFolder folder_;
+  std::string path_, problem_;
 };
+
+/// Removes what earlier runs left that could not clean up behind themselves. Once, at the start.
+void remove_abandoned_files();
 
 }  // namespace gs::app

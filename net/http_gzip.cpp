@@ -11,17 +11,17 @@
 
 namespace gs::net {
 
-std::optional<std::string> gzip_file(const std::string& source, const std::string& out, const std::stop_token& stop) {
+std::optional<MakeFailure> gzip_file(const std::string& source, const std::string& out, const std::stop_token& stop) {
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   const auto opened = open_file(source);
-  if (const auto* problem = std::get_if<FileError>(&opened)) return problem->message;
+  if (const auto* problem = std::get_if<FileError>(&opened)) return MakeFailure{problem->message, false};
   const auto& file = std::get<RandomAccessFile>(opened);
   const int number = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  if (number < 0) return "cannot be written";
+  if (number < 0) return MakeFailure{"cannot be written", false};
   const gzFile packed = gzdopen(number, "wb6");
   if (!packed) {
     ::close(number);
-    return "cannot be written";
+    return MakeFailure{"cannot be written", false};
   }
   std::vector<std::byte> piece(kPiece);
   bool good = true;
@@ -31,7 +31,7 @@ std::optional<std::string> gzip_file(const std::string& source, const std::strin
            gzwrite(packed, piece.data(), static_cast<unsigned>(got)) == static_cast<int>(got);
     at += got;
   }
-  if (gzclose(packed) != Z_OK || !good) return "cannot be compressed";
+  if (gzclose(packed) != Z_OK || !good) return MakeFailure{"cannot be compressed", false};
   return std::nullopt;
 }
 

@@ -39,9 +39,9 @@ struct Maker {
   /// and the query behind it; nothing when this maker does not make it. On the
   /// server's thread.
   std::function<std::optional<std::string>(const std::string& name, const std::string& query)> source_of;
-  /// Makes `out` of the file `source`; what went wrong, if it did. On a thread
-  /// of this maker's; should end soon when stopped.
-  std::function<std::optional<std::string>(const std::string& source, const std::string& out,
+  /// Makes `out`, in a folder of its own, of the file `source`; what went wrong, if it did. On a thread of this
+  /// maker's; should end soon when stopped.
+  std::function<std::optional<MakeFailure>(const std::string& source, const std::string& out,
                                            const std::stop_token& stop)>
       make;
   std::chrono::milliseconds wait{10'000};  // so long a request without Range waits before it is told to
@@ -65,6 +65,8 @@ struct HttpServerOptions {
   /// Lines for /metrics of others than this server.
   std::function<std::string()> more_metrics;
   bool public_metrics = false;  // else /metrics is for this machine only
+  /// Told what whoever serves should know and clients must not: why something could not be made. Any thread.
+  std::function<void(const std::string& message)> report;
   bool resolve_beneath = true;  // see ServedFolder
   AccessLog log;
 };

@@ -55,6 +55,21 @@ std::uint64_t HttpAnswer::size() const {
   return all;
 }
 
+std::string message_for_clients(std::string message, const std::string& root) {
+  const auto begins_path = [&](std::size_t at) {
+    return at == 0 || std::string_view(" \t'\"`([{<:=,;|").find(message[at - 1]) != std::string_view::npos;
+  };
+  const std::string inside = root.ends_with('/') ? root : root + "/";
+  for (std::size_t at = 0; (at = message.find(inside, at)) != std::string::npos;)
+    if (begins_path(at))
+      message.erase(at, inside.size());
+    else
+      at += inside.size();
+  for (std::size_t at = 0; (at = message.find('/', at)) != std::string::npos; ++at)
+    if (begins_path(at)) return "it cannot be read; the messages of the server say why";
+  return message;
+}
+
 HttpSite::HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
                    std::function<std::string()> metrics)
     : options_(options), root_(std::move(folder)), made_(made), metrics_(std::move(metrics)) {}
@@ -300,18 +315,24 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
   const Maker& maker = options_.makers[lane];
   const std::string path = ServedFolder::real_path(source.descriptor);
   const std::string key = maker.name + " " + source.stamp.etag() + path;
-  const auto make_it = [&maker, path, stamp = source.stamp](const std::string& out,
-                                                            const std::stop_token& stop) -> std::optional<std::string> {
-    if (auto failed = maker.make(path, out, stop)) return failed;
+  const auto make_it = [&maker, &options = options_, path, root = root_.path(), stamp = source.stamp](
+                           const std::string& out, const std::stop_token& stop) -> std::optional<MakeFailure> {
+    if (auto failed = maker.make(path, out, stop)) {
+      if (options.report && !stop.stop_requested())
+        options.report(maker.name + " of " + path + " failed: " + failed->message);
+      failed->message = message_for_clients(std::move(failed->message), root);
+      return failed;
+    }
     // What was read may have been of two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-    if (!now || !(stamp_of(now) == stamp)) return "the file was changed meanwhile";
+    if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file was changed meanwhile", false};
     return std::nullopt;
   };
   const MadeFile result = made_->request(lane, key, maker.extension, make_it);
   switch (result.state) {
     case MadeState::failed:
-      return problem(422, "cannot be made: " + result.problem);
+      return result.failure.lasting ? problem(422, "cannot be made: " + result.failure.message)
+                                    : problem(503, "cannot be made now; come again");
     case MadeState::full:
       return problem(503, "too much is being made; come again");
     case MadeState::waiting:

@@ -89,8 +89,12 @@ class HttpSite {
   std::function<std::string()> metrics_;
 };
 
+/// What clients may know of a message about a file of a served folder: the names of files as clients know them. A
+/// message that names another place of this machine is replaced as a whole.
+[[nodiscard]] std::string message_for_clients(std::string message, const std::string& root);
+
 /// Compresses a file; what went wrong, if it did.
-[[nodiscard]] std::optional<std::string> gzip_file(const std::string& source, const std::string& out,
+[[nodiscard]] std::optional<MakeFailure> gzip_file(const std::string& source, const std::string& out,
                                                    const std::stop_token& stop);
 
 }  // namespace gs::net

@@ -1,11 +1,15 @@
 #include "net/made_files.h"
 
 #include "net/siphash.h"
+#include "net/temporary_folder.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <new>
 #include <span>
+#include <utility>
+#include <variant>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -16,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kMostFailures = 256;
-constexpr std::time_t kAbandoned = 24 * 3600;  // seconds after which a half-made file is someone's who died
+constexpr const char* kWorkFolders = "making";  // half-made files stand in these
 
 std::string made_name_of(const std::string& key) {
   const auto bytes = std::as_bytes(std::span(key));
@@ -35,6 +39,7 @@ bool is_ours(const std::string& name) {
 
 MadeFiles::MadeFiles(Options options, std::size_t lanes, std::function<void()> wake)
     : options_(std::move(options)), wake_(std::move(wake)), lanes_(lanes) {
+  (void)remove_abandoned_folders(options_.folder, kWorkFolders);
   for (std::size_t lane = 0; lane < lanes; ++lane)
     lanes_[lane].thread = std::jthread([this, lane](const std::stop_token& stop) { work(lane, stop); });
 }
@@ -53,8 +58,9 @@ MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, con
   // Used now: the others go first.
   const timespec times[2] = {{0, UTIME_NOW}, {0, UTIME_OMIT}};
   if (::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW) == 0) return {MadeState::ready, path, {}};
-  for (const auto& [failed, problem] : lane.failures)
-    if (failed == key) return {MadeState::failed, {}, problem};
+  std::erase_if(lane.failures, [now = options_.now()](const Failed& failed) { return now >= failed.until; });
+  for (const Failed& failed : lane.failures)
+    if (failed.key == key) return {MadeState::failed, {}, failed.failure};
   if (lane.jobs.size() >= options_.most_waiting) return {MadeState::full, {}, {}};
   lane.jobs.push_back({key, name, extension, std::move(make)});
   arrived_.notify_all();
@@ -83,23 +89,35 @@ void MadeFiles::work(std::size_t number, const std::stop_token& stop) {
       if (!arrived_.wait(lock, stop, [&] { return !lane.jobs.empty(); }) || stop.stop_requested()) return;
       job = lane.jobs.front();
     }
-    const std::string part =
-        options_.folder + "/" + job.name + "." + std::to_string(::getpid()) + ".part" + job.extension;
-    auto problem = job.make(part, stop);
-    if (!problem && ::rename(part.c_str(), (options_.folder + "/" + job.name + job.extension).c_str()) != 0)
-      problem = "what was made cannot be kept";
-    if (problem) (void)::unlink(part.c_str());
+    const auto failure = make(job, stop);
     {
       const std::lock_guard lock(mutex_);
       lane.jobs.pop_front();
-      ++(problem ? lane.statistics.failed : lane.statistics.made);
+      ++(failure ? lane.statistics.failed : lane.statistics.made);
       // What was stopped did not fail.
-      if (problem && !stop.stop_requested()) lane.failures.emplace_back(job.key, *problem);
+      if (failure && !stop.stop_requested())
+        lane.failures.push_back(
+            {job.key, *failure,
+             options_.now() + (failure->lasting ? options_.lasting_failure : options_.passing_failure)});
       if (lane.failures.size() > kMostFailures) lane.failures.pop_front();
     }
-    if (!problem) clean();
+    if (!failure) clean();
     wake_();
   }
+}
+
+std::optional<MakeFailure> MadeFiles::make(const Job& job, const std::stop_token& stop) {
+  auto folder = LockedFolder::make(options_.folder, kWorkFolders);
+  if (auto* problem = std::get_if<std::string>(&folder)) return MakeFailure{std::move(*problem), false};
+  const std::string out = std::get<LockedFolder>(folder).path() + "/made" + job.extension;
+  try {
+    if (auto failure = job.make(out, stop)) return failure;
+  } catch (const std::bad_alloc&) {
+    return MakeFailure{"there is not enough memory", false};
+  }
+  if (::rename(out.c_str(), (options_.folder + "/" + job.name + job.extension).c_str()) != 0)
+    return MakeFailure{"what was made cannot be kept", false};
+  return std::nullopt;
 }
 
 void MadeFiles::clean() {
@@ -116,10 +134,6 @@ void MadeFiles::clean() {
     const std::string name = file->path().filename().string(), path = file->path().string();
     struct stat status {};
     if (!is_ours(name) || ::lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
-    if (name.find(".part") != std::string::npos) {
-      if (status.st_mtim.tv_sec + kAbandoned < ::time(nullptr)) (void)::unlink(path.c_str());
-      continue;
-    }
     all.push_back({path, static_cast<std::uint64_t>(status.st_size), status.st_atim});
     total += all.back().size;
   }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "net/clock.h"
+
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -16,27 +19,36 @@ namespace gs::net {
 
 enum class MadeState : std::uint8_t { ready, waiting, failed, full };
 
+/// Why something was not made.
+struct MakeFailure {
+  std::string message;
+  bool lasting = true;  // it lies in the source, and would be so again; else in this machine: a full disk, for example
+};
+
 /// What has become of a file that is to be made.
 struct MadeFile {
   MadeState state = MadeState::waiting;
   std::string path;     // when ready
-  std::string problem;  // when failed
+  MakeFailure failure;  // when failed
 };
 
 /// Files that are made of others when someone asks for them, and kept: each is
 /// made once, in a lane, which makes one at a time by a thread of its own. What
 /// was made stands in a folder, bounded in bytes: what has not been used for
-/// longest goes. Any thread.
+/// longest goes. What failed is tried again after a while. Any thread.
 class MadeFiles {
  public:
-  /// Writes `out`; what went wrong, if it did. Should end soon when stopped. On
-  /// a lane's thread.
-  using Make = std::function<std::optional<std::string>(const std::string& out, const std::stop_token& stop)>;
+  /// Writes `out`, in a folder that it has for itself; what went wrong, if it did. Should end soon when stopped. On a
+  /// lane's thread.
+  using Make = std::function<std::optional<MakeFailure>(const std::string& out, const std::stop_token& stop)>;
 
   struct Options {
     std::string folder;                                 // there, and ours
     std::uint64_t most_bytes = std::uint64_t{4} << 30;  // in the folder
     std::size_t most_waiting = 64;                      // in a lane
+    // So long nothing is tried again that failed, for good or for the time being.
+    Instant lasting_failure = std::chrono::minutes(10), passing_failure = std::chrono::seconds(2);
+    std::function<Instant()> now = clock_now;
   };
   struct Statistics {
     std::uint64_t made = 0, failed = 0, waiting = 0;
@@ -62,13 +74,19 @@ class MadeFiles {
     std::string key, name, extension;
     Make make;
   };
+  struct Failed {
+    std::string key;
+    MakeFailure failure;
+    Instant until{};
+  };
   struct Lane {
-    std::deque<Job> jobs;                                      // the first is being made
-    std::deque<std::pair<std::string, std::string>> failures;  // keys and problems, newest last
+    std::deque<Job> jobs;         // the first is being made
+    std::deque<Failed> failures;  // newest last
     Statistics statistics;
     std::jthread thread;
   };
   void work(std::size_t lane, const std::stop_token& stop);
+  [[nodiscard]] std::optional<MakeFailure> make(const Job& job, const std::stop_token& stop);
   void clean();
 
   const Options options_;

@@ -71,6 +71,8 @@ class ServedFolder {
   /// Regular files and folders only.
   [[nodiscard]] std::variant<ServedFile, PathRefusal> open(const RequestPath& path) const;
   [[nodiscard]] FolderListing list(const RequestPath& path) const;
+  /// Where it really is.
+  [[nodiscard]] std::string path() const { return real_path(root_); }
   /// Where an open file really is: for programs that need a path.
   [[nodiscard]] static std::string real_path(const Descriptor& descriptor);
 

@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 
@@ -8,6 +9,7 @@
 #include "net/access_log.h"
 #include "net/client_limits.h"
 #include "net/http_range.h"
+#include "net/http_site.h"
 #include "net/made_files.h"
 #include "net/served_folder.h"
 
@@ -132,14 +134,72 @@ TEST_CASE("Requests and connections are counted by client") {
   CHECK(counts.admit(key_of(1), Instant(500'000)));
 }
 
+TEST_CASE("What could not be made is tried again, soon where the file is not to blame") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("ghostspace-again-" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  // Of a server that was killed, and of one that runs.
+  fs::create_directories(folder / "making-abcdef");
+  fs::permissions(folder / "making-abcdef", fs::perms::owner_all);
+  std::ofstream(folder / "making-abcdef" / "made.bin") << "half";
+  {
+    std::atomic<std::int64_t> now{0};
+    MadeFiles::Options options;
+    options.folder = folder.string();
+    options.now = [&now] { return Instant(now.load()); };
+    MadeFiles made(options, 1, [] {});
+    CHECK_FALSE(fs::exists(folder / "making-abcdef"));
+    std::atomic<int> tries{0};
+    const auto state = [&](const std::string& key, bool lasting) {
+      const auto fail = [&tries, lasting](const std::string& out, const std::stop_token&) {
+        ++tries;
+        std::ofstream(out) << "half";
+        return std::optional(MakeFailure{"no", lasting});
+      };
+      MadeFile found = made.request(0, key, ".bin", fail);
+      if (found.state != MadeState::waiting) return found.state;
+      while (made.is_waiting(0, key)) ::usleep(1000);
+      return made.request(0, key, ".bin", fail).state;
+    };
+    CHECK(state("full", false) == MadeState::failed);
+    CHECK(state("bad", true) == MadeState::failed);
+    CHECK(state("full", false) == MadeState::failed);
+    CHECK(tries == 2);
+    now = 3'000'000;
+    CHECK(state("full", false) == MadeState::failed);
+    CHECK(tries == 3);
+    CHECK(state("bad", true) == MadeState::failed);
+    CHECK(tries == 3);
+    now = std::int64_t{601} * 1'000'000;
+    CHECK(state("bad", true) == MadeState::failed);
+    CHECK(tries == 4);
+  }
+  CHECK(fs::is_empty(folder));
+  fs::remove_all(folder);
+}
+
+TEST_CASE("Messages for clients name files of the served folder, and no other place") {
+  CHECK(message_for_clients("/srv/www/a/b.stl:1:2: error: no mesh", "/srv/www") == "a/b.stl:1:2: error: no mesh");
+  CHECK(message_for_clients("cannot open '/srv/www/b.png' of /srv/www/a", "/srv/www") == "cannot open 'b.png' of a");
+  CHECK(message_for_clients("3 and/or 4", "/srv/www") == "3 and/or 4");
+  const std::string hidden = "it cannot be read; the messages of the server say why";
+  for (const char* message : {"/etc/passwd", "cannot open /srv/wwwx/a", "x (/tmp/a)", "a=/b", "see http://x/",
+                              "/srv/www/a and /srv/b", "'/'"})
+    CHECK(message_for_clients(message, "/srv/www") == hidden);
+}
+
 TEST_CASE("The folder of made files is bounded, and holds others' files in peace") {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("ghostspace-made-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   std::ofstream(folder / "others.txt") << std::string(5000, 'x');
   {
-    MadeFiles made({folder.string(), 2500, 8}, 1, [] {});
-    const auto make = [](const std::string& out, const std::stop_token&) -> std::optional<std::string> {
+    MadeFiles::Options options;
+    options.folder = folder.string();
+    options.most_bytes = 2500;
+    options.most_waiting = 8;
+    MadeFiles made(options, 1, [] {});
+    const auto make = [](const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
       std::ofstream(out) << std::string(1000, 'x');
       return std::nullopt;
     };
@@ -149,11 +209,10 @@ TEST_CASE("The folder of made files is bounded, and holds others' files in peace
       CHECK(made.request(0, key, ".bin", make).state == MadeState::ready);
     }
     // The lane cleans up behind each; one more, and the work before it is done.
-    CHECK(made.request(0, "bad", ".bin",
-                       [](const std::string&, const std::stop_token&) { return std::optional<std::string>("no"); })
+    CHECK(made.request(0, "bad", ".bin", [](const std::string&, const std::stop_token&) { return MakeFailure{"no"}; })
               .state == MadeState::waiting);
     while (made.is_waiting(0, "bad")) ::usleep(1000);
-    CHECK(made.request(0, "bad", ".bin", make).problem == "no");
+    CHECK(made.request(0, "bad", ".bin", make).failure.message == "no");
     CHECK(made.request(0, "d", ".bin", make).state == MadeState::ready);
     CHECK(made.statistics(0).made == 4);
   }

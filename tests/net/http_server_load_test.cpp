@@ -188,11 +188,19 @@ TEST_CASE("HTTP server: what is made is made once, and waited for") {
   ServedSite site;
   site.write("a.stl", "mesh");
   site.write("bad.stl", "bad");
+  site.write("leak.stl", "leak");
+  const std::string place = site.path("");
   site.options.made_folder = site.made();
   std::mutex mutex;
   std::condition_variable changed;
   bool open = false;
   std::atomic<int> made{0};
+  std::atomic<bool> full{false};
+  std::string reported;
+  site.options.report = [&](const std::string& message) {
+    const std::lock_guard lock(mutex);
+    reported += message + "\n";
+  };
   Maker maker;
   maker.name = "encode";
   maker.type.mime = "model/x-qnv";
@@ -203,8 +211,10 @@ TEST_CASE("HTTP server: what is made is made once, and waited for") {
     return name.substr(0, name.size() - 4);
   };
   maker.make = [&](const std::string& source, const std::string& out,
-                   const std::stop_token&) -> std::optional<std::string> {
-    if (source.ends_with("bad.stl")) return "is no mesh";
+                   const std::stop_token&) -> std::optional<MakeFailure> {
+    if (source.ends_with("bad.stl")) return MakeFailure{source + " is no mesh"};
+    if (source.ends_with("leak.stl")) return MakeFailure{"cannot open /etc/passwd"};
+    if (full) return MakeFailure{"cannot write " + out + ": No space left on device", false};
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return open; });
     ++made;
@@ -246,6 +256,26 @@ TEST_CASE("HTTP server: what is made is made once, and waited for") {
   CHECK(made == 2);
   const Got bad = site.get("/bad.stl.qnv");
   CHECK(bad.status == 422);
-  CHECK(bad.body == "cannot be made: is no mesh\n");
-  CHECK(site.get("/metrics").body.find("ghostspace_made_total{kind=\"encode\"} 2\n") != std::string::npos);
+  CHECK(bad.body == "cannot be made: bad.stl is no mesh\n");
+  const Got leak = site.get("/leak.stl.qnv");
+  CHECK(leak.status == 422);
+  CHECK(leak.body == "cannot be made: it cannot be read; the messages of the server say why\n");
+  // A full disk is no fault of the file: it is tried again, and until then no client learns where.
+  full = true;
+  site.write("a.stl", "a third mesh");
+  const Got none = site.get("/a.stl.qnv");
+  CHECK(none.status == 503);
+  CHECK(none.headers.count("retry-after") == 1);
+  CHECK(none.body.find('/') == std::string::npos);
+  full = false;
+  Got again = site.get("/a.stl.qnv");
+  while (again.status == 503) again = site.get("/a.stl.qnv");
+  CHECK(again.body == "stream of a.stl");
+  {
+    const std::lock_guard lock(mutex);
+    CHECK(reported.find("encode of " + place + "bad.stl failed: " + place + "bad.stl is no mesh\n") !=
+          std::string::npos);
+    CHECK(reported.find("No space left on device") != std::string::npos);
+  }
+  CHECK(site.get("/metrics").body.find("ghostspace_made_total{kind=\"encode\"} 3\n") != std::string::npos);
 }
