@@ -4,6 +4,7 @@
 #include "app/cell_archive.h"
 #include "app/child_program.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -12,7 +13,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-net::Maker thumbnail_maker(const std::string& program) {
+// Of files of strangers, and for strangers: a process of its own, confined to the folder that is served, without
+// network.
+std::optional<net::MakeFailure> run_confined(const std::string& program, const std::string& served,
+                                             std::vector<std::string> arguments, const ChildLimits& limits,
+                                             const std::stop_token& stop) {
+  arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), {"--offline", "--allow", served, "--confine", served});
+  const auto failure = run_child(program, arguments, limits, stop);
+  if (!failure) return std::nullopt;
+  return net::MakeFailure{failure->message, failure->lasting};
+}
+
+net::Maker thumbnail_maker(const std::string& program, const std::string& served) {
   net::Maker maker;
   maker.name = "thumbnail";
   maker.type.mime = "image/png";
@@ -22,15 +34,16 @@ net::Maker thumbnail_maker(const std::string& program) {
     if (query != "thumbnail" || !content_type_by_name(name)) return std::nullopt;
     return name;
   };
-  maker.make = [program](const std::string& source, const std::string& out, const std::stop_token& stop) {
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
     ChildLimits limits;
     limits.time = std::chrono::seconds(60);
-    return run_child(program, {"--snapshot", out, "--size", "320x240", "--timeout", "15", "--", source}, limits, stop);
+    return run_confined(program, served, {"--snapshot", out, "--size", "320x240", "--timeout", "15", "--", source},
+                        limits, stop);
   };
   return maker;
 }
 
-net::Maker stream_maker(const std::string& program) {
+net::Maker stream_maker(const std::string& program, const std::string& served) {
   net::Maker maker;
   maker.name = "encode";
   maker.type.mime = "model/x-qnv";
@@ -41,11 +54,11 @@ net::Maker stream_maker(const std::string& program) {
     if (!can_be_encoded(source)) return std::nullopt;
     return source;
   };
-  maker.make = [program](const std::string& source, const std::string& out, const std::stop_token& stop) {
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
     ChildLimits limits;
     limits.time = std::chrono::minutes(30);
-    limits.memory = std::uint64_t{32} << 30;
-    return run_child(program, {"encode", "--timeout", "600", "--", source, out}, limits, stop);
+    limits.memory = std::uint64_t{8} << 30;
+    return run_confined(program, served, {"encode", "--timeout", "600", "--", source, out}, limits, stop);
   };
   return maker;
 }
@@ -126,12 +139,15 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   if (!make) http.made_folder.clear();
   if (make) {
     if (auto problem = prepare(http.made_folder, options.folder)) return *problem;
-    http.makers.push_back(thumbnail_maker(options.program));
-    http.makers.push_back(stream_maker(options.program));
+    std::error_code error;
+    const std::string served = fs::canonical(options.folder, error).string();
+    http.makers.push_back(thumbnail_maker(options.program, served));
+    http.makers.push_back(stream_maker(options.program, served));
   }
   http.list = [make](const net::FolderListing& listing, bool json) { return archive_index(listing, json, make); };
   if (const net::CellServerDriver* cells = archive->cells_.get())
     http.more_metrics = [cells] { return cell_metrics(cells->statistics()); };
+  http.report = options.report;
   if (!options.log.empty()) {
     auto log = net::AccessLog::open(options.log);
     if (auto* problem = std::get_if<std::string>(&log)) return *problem;

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,11 +22,12 @@ struct ArchiveOptions {
   std::uint64_t rate = 0;          // bits a second of all clients; of HTTP and cells
                                    // half each; 0: no limit
   net::CongestionResponse congestion = net::CongestionResponse::equation;  // of cells
-  std::string cache;                       // folder for what is made; empty: archive_cache_folder()
-  bool make = true;                        // thumbnails and streams of files that are none
-  std::string log = "-";                   // file; "-": standard output; empty: none
-  std::int64_t max_age = 0;                // seconds
-  std::string program = "/proc/self/exe";  // ours, which makes
+  std::string cache;                                       // folder for what is made; empty: archive_cache_folder()
+  bool make = true;                                        // thumbnails and streams of files that are none
+  std::string log = "-";                                   // file; "-": standard output; empty: none
+  std::int64_t max_age = 0;                                // seconds
+  std::string program = "/proc/self/exe";                  // ours, which makes
+  std::function<void(const std::string& message)> report;  // see net::HttpServerOptions; none: nobody is told
 };
 
 /// $XDG_CACHE_HOME/ghostspace/archive, else ~/.cache/ghostspace/archive; empty

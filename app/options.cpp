@@ -1,6 +1,7 @@
 #include "app/options.h"
 
 #include "app/commands/commands.h"
+#include "app/confinement.h"
 #include "app/console.h"
 #include "app/content_types.h"
 #include "app/temporary_file.h"
@@ -299,6 +300,15 @@ constexpr OptionRow kOptions[] = {
      "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
      "several times",
      "open check print info encode export fetch ", set_allowed, true},
+    {"--confine", "FOLDER", "",
+     "for files of strangers: the kernel lets it read nothing but FOLDER and the system's libraries, write nothing but "
+     "into the folder of OUT, and open no connection (Landlock and seccomp, where the kernel has them)",
+     "open check print info encode export ",
+     [](Options& o, const std::string& v) {
+       o.confine = v;
+       o.offline = true;
+       return v.empty() ? Problem("expected a folder") : Problem{};
+     }},
     {"--http", "PORT", "8080", "serve by HTTP on this port; 0: any free one. Not if only --cells is given", "serve ",
      [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
     {"--cells", "PORT", "", "serve streams as ATM cells in UDP on this port", "serve ",
@@ -423,6 +433,19 @@ std::string manual_page() {
 
 namespace {
 
+// The file that a command writes; empty for none.
+std::string output_of(const Options& options, const CommandRow& command) {
+  if (!options.snapshot.empty()) return options.snapshot;
+  const bool writes = command.run == run_encode || command.run == run_export;
+  return writes ? options.files.back() : std::string();
+}
+
+std::string folder_of(const std::string& file) {
+  if (file.empty()) return {};
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "." : file.substr(0, slash + 1);
+}
+
 int parse_and_run(int count, char** arguments) {
   Options options;
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
@@ -451,6 +474,8 @@ int parse_and_run(int count, char** arguments) {
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
     if (!options.snapshot.empty() && options.files.size() > 1)
       throw CLI::ValidationError("--snapshot", "expected one file");
+    if (!options.confine.empty() && chosen == &kCommands[0] && options.snapshot.empty())
+      throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
     if (chosen->check)
       if (const Problem problem = chosen->check(options))
         throw CLI::ValidationError(std::string(chosen->name), *problem);
@@ -465,6 +490,8 @@ int parse_and_run(int count, char** arguments) {
     return kUsage;
   }
   remove_abandoned_files();
+  if (!options.confine.empty())
+    if (const auto problem = confine({options.confine, folder_of(output_of(options, *chosen))})) return fail(*problem);
   return chosen->run(options);
 }
 

@@ -41,6 +41,7 @@ struct Options {
   net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;
   std::vector<std::string> allowed;  // files and folders that worlds may read besides their own folders
+  std::string confine;  // folder beneath which is all that may be read; empty: as the system allows
   bool markdown = false, wrl = false, json = false, vrml97 = false;
   std::size_t vectors = 0;       // 0: not asked for
   double fraction = 0;           // 0: not asked for

@@ -87,7 +87,10 @@ void sync_folder(const std::string& folder) {
 /// The text of errno when one step fails, for `write_file_atomically`.
 std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& temporary, const std::string& target,
                                            std::optional<mode_t> mode, std::span<const std::byte> bytes) {
-  if (!write_all(file.get(), bytes) || (mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
+  struct stat status {};
+  // Not asked for in vain: who is confined may not.
+  const bool other_mode = mode && (::fstat(file.get(), &status) != 0 || (status.st_mode & 07777) != *mode);
+  if (!write_all(file.get(), bytes) || (other_mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
       !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0)
     return reason(errno);
   return std::nullopt;

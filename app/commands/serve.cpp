@@ -1,6 +1,7 @@
 #include "app/commands/serve.h"
 
 #include "app/commands/commands.h"
+#include "app/confinement.h"
 #include "app/console.h"
 
 #include <atomic>
@@ -38,6 +39,9 @@ int serve(const ArchiveOptions& options) {
   Archive& archive = *std::get<std::unique_ptr<Archive>>(started);
   if (const auto port = archive.http_port())
     complain("ghostspace: serving %s on http://%s", options.folder.c_str(), place(options, *port).c_str());
+  if (archive.http_port())
+    complain("ghostspace: thumbnails and streams are made by processes without network; what keeps them in check: %s",
+             confinement_support().text().c_str());
   if (const auto port = archive.cells_port())
     complain("ghostspace: serving %s on cells://%s", options.folder.c_str(), place(options, *port).c_str());
   int signal = 0;
@@ -61,6 +65,7 @@ int run_serve(const Options& options) {
   archive.congestion = options.congestion;
   archive.cache = options.cache;
   archive.log = options.log;
+  archive.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
   return serve(archive);
 }
 

@@ -127,7 +127,9 @@ int run_snapshot(const Options& options, const std::string& file) {
 
   if (options.backend == "glfw")
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
-  auto opened = render::open_headless_context(options.backend);
+  // Who is confined has no business with drivers and devices: drawn by the processor.
+  const bool confined = !options.confine.empty() && options.backend == "auto";
+  auto opened = render::open_headless_context(confined ? "osmesa" : options.backend);
   if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
   render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);
   auto created = render::Renderer::create(context);

@@ -101,13 +101,13 @@ TEST_CASE("An index shows names as text, whatever is in them") {
 TEST_CASE("A child program is limited, stopped, and says what went wrong") {
   std::stop_source stop;
   CHECK_FALSE(run_child("/bin/sh", {"-c", "exit 0"}, {}, stop.get_token()));
-  CHECK(run_child("/bin/sh", {"-c", "echo first >&2; echo last >&2; exit 3"}, {}, stop.get_token()) == "last");
+  CHECK(run_child("/bin/sh", {"-c", "echo first >&2; echo last >&2; exit 1"}, {}, stop.get_token())->message == "last");
   CHECK(run_child("/nowhere", {}, {}, stop.get_token()).has_value());
   ChildLimits limits;
   limits.time = std::chrono::seconds(0);
-  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, limits, stop.get_token()) == "takes too long");
+  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, limits, stop.get_token())->message == "takes too long");
   stop.request_stop();
-  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, {}, stop.get_token()) == "was stopped");
+  CHECK(run_child("/bin/sh", {"-c", "sleep 1000"}, {}, stop.get_token())->message == "was stopped");
 }
 
 TEST_CASE("serve: a folder with thumbnails and streams that are made") {
