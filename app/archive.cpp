@@ -3,6 +3,7 @@
 #include "app/archive_index.h"
 #include "app/cell_archive.h"
 #include "app/child_program.h"
+#include "net/host_names.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -134,6 +135,11 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
   http.limits.total_rate = rate / 8;
   http.max_age = options.max_age;
   http.type_of = served_type_of;
+  http.host_names = options.host_names;
+  http.proxies = options.proxies;
+  const auto address = net::ip_address_of(options.bind);
+  const bool for_us_alone = address && net::is_loopback(*address);
+  http.origins = options.origins.value_or(for_us_alone ? std::vector<std::string>() : std::vector<std::string>{"*"});
   http.made_folder = options.cache.empty() ? archive_cache_folder() : options.cache;
   const bool make = options.make && !http.made_folder.empty();
   if (!make) http.made_folder.clear();

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace gs::app {
 
@@ -22,10 +23,14 @@ struct ArchiveOptions {
   std::uint64_t rate = 0;          // bits a second of all clients; of HTTP and cells
                                    // half each; 0: no limit
   net::CongestionResponse congestion = net::CongestionResponse::equation;  // of cells
-  std::string cache;                                       // folder for what is made; empty: archive_cache_folder()
-  bool make = true;                                        // thumbnails and streams of files that are none
-  std::string log = "-";                                   // file; "-": standard output; empty: none
-  std::int64_t max_age = 0;                                // seconds
+  std::string cache;                    // folder for what is made; empty: archive_cache_folder()
+  bool make = true;                     // thumbnails and streams of files that are none
+  std::string log = "-";                // file; "-": standard output; empty: none
+  std::int64_t max_age = 0;             // seconds
+  std::vector<std::string> host_names;  // see net::HttpServerOptions
+  /// Pages that may read what is served; not given: all where it is served to others than this machine, else none.
+  std::optional<std::vector<std::string>> origins;
+  std::vector<net::AddressBlock> proxies;
   std::string program = "/proc/self/exe";                  // ours, which makes
   std::function<void(const std::string& message)> report;  // see net::HttpServerOptions; none: nobody is told
 };

@@ -5,6 +5,7 @@
 #include "app/console.h"
 #include "app/content_types.h"
 #include "app/temporary_file.h"
+#include "net/host_names.h"
 #include "render/context.h"
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <new>
 #include <sstream>
 #include <stdexcept>
@@ -193,6 +195,43 @@ Problem set_congestion(Options& options, const std::string& value) {
   return names;
 }
 
+// "a,b,c"; false when one of them is not taken.
+bool each_of(std::string_view list, const std::function<bool(const std::string&)>& take) {
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    if (!take(std::string(list.substr(begin, end - begin)))) return false;
+    begin = end + 1;
+  }
+  return true;
+}
+
+Problem set_host_names(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& name) {
+    options.host_names.push_back(name);
+    return net::host_of(name) || net::ip_address_of(name);
+  });
+  return good ? Problem{} : "expected names as they stand in URLs, parted by commas";
+}
+
+Problem set_origins(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& origin) {
+    options.origins.push_back(origin);
+    if (origin == "*") return true;
+    const std::size_t host = origin.find("://");
+    return host != std::string::npos && host > 0 && net::host_of(std::string_view(origin).substr(host + 3)).has_value();
+  });
+  return good ? Problem{} : "expected * or origins like https://example.org, parted by commas";
+}
+
+Problem set_proxies(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& text) {
+    const auto block = net::address_block_of(text);
+    if (block) options.proxies.push_back(*block);
+    return block.has_value();
+  });
+  return good ? Problem{} : "expected addresses or blocks of them like 10.0.0.0/8, parted by commas";
+}
+
 Problem set_length(double& length, const std::string& value) {
   return read(value, length) && std::isfinite(length) && length >= 0 ? Problem{} : "expected a length, at least 0";
 }
@@ -318,6 +357,19 @@ constexpr OptionRow kOptions[] = {
        o.bind = v;
        return Problem{};
      }},
+    {"--host", "NAME,...", "",
+     "names that the server goes by besides localhost and its address: listening at 127.0.0.1 or another address of "
+     "this "
+     "machine alone it answers for no others, lest pages of foreign sites read it (DNS rebinding)",
+     "serve ", set_host_names},
+    {"--cors", "ORIGIN,...|*", "none, all with --bind",
+     "pages of which sites may read what is served; all may where it is served to others than this machine", "serve ",
+     set_origins},
+    {"--proxies", "ADDRESS,...", "",
+     "proxies in front of the server, by addresses or blocks (10.0.0.0/8): their X-Forwarded-For is believed, so that "
+     "the "
+     "limits of one address are for their clients and not for them",
+     "serve ", set_proxies},
     {"--rate", "BIT/S", "",
      "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
      "others",

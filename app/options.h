@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/volume.h"
+#include "net/address_space.h"
 #include "net/congestion.h"
 
 #include <glm/vec3.hpp>
@@ -37,6 +38,8 @@ struct Options {
   // serve
   std::optional<std::uint16_t> http_port, cells_port;
   std::string bind = "127.0.0.1", cache, log = "-";
+  std::vector<std::string> host_names, origins;
+  std::vector<net::AddressBlock> proxies;
   std::uint64_t rate = 0;  // bits a second; 0: no limit
   net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;

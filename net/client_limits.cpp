@@ -1,11 +1,6 @@
 #include "net/client_limits.h"
 
 #include <algorithm>
-#include <cstring>
-
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 namespace gs::net {
 namespace {
@@ -16,38 +11,26 @@ constexpr std::size_t kSmallestPiece = 1460;   // bytes: a segment of TCP
 constexpr std::uint64_t kTurnsPerSecond = 64;  // at the limit
 constexpr std::size_t kMostIdleClients = 4096;
 
-bool is_mapped(const in6_addr& address) { return IN6_IS_ADDR_V4MAPPED(&address) != 0; }
-
 }  // namespace
 
-ClientKey client_key(const sockaddr* address) {
+ClientKey client_key(const IpAddress& address) {
+  static const AddressBlock four = *address_block_of("0.0.0.0/0");
   ClientKey key{};
-  if (address && address->sa_family == AF_INET) {
-    std::memcpy(key.data() + 12, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, 4);
-  } else if (address && address->sa_family == AF_INET6) {
-    const in6_addr& six = reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr;
-    if (is_mapped(six)) {
-      std::memcpy(key.data() + 12, six.s6_addr + 12, 4);
-    } else {
-      std::memcpy(key.data(), six.s6_addr, 8);
-    }
-  }
+  if (four.contains(address))
+    std::copy(address.end() - 4, address.end(), key.end() - 4);
+  else
+    std::copy_n(address.begin(), 8, key.begin());
   return key;
 }
 
+ClientKey client_key(const sockaddr* address) {
+  const auto known = address ? ip_address_of(address) : std::nullopt;
+  return known ? client_key(*known) : ClientKey{};
+}
+
 std::string client_name(const sockaddr* address) {
-  char text[INET6_ADDRSTRLEN] = "-";
-  if (address && address->sa_family == AF_INET) {
-    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text, sizeof text);
-  } else if (address && address->sa_family == AF_INET6) {
-    const in6_addr& six = reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr;
-    if (is_mapped(six)) {
-      inet_ntop(AF_INET, six.s6_addr + 12, text, sizeof text);
-    } else {
-      inet_ntop(AF_INET6, &six, text, sizeof text);
-    }
-  }
-  return text;
+  const auto known = address ? ip_address_of(address) : std::nullopt;
+  return known ? address_text(*known) : "-";
 }
 
 ClientLimits::ClientLimits(HttpLimits limits, Instant now) : limits_(limits) {
@@ -83,20 +66,29 @@ void ClientLimits::forget(Instant now) {
                 [](const auto& entry) { return entry.second.connections == 0 && entry.second.waiting.empty(); });
 }
 
-bool ClientLimits::open(const ClientKey& key, Instant now) {
+bool ClientLimits::open(const ClientKey& peer, bool shared, Instant now) {
   if (limits_.connections > 0 && connections_ >= limits_.connections) return false;
-  forget(now);
-  Client& one = client(key, now);
-  if (limits_.connections_of_client > 0 && one.connections >= limits_.connections_of_client) return false;
-  ++one.connections;
+  if (!shared && !begin(peer, now)) return false;
   ++connections_;
   return true;
 }
 
-void ClientLimits::close(const ClientKey& key, Instant now) {
+void ClientLimits::close(const ClientKey& peer, bool shared, Instant now) {
+  if (!shared) end(peer, now);
+  if (connections_ > 0) --connections_;
+}
+
+bool ClientLimits::begin(const ClientKey& key, Instant now) {
+  forget(now);
+  Client& one = client(key, now);
+  if (limits_.connections_of_client > 0 && one.connections >= limits_.connections_of_client) return false;
+  ++one.connections;
+  return true;
+}
+
+void ClientLimits::end(const ClientKey& key, Instant now) {
   Client& one = client(key, now);
   if (one.connections > 0) --one.connections;
-  if (connections_ > 0) --connections_;
 }
 
 bool ClientLimits::admit(const ClientKey& key, Instant now) {

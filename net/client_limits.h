@@ -1,5 +1,6 @@
 #pragma once
 
+#include "net/address_space.h"
 #include "net/token_bucket.h"
 
 #include <array>
@@ -25,6 +26,8 @@ struct HttpLimits {
 /// Where a client is: an IPv4 address, or the first 64 bits of one of IPv6,
 /// which belong to one customer.
 using ClientKey = std::array<std::uint8_t, 16>;
+[[nodiscard]] ClientKey client_key(const IpAddress& address);
+/// All zero for other families.
 [[nodiscard]] ClientKey client_key(const sockaddr* address);
 /// "192.0.2.1", "2001:db8::1"; "-" for others.
 [[nodiscard]] std::string client_name(const sockaddr* address);
@@ -38,9 +41,14 @@ class ClientLimits {
 
   ClientLimits(HttpLimits limits, Instant now);
 
-  /// Whether one more connection may be opened; counts it if so.
-  [[nodiscard]] bool open(const ClientKey& client, Instant now);
-  void close(const ClientKey& client, Instant now);
+  /// Whether one more connection may be opened; counts it if so. `shared`: its peer is a proxy, whose clients are
+  /// counted by their requests.
+  [[nodiscard]] bool open(const ClientKey& peer, bool shared, Instant now);
+  void close(const ClientKey& peer, bool shared, Instant now);
+  /// Whether one more request of a client behind a proxy may be answered at a time, as if it were a connection; counts
+  /// it if so.
+  [[nodiscard]] bool begin(const ClientKey& client, Instant now);
+  void end(const ClientKey& client, Instant now);
   /// Whether one more request may be answered; counts it if so.
   [[nodiscard]] bool admit(const ClientKey& client, Instant now);
 

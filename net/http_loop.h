@@ -40,8 +40,9 @@ class HttpLoop {
     HttpLoop* loop = nullptr;
     MHD_Connection* handle = nullptr;
     int socket = -1;
-    ClientKey client{};
+    ClientKey peer{}, client{};  // at its other end; whose request is being answered
     bool counted = false;
+    bool shared = false;  // by many clients: its peer is a proxy
     Phase phase = Phase::receiving;
     Instant since{};         // in this phase, or of the last progress in it
     std::size_t credit = 0;  // bytes that it may send before its next turn
@@ -54,6 +55,7 @@ class HttpLoop {
     AccessRecord record;
     Instant begin{};
     bool seen = false;             // its headers were
+    bool counted = false;          // among those of its client, behind a proxy
     std::optional<Instant> until;  // waits for what is made
     std::uint64_t id = 0;
   };

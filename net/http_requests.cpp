@@ -1,5 +1,6 @@
 // What libmicrohttpd calls: connections, requests, bodies.
 #include "net/clock.h"
+#include "net/host_names.h"
 #include "net/http_loop.h"
 
 #include <algorithm>
@@ -25,10 +26,41 @@ const sockaddr* address_of(MHD_Connection* handle) {
   return info ? info->client_addr : nullptr;
 }
 
-bool is_loopback(const ClientKey& key) {
-  ClientKey six{};
-  six[15] = 1;
-  return key[12] == 127 || key == six || std::all_of(key.begin(), key.end(), [](auto byte) { return byte == 0; });
+// All fields of this name, as one (RFC 9110 5.3).
+struct Fields {
+  std::string_view name;
+  std::vector<std::string> values;
+};
+MHD_Result collect_field(void* self, MHD_ValueKind, const char* name, const char* value) {
+  auto& fields = *static_cast<Fields*>(self);
+  const std::string_view key = name;
+  const auto same = [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a + 32 : a) == b; };
+  if (std::equal(key.begin(), key.end(), fields.name.begin(), fields.name.end(), same))
+    fields.values.emplace_back(value ? value : "");
+  return MHD_YES;
+}
+// `name` in lower case.
+std::vector<std::string> fields_of(MHD_Connection* handle, std::string_view name) {
+  Fields fields{name, {}};
+  (void)MHD_get_connection_values(handle, MHD_HEADER_KIND, collect_field, &fields);
+  return std::move(fields.values);
+}
+std::string joined_fields(const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "" : ",") + value;
+  return text;
+}
+
+std::optional<IpAddress> peer_of(MHD_Connection* handle) {
+  const sockaddr* address = address_of(handle);
+  return address ? ip_address_of(address) : std::nullopt;
+}
+
+// What proxies add to a request, and browsers never.
+bool came_through_proxy(MHD_Connection* handle) {
+  for (const char* name : {"Forwarded", "X-Forwarded-For", "X-Real-IP", "Via"})
+    if (!header(handle, name).empty()) return true;
+  return false;
 }
 
 bool has_body(MHD_Connection* handle) {
@@ -52,16 +84,18 @@ void HttpLoop::on_connection(void* self, MHD_Connection* handle, void** context,
     const std::unique_ptr<Connection> connection(static_cast<Connection*>(*context));
     if (!connection) return;
     loop->connections_.erase(connection.get());
-    if (connection->counted) loop->limits_.close(connection->client, now);
+    if (connection->counted) loop->limits_.close(connection->peer, connection->shared, now);
   } else {
     auto connection = std::make_unique<Connection>();
     connection->loop = loop;
     connection->handle = handle;
-    connection->client = client_key(address_of(handle));
+    const auto peer = peer_of(handle);
+    connection->peer = connection->client = client_key(address_of(handle));
+    connection->shared = peer && is_one_of(loop->options_.proxies, *peer);
     connection->since = now;
     if (const auto* info = MHD_get_connection_info(handle, MHD_CONNECTION_INFO_CONNECTION_FD))
       connection->socket = info->connect_fd;
-    connection->counted = loop->limits_.open(connection->client, now);
+    connection->counted = loop->limits_.open(connection->peer, connection->shared, now);
     if (!connection->counted) (void)::shutdown(connection->socket, SHUT_RDWR);
     const std::lock_guard lock(loop->mutex_);
     ++(connection->counted ? loop->statistics_.accepted : loop->statistics_.refused);
@@ -121,15 +155,18 @@ MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char
   asked.accept_encoding = header(handle, "Accept-Encoding");
   asked.conditions = {header(handle, "If-Match"), header(handle, "If-None-Match"), header(handle, "If-Modified-Since"),
                       header(handle, "If-Unmodified-Since"), header(handle, "If-Range")};
-  asked.local = is_loopback(request.connection->client);
-  if (!limits_.admit(request.connection->client, now)) {
-    HttpAnswer answer;
-    answer.status = 429;
-    answer.headers = {
-        {"Content-Type", "text/plain; charset=utf-8"}, {"Retry-After", "1"}, {"Access-Control-Allow-Origin", "*"}};
-    answer.parts.push_back({"too many requests\n", {}});
-    return queue(request, handle, std::move(answer));
+  asked.hosts = fields_of(handle, "host");
+  asked.origin = header(handle, "Origin");
+  const auto peer = peer_of(handle);
+  asked.local = peer && is_loopback(*peer) && !request.connection->shared && !came_through_proxy(handle);
+  if (peer && request.connection->shared) {
+    const IpAddress client = client_of(*peer, joined_fields(fields_of(handle, "x-forwarded-for")), options_.proxies);
+    request.connection->client = client_key(client);
+    request.record.client = address_text(client);
+    request.counted = limits_.begin(request.connection->client, now);
   }
+  if ((request.connection->shared && !request.counted) || !limits_.admit(request.connection->client, now))
+    return queue(request, handle, site_->too_many(asked));
   return reply(request, handle);
 }
 
@@ -184,6 +221,7 @@ void HttpLoop::completed(Request& request) {
   waiting_.erase(request.id);
   AccessRecord& record = request.record;
   if (request.connection) {
+    if (request.counted) limits_.end(request.connection->client, now);
     record.bytes = request.connection->sent;
     request.connection->sent = 0;
     request.connection->phase = Phase::receiving;

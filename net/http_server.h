@@ -1,6 +1,7 @@
 #pragma once
 
 #include "net/access_log.h"
+#include "net/address_space.h"
 #include "net/client_limits.h"
 #include "net/made_files.h"
 #include "net/served_folder.h"
@@ -64,7 +65,13 @@ struct HttpServerOptions {
   std::function<FolderPage(const FolderListing& listing, bool json)> list;
   /// Lines for /metrics of others than this server.
   std::function<std::string()> more_metrics;
-  bool public_metrics = false;  // else /metrics is for this machine only
+  /// More names that the server answers for where those are looked at; see HostNames.
+  std::vector<std::string> host_names;
+  /// Pages that may read what is served (CORS), by their origins ("https://example.org"); "*": all. None: no others
+  /// than our own.
+  std::vector<std::string> origins;
+  /// Whose X-Forwarded-For is believed: the limits of one client are then for whom it names.
+  std::vector<AddressBlock> proxies;
   /// Told what whoever serves should know and clients must not: why something could not be made. Any thread.
   std::function<void(const std::string& message)> report;
   bool resolve_beneath = true;  // see ServedFolder
@@ -85,7 +92,8 @@ struct HttpServerError {
 
 /// Serves a folder over HTTP/1.1 by a thread of its own: GET, HEAD, ranges,
 /// validators, gzip, CORS; see docs/serving.md. Memory is bounded by about 100
-/// kB a connection. /health and /metrics are its own.
+/// kB a connection. /health and /metrics are its own; /metrics is for this
+/// machine only.
 class HttpServer {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpServer>, HttpServerError> start(HttpServerOptions options);

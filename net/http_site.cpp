@@ -25,16 +25,19 @@ std::string text_tag(const std::string& body) {
   return tag;
 }
 
+// Where the authority of a target that is a whole URL ends; nothing for others.
+std::optional<std::size_t> end_of_authority(const std::string& target) {
+  const std::size_t scheme = target.find("://");
+  if (target.starts_with('/') || scheme == std::string::npos || scheme >= 8) return std::nullopt;
+  return std::min(target.find_first_of("/?#", scheme + 3), target.size());
+}
+
 // The path and the query of a request's target, which may be a whole URL (RFC
 // 9112 3.2.2).
 std::pair<std::string, std::string> split_target(std::string target) {
-  if (!target.starts_with('/')) {
-    const std::size_t scheme = target.find("://");
-    if (scheme != std::string::npos && scheme < 8) {
-      const std::size_t path = target.find_first_of("/?#", scheme + 3);
-      target = path == std::string::npos ? "/" : target.substr(path);
-      if (!target.starts_with('/')) target.insert(0, "/");
-    }
+  if (const auto end = end_of_authority(target)) {
+    target = target.substr(*end);
+    if (!target.starts_with('/')) target.insert(0, "/");
   }
   target = target.substr(0, target.find('#'));
   const std::size_t mark = target.find('?');
@@ -72,16 +75,35 @@ std::string message_for_clients(std::string message, const std::string& root) {
 
 HttpSite::HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
                    std::function<std::string()> metrics)
-    : options_(options), root_(std::move(folder)), made_(made), metrics_(std::move(metrics)) {}
+    : options_(options),
+      names_(options.bind, options.host_names),
+      root_(std::move(folder)),
+      made_(made),
+      metrics_(std::move(metrics)) {}
 
-void HttpSite::add_common(HttpAnswer& answer) const {
+void HttpSite::add_common(HttpAnswer& answer) { answer.headers.emplace_back("X-Content-Type-Options", "nosniff"); }
+
+// Whether pages of other origins may read the answer (https://fetch.spec.whatwg.org, CORS).
+void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const {
   auto& headers = answer.headers;
-  headers.emplace_back("Access-Control-Allow-Origin", "*");
+  const auto lists = [&](const std::string& origin) {
+    return std::find(options_.origins.begin(), options_.origins.end(), origin) != options_.origins.end();
+  };
+  const bool all = lists("*"), this_one = !all && !request.origin.empty() && lists(request.origin);
+  if (!all && !options_.origins.empty()) headers.emplace_back("Vary", "Origin");
+  headers.emplace_back("Cross-Origin-Resource-Policy", all || this_one ? "cross-origin" : "same-origin");
+  if (!all && !this_one) return;
+  headers.emplace_back("Access-Control-Allow-Origin", all ? "*" : request.origin);
   headers.emplace_back("Access-Control-Expose-Headers",
                        "Accept-Ranges, Content-Encoding, Content-Length, "
                        "Content-Range, ETag, Retry-After");
-  headers.emplace_back("Cross-Origin-Resource-Policy", "cross-origin");
-  headers.emplace_back("X-Content-Type-Options", "nosniff");
+  if (request.method != "OPTIONS") return;
+  headers.emplace_back("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
+  headers.emplace_back("Access-Control-Allow-Headers",
+                       "Range, If-Range, If-Match, If-None-Match, "
+                       "If-Modified-Since, If-Unmodified-Since, "
+                       "Cache-Control");
+  headers.emplace_back("Access-Control-Max-Age", "86400");
 }
 
 void HttpSite::add_freshness(HttpAnswer& answer) const {
@@ -90,14 +112,15 @@ void HttpSite::add_freshness(HttpAnswer& answer) const {
                                                    : std::string("no-cache"));
 }
 
-HttpAnswer HttpSite::problem(int status, const std::string& message) const {
+HttpAnswer HttpSite::problem(int status, const std::string& message) {
   HttpAnswer answer;
   answer.status = status;
   answer.parts.push_back({message + "\n", {}});
   answer.headers.emplace_back("Content-Type", "text/plain; charset=utf-8");
   answer.headers.emplace_back("Cache-Control", "no-store");
   if (status == 405) answer.headers.emplace_back("Allow", "GET, HEAD, OPTIONS");
-  if (status == 503 || status == 429 || status == 202) answer.headers.emplace_back("Retry-After", kRetrySeconds);
+  if (status == 503 || status == 202) answer.headers.emplace_back("Retry-After", kRetrySeconds);
+  if (status == 429) answer.headers.emplace_back("Retry-After", "1");
   add_common(answer);
   return answer;
 }
@@ -126,17 +149,35 @@ HttpAnswer HttpSite::text(const HttpRequest& request, const std::string& mime, s
   return answer;
 }
 
+// Both the Host field and a target that is a whole URL say who is asked (RFC 9112 3.2.2).
+bool HttpSite::is_for_us(const HttpRequest& request) const {
+  if (const auto end = end_of_authority(request.target)) {
+    const std::size_t begin = request.target.find("://") + 3;
+    if (!names_.admits(std::string_view(request.target).substr(begin, *end - begin))) return false;
+  }
+  return names_.admits(request.hosts.empty() ? std::string_view() : request.hosts.front());
+}
+
 HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
+  // Not shared with any page: who asks by a foreign name is one.
+  if (request.hosts.size() > 1) return problem(400, "expected one Host field");
+  if (!is_for_us(request)) return problem(421, "this server does not go by the name that was asked for");
+  Reply reply = answer_here(request);
+  if (auto* answer = std::get_if<HttpAnswer>(&reply)) add_sharing(request, *answer);
+  return reply;
+}
+
+HttpAnswer HttpSite::too_many(const HttpRequest& request) const {
+  HttpAnswer answer = problem(429, "too many requests");
+  add_sharing(request, answer);
+  return answer;
+}
+
+HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
   if (request.method == "OPTIONS") {
     HttpAnswer answer;
     answer.status = 204;
     answer.headers.emplace_back("Allow", "GET, HEAD, OPTIONS");
-    answer.headers.emplace_back("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
-    answer.headers.emplace_back("Access-Control-Allow-Headers",
-                                "Range, If-Range, If-Match, If-None-Match, "
-                                "If-Modified-Since, If-Unmodified-Since, "
-                                "Cache-Control");
-    answer.headers.emplace_back("Access-Control-Max-Age", "86400");
     add_common(answer);
     return answer;
   }
@@ -144,7 +185,9 @@ HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
   const auto [path, query] = split_target(request.target);
   if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
   if (path == "/metrics") {
-    if (!request.local && !options_.public_metrics) return problem(404, "not found");
+    // On all interfaces any name may be asked for: a page that has its own resolve to this machine must not read this.
+    const bool own = !request.hosts.empty() && names_.is_own(request.hosts.front());
+    if (!request.local || !own) return problem(404, "not found");
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
   }
   return get(request, path, query);

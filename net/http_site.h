@@ -1,5 +1,6 @@
 #pragma once
 
+#include "net/host_names.h"
 #include "net/http_range.h"
 #include "net/http_server.h"
 #include "net/made_files.h"
@@ -20,8 +21,10 @@ struct HttpRequest {
   std::string method, target;  // as they came
   std::string range, accept, accept_encoding;
   Conditions conditions;
-  bool local = false;        // from this machine
-  bool waited_long = false;  // for what is made
+  std::vector<std::string> hosts;  // its Host fields
+  std::string origin;              // of the page that asks; empty: none
+  bool local = false;              // from this machine, not through a proxy
+  bool waited_long = false;        // for what is made
 };
 
 /// A piece of a body: text, or a range of the answer's file.
@@ -58,6 +61,8 @@ class HttpSite {
   HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
            std::function<std::string()> metrics);
   [[nodiscard]] Reply answer(const HttpRequest& request) const;
+  /// To a client that asks for too much.
+  [[nodiscard]] HttpAnswer too_many(const HttpRequest& request) const;
 
  private:
   /// A version of a file that may be sent.
@@ -68,6 +73,8 @@ class HttpSite {
     std::int64_t modified = 0;  // of the file that it is a version of
     bool gzip = false, varies = false;
   };
+  [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
+  [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
   [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
@@ -79,11 +86,13 @@ class HttpSite {
   [[nodiscard]] HttpAnswer send(const HttpRequest& request, Representation chosen) const;
   static void add_ranges(HttpAnswer& answer, const std::vector<ServedRange>& ranges, const Representation& chosen);
   [[nodiscard]] HttpAnswer text(const HttpRequest& request, const std::string& mime, std::string body) const;
-  [[nodiscard]] HttpAnswer problem(int status, const std::string& message) const;
-  void add_common(HttpAnswer& answer) const;
+  [[nodiscard]] static HttpAnswer problem(int status, const std::string& message);
+  static void add_common(HttpAnswer& answer);
+  void add_sharing(const HttpRequest& request, HttpAnswer& answer) const;
   void add_freshness(HttpAnswer& answer) const;
 
   const HttpServerOptions& options_;
+  HostNames names_;
   ServedFolder root_;
   MadeFiles* made_;
   std::function<std::string()> metrics_;

@@ -65,6 +65,9 @@ int run_serve(const Options& options) {
   archive.congestion = options.congestion;
   archive.cache = options.cache;
   archive.log = options.log;
+  archive.host_names = options.host_names;
+  if (!options.origins.empty()) archive.origins = options.origins;
+  archive.proxies = options.proxies;
   archive.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
   return serve(archive);
 }

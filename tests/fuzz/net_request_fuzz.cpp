@@ -77,6 +77,7 @@ bool run_http_request(std::span<const std::byte> bytes) {
   request.target = first.substr(std::min(blank + 1, first.size()));
   const std::map<std::string, std::string*> headers = {{"Range", &request.range},
                                                        {"Accept", &request.accept},
+                                                       {"Origin", &request.origin},
                                                        {"Accept-Encoding", &request.accept_encoding},
                                                        {"If-Match", &request.conditions.if_match},
                                                        {"If-None-Match", &request.conditions.if_none_match},
@@ -89,7 +90,9 @@ bool run_http_request(std::span<const std::byte> bytes) {
     if (colon == std::string::npos) continue;
     const auto known = headers.find(one.substr(0, colon));
     if (known != headers.end()) *known->second = one.substr(colon + 2);
+    if (one.starts_with("Host: ")) request.hosts.push_back(one.substr(colon + 2));
   }
+  if (request.hosts.empty()) request.hosts = {"localhost"};
   const HttpSite::Reply reply = sample.answer(request);
   const auto* answer = std::get_if<HttpAnswer>(&reply);
   require(answer);  // nothing is made here

@@ -120,18 +120,40 @@ TEST_CASE("Requests and connections are counted by client") {
   limits.connections = 3;
   limits.connections_of_client = 2;
   ClientLimits counts(limits, Instant(0));
-  CHECK(counts.open(key_of(1), Instant(0)));
-  CHECK(counts.open(key_of(1), Instant(0)));
-  CHECK_FALSE(counts.open(key_of(1), Instant(0)));
-  CHECK(counts.open(key_of(2), Instant(0)));
-  CHECK_FALSE(counts.open(key_of(3), Instant(0)));
-  counts.close(key_of(1), Instant(0));
-  CHECK(counts.open(key_of(3), Instant(0)));
+  CHECK(counts.open(key_of(1), false, Instant(0)));
+  CHECK(counts.open(key_of(1), false, Instant(0)));
+  CHECK_FALSE(counts.open(key_of(1), false, Instant(0)));
+  CHECK(counts.open(key_of(2), false, Instant(0)));
+  CHECK_FALSE(counts.open(key_of(3), false, Instant(0)));
+  counts.close(key_of(1), false, Instant(0));
+  CHECK(counts.open(key_of(3), false, Instant(0)));
   for (int i = 0; i < 4; ++i) CHECK(counts.admit(key_of(1), Instant(0)));
   CHECK_FALSE(counts.admit(key_of(1), Instant(0)));
   CHECK(counts.admit(key_of(2), Instant(0)));
   CHECK_FALSE(counts.admit(key_of(1), Instant(400'000)));
   CHECK(counts.admit(key_of(1), Instant(500'000)));
+}
+
+TEST_CASE("Clients behind a proxy are counted by their requests, and the proxy's connections only with all others") {
+  HttpLimits limits;
+  limits.connections = 5;
+  limits.connections_of_client = 2;
+  ClientLimits counts(limits, Instant(0));
+  for (int i = 0; i < 5; ++i) CHECK(counts.open(key_of(9), true, Instant(0)));
+  CHECK_FALSE(counts.open(key_of(9), true, Instant(0)));
+  CHECK_FALSE(counts.open(key_of(1), false, Instant(0)));
+  CHECK(counts.connections() == 5);
+  CHECK(counts.begin(key_of(1), Instant(0)));
+  CHECK(counts.begin(key_of(1), Instant(0)));
+  CHECK_FALSE(counts.begin(key_of(1), Instant(0)));
+  CHECK(counts.begin(key_of(2), Instant(0)));
+  counts.end(key_of(1), Instant(0));
+  CHECK(counts.begin(key_of(1), Instant(0)));
+  for (int i = 0; i < 5; ++i) counts.close(key_of(9), true, Instant(0));
+  CHECK(counts.connections() == 0);
+  // What a client behind a proxy asks counts with what it asks directly.
+  CHECK_FALSE(counts.open(key_of(1), false, Instant(0)));
+  CHECK(counts.connections() == 0);
 }
 
 TEST_CASE("What could not be made is tried again, soon where the file is not to blame") {
