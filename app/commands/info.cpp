@@ -255,6 +255,7 @@ int run_info(const Options& options) {
   if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
     json["type"] = type->name;
     if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(json, bytes, path)) return kFailed;
+    if (const auto changed = std::get<net::MappedFile>(mapped).changed()) return fail(local + ": " + *changed);
   } else {
     const auto input = open_input(options, path);
     if (!input) return kFailed;

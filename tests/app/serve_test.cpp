@@ -11,8 +11,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <thread>
 
 using namespace gs;
@@ -134,8 +136,87 @@ TEST_CASE("serve: a folder with thumbnails and streams that are made") {
   const Got bad = fetch_made(port, "/bad.stl.qnv");
   CHECK(bad.status == 422);
   CHECK(bad.body.find("bad.stl") != std::string::npos);
+  CHECK(bad.body.find(folder.path("")) == std::string::npos);
+  // Not for pages of other sites, nor by other names.
+  CHECK(stream.headers.count("access-control-allow-origin") == 0);
+  CHECK(fetch(port, "/ball.wrl", {"Host: evil.example"}).status == 421);
   archive->stop(std::chrono::seconds(1));
   CHECK(cache.read("log").find("\"GET /ball.wrl.qnv HTTP/1.1\" 206 7 ") != std::string::npos);
+}
+
+TEST_CASE("serve: what is made discloses nothing beyond the folder, and asks nobody") {
+  const ScratchFolder folder, cache, elsewhere;
+  std::string voxels(std::size_t{24} * 24 * 24, '\0');
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<char>((i % 24) * 10);
+  const std::string secret = elsewhere.write("secret.raw", voxels);
+  const auto header = [](const std::string& file) {
+    return "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 24 24 24\nencoding: raw\ndata file: " + file + "\n";
+  };
+  folder.write("beside.nhdr", header("beside.raw"));
+  folder.write("beside.raw", voxels);
+  folder.write("there.nhdr", header(secret));
+  folder.write("missing.nhdr", header(elsewhere.path("missing.raw")));
+  folder.write("up.nhdr", header("../" + std::filesystem::path(elsewhere.path("x")).parent_path().filename().string() +
+                                 "/secret.raw"));
+  folder.write("passwd.nhdr", header("/etc/passwd"));
+  ArchiveOptions options = options_for(folder, cache);
+  std::atomic<int> reports{0};
+  options.report = [&reports](const std::string& message) { reports += message.find("failed: ") != std::string::npos; };
+  const auto archive = started(options);
+  const std::uint16_t port = *archive->http_port();
+  CHECK(fetch_made(port, "/beside.nhdr.qnv").status == 200);
+  const Got there = fetch_made(port, "/there.nhdr.qnv"), missing = fetch_made(port, "/missing.nhdr.qnv");
+  CHECK(there.status == 422);
+  CHECK(missing.status == 422);
+  CHECK(fetch_made(port, "/up.nhdr.qnv").status == 422);
+  CHECK(fetch_made(port, "/passwd.nhdr.qnv").status == 422);
+  for (const Got& got : {there, missing, fetch_made(port, "/passwd.nhdr.qnv"), fetch_made(port, "/up.nhdr.qnv")})
+    for (const std::string& hidden : {elsewhere.path(""), folder.path(""), cache.path(""), std::string("/etc")})
+      CHECK(got.body.find(hidden) == std::string::npos);
+  CHECK(reports == 4);
+  folder.write("asks.wrl", kWorld + "Inline { url \"http://127.0.0.1:" + std::to_string(port) + "/asked.wrl\" }\n");
+  CHECK(fetch_made(port, "/asks.wrl?thumbnail").status == 200);
+  archive->stop(std::chrono::seconds(1));
+  CHECK(cache.read("log").find("asked.wrl") == std::string::npos);
+}
+
+TEST_CASE("serve: after a full disk it is made again") {
+  const ScratchFolder folder, cache;
+  folder.write("ball.wrl", kWorld);
+  ArchiveOptions options = options_for(folder, cache);
+  // As our program ends when there is no room for what it made.
+  const std::string full = cache.write("full", "");
+  options.program = cache.write("program", "#!/bin/sh\n[ -e '" + full + "' ] && echo 'cannot write " + full +
+                                               "' >&2 && exit 3\nexec '" GHOSTSPACE_BINARY "' \"$@\"\n");
+  std::filesystem::permissions(options.program, std::filesystem::perms::owner_all);
+  const auto archive = started(options);
+  const std::uint16_t port = *archive->http_port();
+  const Got none = fetch(port, "/ball.wrl.qnv");
+  CHECK(none.status == 503);
+  CHECK(none.headers.count("retry-after") == 1);
+  CHECK(none.body.find('/') == std::string::npos);
+  std::filesystem::remove(full);
+  CHECK(fetch_made(port, "/ball.wrl.qnv").status == 200);
+  // Nothing is left of either attempt.
+  for (const auto& entry : std::filesystem::directory_iterator(cache.path("")))
+    CHECK_FALSE(entry.path().filename().string().starts_with("making"));
+}
+
+TEST_CASE("serve: options of names, pages and proxies") {
+  const ScratchFolder folder, cache;
+  folder.write("a.txt", "a");
+  ArchiveOptions options = options_for(folder, cache);
+  options.host_names = {"gallery.lan"};
+  options.origins = {"https://gallery.example"};
+  const auto archive = started(options);
+  const Got got = fetch(*archive->http_port(), "/a.txt", {"Host: gallery.lan", "Origin: https://gallery.example"});
+  CHECK(got.status == 200);
+  CHECK(got.headers.at("access-control-allow-origin") == "https://gallery.example");
+  const ScratchFolder other;
+  options = options_for(folder, other);
+  options.bind = "*";
+  const auto open = started(options);
+  CHECK(fetch(*open->http_port(), "/a.txt", {"Host: any.example"}).headers.at("access-control-allow-origin") == "*");
 }
 
 TEST_CASE("serve: what cannot be served is said") {
