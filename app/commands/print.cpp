@@ -3,6 +3,7 @@
 #include "vrml/printer.h"
 
 #include <cstdio>
+#include <string_view>
 
 namespace gs::app {
 
@@ -12,8 +13,12 @@ int run_print(const Options& options) {
   const OpenedWorld world = load_world(options.files.front(), load);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  const std::string text = vrml::print(*world.scene);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+  bool written = true;
+  vrml::print(*world.scene, [&](std::string_view text) {
+    written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+    return written;
+  });
+  if (!written || std::fflush(stdout) != 0) {
     std::fprintf(stderr, "ghostspace: error: the text could not be written\n");
     return kFailed;
   }
