@@ -76,7 +76,7 @@ TEST_CASE("confined: files of the folder are read, those of OUT's folder written
   std::filesystem::create_symlink("../secret", scratch.path("in/link"));
   const Confinement both{scratch.path("in"), scratch.path("out")};
   const auto can_open = [&](const std::string& name, int flags) {
-    const std::string path = name.front() == '/' ? name : scratch.path(name);
+    const std::string path = name.starts_with('/') ? name : scratch.path(name);
     return succeeds_confined(both, [&] { return file_opens(path, flags); });
   };
   CHECK(can_open("in/deep/a.wrl", O_RDONLY));
