@@ -24,13 +24,16 @@ using vrml::Severity;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 // Vectors of a volume that is only looked at.
 constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
+// What a vector takes: as it is kept and drawn; in cuts and caches of a packed stream; while gradients are sorted.
+constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
 
 class CloudFileReader {
  public:
-  CloudFileReader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit)
-      : file_(file), diagnostics_(diagnostics), limit_(limit) {}
+  CloudFileReader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit,
+                  const WorldBudget& budget)
+      : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
   std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
   std::optional<qnv::Cloud> stream();
@@ -46,6 +49,7 @@ class CloudFileReader {
   std::vector<std::byte> arrived_;  // with losses
   vrml::Diagnostics& diagnostics_;
   LoadLimit limit_;
+  WorldBudget budget_;
 };
 
 // Read with pread and not through a mapping: someone may truncate the file while it is looked at.
@@ -65,7 +69,7 @@ class FileSource : public qnv::ChunkSource {
 std::optional<qnv::Cloud> CloudFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
-  const std::shared_ptr<qnv::LodStream> stream = std::move(*made);
+  const std::shared_ptr<qnv::LodStream> stream = hold_levels(std::move(*made), budget_, false);
   for (const qnv::StreamProblem& problem : stream->problems())
     if (!(file_.cut && problem.message.starts_with("ends ")))
       report(Severity::warning, "byte " + std::to_string(problem.offset) + ": " + problem.message);
@@ -90,7 +94,7 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
     if (file_.loss > 0) arrived_ = bytes;
     if (auto cloud = levels(qnv::LodStream::open(std::move(bytes)))) return cloud;
   }
-  qnv::StreamDecoder decoder;
+  qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
   bool late = false;
   const auto push = [&](std::span<const std::byte> bytes) {
     while (!bytes.empty() && !late) {
@@ -102,8 +106,8 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
     return !late;
   };
   if (is_gzip(file_.bytes)) {
-    const auto problem = gunzip(file_.bytes, kMaxUnpacked,
-                                [&](std::string_view piece) { return push(std::as_bytes(std::span(piece))); });
+    const auto problem =
+        gunzip(file_.bytes, budget_, [&](std::string_view piece) { return push(std::as_bytes(std::span(piece))); });
     if (problem && !file_.cut) report(Severity::warning, *problem);
   } else {
     (void)push(arrived_.empty() ? file_.bytes : std::span<const std::byte>(arrived_));
@@ -113,25 +117,24 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
   for (const qnv::StreamProblem& problem : decoder.problems())
     report(decoder.header() ? Severity::warning : Severity::error,
            "byte " + std::to_string(problem.offset) + ": " + problem.message);
-  if (decoder.refused_chunks() > 0)
+  if (decoder.refused_chunks() > 0 && !decoder.full())
     report(Severity::warning, std::to_string(decoder.refused_chunks()) + " chunks make no sense and are left out");
+  if (decoder.full())
+    report(Severity::error,
+           "vectors take " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
   return decoder.cloud();
 }
 
 std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
-  std::vector<std::byte> unpacked;
+  UnpackedBytes unpacked;
   std::span<const std::byte> bytes = file_.bytes;
   if (is_gzip(bytes) && !type.unpacks_itself) {
-    const auto problem = gunzip(bytes, kMaxUnpacked, [&](std::string_view piece) {
-      const auto* first = reinterpret_cast<const std::byte*>(piece.data());
-      unpacked.insert(unpacked.end(), first, first + piece.size());
-      return true;
-    });
-    if (problem && !file_.cut) report(Severity::error, *problem);
-    bytes = unpacked;
+    unpacked = unpack_gzip(bytes, budget_, vrml::Resource::files);
+    if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
+    bytes = unpacked.bytes.span();
   }
-  ImportedCloud imported = type.import_cloud(bytes);
+  ImportedCloud imported = type.import_cloud(bytes, budget_);
   if (const auto* problem = std::get_if<std::string>(&imported)) {
     report(Severity::error, *problem);
     return std::nullopt;
@@ -147,7 +150,7 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
   }
-  auto opened = open_volume(file_.path, {}, file_.origin);
+  auto opened = open_volume(file_.path, {}, file_.origin, budget_);
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     // It names the file itself.
     const bool named = problem->starts_with(file_.path + ": ");
@@ -155,7 +158,9 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
     return std::nullopt;
   }
   qnv::GradientOptions options;
-  options.vectors = kMostGradients;
+  options.vectors = std::min(kMostGradients, most_gradients(*budget_));
+  vrml::Share share(budget_, vrml::Resource::vectors);
+  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread was faster
   Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
@@ -183,6 +188,54 @@ qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
 
 }  // namespace
 
+std::uint64_t most_gradients(const vrml::Budget& budget) {
+  return budget.left(vrml::Resource::vectors) / kGradientBytes;
+}
+
+std::size_t most_decoded_vectors(const vrml::Budget& budget) {
+  return static_cast<std::size_t>(budget.left(vrml::Resource::vectors) / kDecodedBytes);
+}
+
+std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream, const WorldBudget& budget,
+                                            bool grows) {
+  struct Held {
+    std::unique_ptr<qnv::LodStream> stream;
+    vrml::Share share, arrived;
+  };
+  // Of a stream that says that it is small, so much; of any other, half of what is left.
+  constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMostCounted = std::uint64_t{1} << 40;
+  const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMostCounted);
+  const std::uint64_t bytes = std::min(wanted, budget->left(vrml::Resource::vectors) / 2);
+  auto held = std::make_shared<Held>(Held{std::move(stream), vrml::Share(budget, vrml::Resource::vectors), {}});
+  (void)held->share.grow(bytes);
+  qnv::LodLimits limits;
+  limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
+  limits.discs = held->share.amount() / kLevelBytes;
+  if (grows) {
+    // The directory stands at the end.
+    const std::uint64_t directory = held->stream->header().directory, left = budget->left(vrml::Resource::files) / 2;
+    held->arrived = vrml::Share(budget, vrml::Resource::files);
+    (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
+    limits.arrived_bytes = kAtLeast + held->arrived.amount();
+  }
+  held->stream->set_limits(limits);
+  return {held, held->stream.get()};
+}
+
+bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget) {
+  return cloud.size() * kHeldBytes <= budget.left(vrml::Resource::vectors);
+}
+
+std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget) {
+  struct Held {
+    qnv::Cloud cloud;
+    vrml::Share share;
+  };
+  auto held = std::make_shared<Held>(Held{std::move(cloud), vrml::Share(budget, vrml::Resource::vectors)});
+  if (!held->share.grow(held->cloud.size() * kHeldBytes)) return nullptr;
+  return {held, &held->cloud};
+}
+
 std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
   auto opened = net::open_file(path);
   auto* file = std::get_if<net::RandomAccessFile>(&opened);
@@ -203,8 +256,8 @@ Deadline::Deadline(const LoadLimit& limit)
 Deadline::~Deadline() = default;
 
 std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, vrml::Diagnostics& diagnostics,
-                                     const LoadLimit& limit) {
-  CloudFileReader reader(file, diagnostics, limit);
+                                     const LoadLimit& limit, const WorldBudget& budget) {
+  CloudFileReader reader(file, diagnostics, limit, budget);
   if (file.bytes.empty()) {
     diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
     return std::nullopt;

@@ -3,7 +3,9 @@
 #include "app/content_types.h"
 #include "app/formats/volume.h"
 #include "app/load_limit.h"
+#include "app/world_budget.h"
 #include "qnv/cloud.h"
+#include "qnv/lod.h"
 #include "qnv/lod_source.h"
 #include "qnv/parallel.h"
 #include "qnv/volume.h"
@@ -36,9 +38,27 @@ struct CloudFile {
 /// volume's gradients. What is wrong goes to `diagnostics`; nothing when there is no vector to show. A stream that
 /// ends early is a smaller cloud and gives a warning at most. Of a large packed stream that is whole only the header
 /// and the directory are read now: it stays open, and views read what they show. Safe for untrusted files; gives up at
-/// `limit`.
+/// `limit`. Memory for the work is drawn from `budget`; that of the result is the caller's to draw (`hold_cloud`).
 [[nodiscard]] std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file,
-                                                   vrml::Diagnostics& diagnostics, const LoadLimit& limit);
+                                                   vrml::Diagnostics& diagnostics, const LoadLimit& limit,
+                                                   const WorldBudget& budget = own_budget());
+
+/// Whether there is enough left of a budget to hold a copy of a cloud.
+[[nodiscard]] bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget);
+/// A cloud with the part of the budget that it takes, with the copy of who draws it; null where there is not so much.
+[[nodiscard]] std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget);
+
+/// How many gradients of a volume may be found.
+[[nodiscard]] std::uint64_t most_gradients(const vrml::Budget& budget);
+
+/// What a vector takes while a stream of records is decoded and shown.
+inline constexpr std::uint64_t kDecodedBytes = 128;
+/// How many vectors of a stream may be decoded at once.
+[[nodiscard]] std::size_t most_decoded_vectors(const vrml::Budget& budget);
+/// A packed stream with the part of the budget that its cuts, its cache and its chunks may take, which are limited to
+/// that. `grows`: its chunks are kept as they come.
+[[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
+                                                          const WorldBudget& budget, bool grows);
 
 /// A stream that lies in a file, which stays open; null where it cannot be opened. Any number of threads may read it.
 [[nodiscard]] std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path);

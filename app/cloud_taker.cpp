@@ -22,7 +22,11 @@ std::string file_name_of(const Found& found) {
 }  // namespace
 
 CloudTaker::CloudTaker(World& world, Place place, Show show)
-    : world_(world), place_(std::move(place)), show_(std::move(show)) {}
+    : world_(world),
+      place_(std::move(place)),
+      show_(std::move(show)),
+      held_bytes_(world.budget, vrml::Resource::files),
+      decoded_(world.budget, vrml::Resource::vectors) {}
 
 bool CloudTaker::begin(const Found& found) {
   found_ = found;
@@ -53,8 +57,25 @@ void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string&
     file.loss = world_.options.loss;
     file.loss_seed = world_.options.loss_seed;
   }
-  auto cloud = read_cloud(type, file, world_.world.diagnostics, world_.limit);
-  if (cloud) show_(std::make_shared<const qnv::Cloud>(std::move(*cloud)));
+  auto cloud = read_cloud(type, file, world_.world.diagnostics, world_.limit, world_.budget);
+  if (!cloud) return;
+  if (auto held = hold_cloud(std::move(*cloud), world_.budget))
+    show_(std::move(held));
+  else
+    give_up(vrml::Resource::vectors);
+}
+
+void CloudTaker::give_up(vrml::Resource resource) {
+  way_ = Way::done;
+  bytes_ = {};
+  held_bytes_.shrink_to(0);
+  world_.report(Severity::error, found_.path, {},
+                world_.budget->refusal(resource) + "; the vectors, or the finer ones, are left out");
+}
+
+bool CloudTaker::count_decoded() {
+  const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
+  return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
 }
 
 void CloudTaker::more(std::span<const std::byte> bytes) {
@@ -62,8 +83,11 @@ void CloudTaker::more(std::span<const std::byte> bytes) {
   if (way_ == Way::pushed) return feed_->push(bytes);
   if (way_ == Way::decoded) {
     (void)decoder_->push(bytes);
-    return show_records(false);
+    if (count_decoded() && !decoder_->full()) return show_records(false);
+    show_records(true);
+    return give_up(vrml::Resource::vectors);
   }
+  if (!held_bytes_.grow(bytes.size())) return give_up(vrml::Resource::files);
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   if (way_ == Way::unknown) choose_way();
 }
@@ -97,22 +121,22 @@ void CloudTaker::choose_way() {
     auto begun = qnv::LodStream::begin(bytes_);
     if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {
       way_ = Way::pushed;
-      start_feed(std::move(*stream));
+      start_feed(hold_levels(std::move(*stream), world_.budget, true));
       bytes_ = {};
       return;
     }
   }
   way_ = Way::decoded;
-  decoder_ = std::make_unique<qnv::StreamDecoder>();
+  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*world_.budget));
   (void)decoder_->push(std::exchange(bytes_, {}));
   show_records(false);
 }
 
-void CloudTaker::start_feed(std::unique_ptr<qnv::LodStream> stream) {
+void CloudTaker::start_feed(std::shared_ptr<qnv::LodStream> stream) {
   qnv::Cloud cloud;
   cloud.description = stream->header().description;
   cloud.color = stream->header().color;
-  cloud.levels = std::shared_ptr<qnv::LodStream>(std::move(stream));
+  cloud.levels = std::move(stream);
   feed_ = std::make_shared<StreamFeed>(cloud.levels, [waker = world_.waker] { waker->wake(); });
   world_.world.feeds.push_back(feed_);
   show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));

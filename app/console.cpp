@@ -105,6 +105,8 @@ void print_text(std::string_view text) {
     write_output(text);
 }
 
+bool output_failed() { return output_error != 0; }
+
 void complain(const char* format, ...) {
   va_list arguments;
   va_start(arguments, format);

@@ -18,6 +18,8 @@ void print_line(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// A result in a format of its own, which may be of several lines, on standard output: as it is in files and pipes,
 /// printable but for line ends and tabs on a terminal.
 void print_text(std::string_view text);
+/// Whether writing to standard output failed before: more of it is of no use. finish_output() says why.
+[[nodiscard]] bool output_failed();
 /// A message, on a line of standard error. Printable.
 void complain(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /// The last line of a terminal on standard error, in the place of what was shown there before; empty: nothing any more.

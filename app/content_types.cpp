@@ -13,7 +13,6 @@
 #include "qnv/container.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 namespace gs::app {
@@ -120,7 +119,7 @@ std::vector<std::byte> first_bytes(Bytes bytes) {
     return {head.begin(), head.end()};
   }
   std::vector<std::byte> head;
-  (void)gunzip(bytes, std::numeric_limits<std::size_t>::max(), [&](std::string_view piece) {
+  (void)gunzip(bytes, own_budget(), [&](std::string_view piece) {
     const auto* first = reinterpret_cast<const std::byte*>(piece.data());
     head.insert(head.end(), first, first + std::min(piece.size(), kEnough));
     return head.size() < kEnough;

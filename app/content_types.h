@@ -2,6 +2,7 @@
 
 #include "app/formats/read_file.h"
 #include "app/formats/splats.h"
+#include "app/world_budget.h"
 #include "vrml/diagnostic.h"
 #include "vrml/scene_graph.h"
 
@@ -34,7 +35,7 @@ struct ContentType {
   void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
                  const ReadFile& read_file) = nullptr;
   /// ContentClass::cloud: bytes to vectors.
-  ImportedCloud (*import_cloud)(std::span<const std::byte> bytes) = nullptr;
+  ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
   bool unpacks_itself = false;  // gzip is part of the format
 
   /// True for types that become vectors in the place of nodes.

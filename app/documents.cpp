@@ -1,5 +1,6 @@
 #include "app/documents.h"
 
+#include "app/left_out.h"
 #include "app/navigation.h"
 #include "app/world_loading.h"
 
@@ -71,6 +72,7 @@ std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache mes
                                   : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
     document->list = collected(*document);
   }
+  report_left_out(*document->list, document->world.diagnostics);
   inspect_clouds(*document);
   return document;
 }

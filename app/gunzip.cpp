@@ -3,7 +3,9 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -21,11 +23,12 @@ bool is_gzip(std::span<const std::byte> bytes) {
 struct Gunzip::State {
   z_stream stream{};
   std::vector<char> piece = std::vector<char>(kUnpackedBytes);
-  std::size_t limit = 0, total = 0;
-  std::size_t mark = 0;  // of the two bytes that another member would begin with, how many have come
-  bool between = false;  // a member has ended, and no other has begun
-  bool over = false;     // nothing more is taken
-  bool stopped = false;  // by the sink
+  WorldBudget budget;
+  std::uint64_t taken = 0, total = 0;  // packed, unpacked
+  std::size_t mark = 0;                // of the two bytes that another member would begin with, how many have come
+  bool between = false;                // a member has ended, and no other has begun
+  bool over = false;                   // nothing more is taken
+  bool stopped = false;                // by the sink
   std::optional<std::string> problem;
 
   void fail(std::string message) {
@@ -63,13 +66,25 @@ struct Gunzip::State {
     stream.avail_out = static_cast<uInt>(piece.size());
     const int status = inflate(&stream, Z_NO_FLUSH);
     bytes = bytes.subspan(given - stream.avail_in);
-    const std::size_t made = piece.size() - stream.avail_out;
+    std::size_t made = piece.size() - stream.avail_out;
+    taken += given - stream.avail_in;
     total += made;
-    if (total > limit) return fail("unpacks to more than " + std::to_string(limit) + " bytes");
+    const vrml::Limits& limits = budget->limits();
+    if (total > limits.unpack_free && total / limits.unpack_ratio > taken)
+      return fail("unpacks to more than " + std::to_string(limits.unpack_ratio) + " times its size");
+    bool room = budget->take(vrml::Resource::unpacked, made);
+    if (!room) {
+      // The same bytes come out, in whatever pieces the packed ones come in.
+      made = std::min<std::size_t>(made, budget->left(vrml::Resource::unpacked));
+      (void)budget->take(vrml::Resource::unpacked, made);
+    }
+    // What has come shows, however short the time is.
     if (made > 0 && !sink(std::string_view(piece.data(), made))) {
       over = stopped = true;
       return;
     }
+    if (budget->stopped()) return fail("the time is over before all of it was unpacked");
+    if (!room) return fail("unpacks to " + budget->refusal(vrml::Resource::unpacked));
     if (status == Z_STREAM_END)
       between = true;
     else if (status != Z_OK && status != Z_BUF_ERROR)
@@ -79,8 +94,8 @@ struct Gunzip::State {
   }
 };
 
-Gunzip::Gunzip(std::size_t limit) : state_(std::make_unique<State>()) {
-  state_->limit = limit;
+Gunzip::Gunzip(WorldBudget budget) : state_(std::make_unique<State>()) {
+  state_->budget = std::move(budget);
   if (inflateInit2(&state_->stream, kGzipWindow) != Z_OK) state_->fail("zlib could not be set up");
 }
 
@@ -128,10 +143,29 @@ std::vector<std::byte> gzip(std::span<const std::byte> bytes) {
   return out;
 }
 
-std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit, const Gunzip::Sink& sink) {
-  Gunzip unpacking(limit);
+std::optional<std::string> gunzip(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                  const Gunzip::Sink& sink) {
+  Gunzip unpacking(budget);
   unpacking.push(bytes, sink);
   return unpacking.finish();
+}
+
+UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget, vrml::Resource resource) {
+  UnpackedBytes result;
+  result.share = vrml::Share(budget, resource);
+  std::size_t refused = 0;
+  result.problem = gunzip(bytes, budget, [&](std::string_view piece) {
+    if (!result.share.grow(piece.size())) {
+      refused = piece.size();
+      return false;
+    }
+    std::memcpy(result.bytes.prepare(piece.size()), piece.data(), piece.size());
+    result.bytes.commit(piece.size());
+    return true;
+  });
+  if (refused > 0) result.problem = "unpacks to " + budget->refusal(resource);
+  result.bytes.shrink_to_fit();
+  return result;
 }
 
 }  // namespace gs::app

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "app/world_budget.h"
+#include "vrml/array.h"
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -11,9 +14,6 @@
 
 namespace gs::app {
 
-/// Of one file: a hostile one can promise a thousand times its size.
-inline constexpr std::size_t kMaxUnpacked = std::size_t{4} << 30;
-
 /// True for the first bytes of a gzip member (RFC 1952).
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
 
@@ -23,8 +23,9 @@ class Gunzip {
   /// Takes what has been unpacked; false ends it all.
   using Sink = std::function<bool(std::string_view)>;
 
-  /// `limit`: no more bytes than this are unpacked.
-  explicit Gunzip(std::size_t limit);
+  /// All that is unpacked is drawn from `budget`, also where it is not kept. A member that unpacks to far more than its
+  /// size is stopped (Limits::unpack_ratio), and so is all when the budget says that it is time.
+  explicit Gunzip(WorldBudget budget);
   ~Gunzip();
   Gunzip(const Gunzip&) = delete;
   Gunzip& operator=(const Gunzip&) = delete;
@@ -40,8 +41,18 @@ class Gunzip {
 };
 
 /// Likewise, with all packed bytes at hand. All that could be unpacked has been delivered when an error comes back.
-[[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, std::size_t limit,
+[[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, const WorldBudget& budget,
                                                 const Gunzip::Sink& sink);
+
+/// Unpacked bytes, and the part of a budget that they take.
+struct UnpackedBytes {
+  vrml::Array<std::byte> bytes;
+  vrml::Share share;
+  std::optional<std::string> problem;  // why there are no more
+};
+/// Unpacks gzip members to the end, or as far as the budget for `resource` allows.
+[[nodiscard]] UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                        vrml::Resource resource);
 
 /// One gzip member.
 [[nodiscard]] std::vector<std::byte> gzip(std::span<const std::byte> bytes);

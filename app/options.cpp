@@ -130,6 +130,21 @@ Problem set_timeout(Options& options, const std::string& value) {
                                                                              : "expected seconds, more than 0";
 }
 
+Problem set_memory(Options& options, const std::string& value) {
+  static constexpr std::pair<char, unsigned> kUnits[] = {{'K', 10}, {'M', 20}, {'G', 30}};
+  std::string_view number(value);
+  unsigned shift = 0;
+  for (const auto& [unit, bits] : kUnits)
+    if (number.ends_with(unit)) shift = bits;
+  if (shift > 0) number.remove_suffix(1);
+  constexpr std::size_t kLeast = std::size_t{16} << 20, kMost = std::size_t{1} << 46;
+  std::size_t bytes = 0;
+  if (!read(number, bytes) || bytes > kMost >> shift || bytes << shift < kLeast)
+    return "expected a number of bytes, or with K, M or G behind it, from 16M on";
+  options.limits.memory = bytes << shift;
+  return {};
+}
+
 Problem set_vectors(Options& options, const std::string& value) {
   return read(value, options.vectors) && options.vectors > 0 ? Problem{} : "expected a number of vectors, more than 0";
 }
@@ -327,9 +342,14 @@ constexpr OptionRow kOptions[] = {
        return Problem{};
      }},
     {"--timeout", "SECONDS", "30",
-     "for loading; what has not come by then is left out. Drawing a snapshot may take four times as long. A window "
+     "for loading; what has not come by then is left out. Drawing a snapshot may take as long again. A window "
      "waits for ever unless this is given",
      "open check print info encode export fetch ", set_timeout},
+    {"--memory", "SIZE", "2G",
+     "about so much memory may be taken for one world (bytes, or with K, M or G behind the number); what would take "
+     "more "
+     "is left out, and a message names the limit",
+     "open check print info encode export fetch ", set_memory},
     {"--offline", "", "", "read nothing over the network", "open check print info encode export ",
      [](Options& o, const std::string&) {
        o.offline = true;

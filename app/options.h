@@ -3,6 +3,7 @@
 #include "app/formats/volume.h"
 #include "net/address_space.h"
 #include "net/congestion.h"
+#include "vrml/limits.h"
 
 #include <glm/vec3.hpp>
 
@@ -33,6 +34,7 @@ struct Options {
   std::string stats;
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
+  vrml::Limits limits;
   double timeout_seconds = 30;
   bool timeout_given = false;
   // serve

@@ -35,6 +35,9 @@ void OutlineReader::end(const std::string& file, bool whole) {
   for (const qnv::StreamProblem& problem : decoder_.problems())
     world_.report(decoder_.refused() ? vrml::Severity::error : vrml::Severity::warning, file, {},
                   "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  if (outlines_.full())
+    world_.report(vrml::Severity::error, file, {},
+                  world_.budget->refusal(vrml::Resource::nodes) + "; the rest of the polygons is left out");
   const std::size_t refused = decoder_.refused_records();
   if (refused > 0)
     world_.report(vrml::Severity::warning, file, {},

@@ -111,6 +111,12 @@ void OutlineScene::add(Target& target, const qnv::OutlineBatch& batch) {
   for (std::size_t i = 0; i < batch.polygons.size(); ++i) {
     const qnv::OutlinePolygon polygon = batch.polygons[i];
     if (stays.points.size() + outline.points.size() + polygon.positions.size() > kMostCorners) return;
+    // Corners, their indices, and the numbers of the polygon.
+    constexpr std::size_t kCornerBytes = sizeof(glm::vec3) + 2 * sizeof(std::int32_t), kPolygonBytes = 32;
+    const std::size_t bytes = polygon.positions.size() * kCornerBytes +
+                              polygon.texture_coordinates.size() * sizeof(glm::vec2) + kPolygonBytes;
+    full_ = full_ || !scene_.charge(bytes);
+    if (full_) return;
     if (batch.inner) {
       append(stays, polygon, group_of(target, batch.groups[i], 0));
     } else if (batch.stays(i)) {

@@ -25,6 +25,8 @@ class OutlineScene {
   void complete();
   /// The nodes that have polygons.
   [[nodiscard]] std::vector<vrml::NodeId> nodes() const;
+  /// Whether polygons were left out because the scene's budget is spent.
+  [[nodiscard]] bool full() const { return full_; }
 
  private:
   /// A node that takes polygons. Groups have numbers of their own in it, in the order in which they came.
@@ -39,6 +41,7 @@ class OutlineScene {
   vrml::SceneGraph& scene_;
   vrml::Diagnostics& diagnostics_;
   vrml::NodeId node_;
+  bool full_ = false;
   std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; one at 0 where there is a node for all
 };
 

@@ -1,6 +1,6 @@
+#include "app/texture_image.h"
 #include "app/world_loading_state.h"
 #include "net/schemes.h"
-#include "render/image.h"
 #include "vrml/prototype.h"
 
 #include <algorithm>
@@ -12,8 +12,6 @@ namespace {
 
 using vrml::NodeId;
 using vrml::Severity;
-
-constexpr std::size_t kMaxCopied = std::size_t{1} << 26;  // vectors of nodes that change what a stream says
 
 // Texts of different sites that name the same share nothing: what one may have, another may not.
 std::string key_of(const std::vector<net::Url>& places, const net::Origin& from) {
@@ -34,23 +32,47 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 /// A picture that textures show.
 struct WorldLoading::State::SharedImage final : Taker {
   SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
-      : world(state), file(node.text->file_name()), place(node.location), urls(std::move(list)) {}
+      : world(state),
+        file(node.text->file_name()),
+        place(node.location),
+        urls(std::move(list)),
+        held(state.budget, vrml::Resource::files) {}
 
   bool begin(const Found& where) override {
     name = where.path;
     return true;
   }
-  void more(std::span<const std::byte> piece) override { bytes.insert(bytes.end(), piece.begin(), piece.end()); }
+  bool whole_file(const net::MappedFile& mapped, const std::string&) override {
+    decode(mapped.bytes());
+    return true;
+  }
+  void more(std::span<const std::byte> piece) override {
+    if (over) return;
+    if (held.grow(piece.size())) {
+      bytes.insert(bytes.end(), piece.begin(), piece.end());
+    } else {
+      leave_out(world.budget->refusal(vrml::Resource::files));
+      bytes = {};
+    }
+  }
   void end(const std::optional<std::string>& problem) override {
     if (problem) world.report(Severity::warning, file, place, "ImageTexture: " + *problem);
-    auto decoded = render::decode_image(bytes);
+    if (!over) decode(bytes);
     bytes = {};
+    held.shrink_to(0);
+  }
+  void leave_out(const std::string& why) {
     over = true;
-    if (auto* error = std::get_if<render::ImageError>(&decoded)) {
-      world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + error->message);
-      return;
-    }
-    image = std::make_shared<const render::Image>(std::move(std::get<render::Image>(decoded)));
+    world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + why + "; left out");
+  }
+  void decode(std::span<const std::byte> from) {
+    over = true;
+    auto decoded = decode_texture(from, world.budget);
+    if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
+    Texture& texture = std::get<Texture>(decoded);
+    if (!texture.note.empty())
+      world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + texture.note);
+    image = std::move(texture.image);
     for (const vrml::Node* node : nodes) world.world.images[node] = image;
     world.changed = true;
   }
@@ -70,6 +92,7 @@ struct WorldLoading::State::SharedImage final : Taker {
   vrml::SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
+  vrml::Share held;  // of these
   std::vector<const vrml::Node*> nodes;
   std::shared_ptr<const render::Image> image;
   bool over = false;
@@ -250,8 +273,10 @@ void SceneTaker::visit_cloud(NodeId id) {
     auto made = inline_cloud(*scene, id);
     if (const auto* problem = std::get_if<std::string>(&made))
       report_at(node, "QNV: " + *problem);
+    else if (auto held = hold_cloud(std::move(std::get<qnv::Cloud>(made)), world_.budget))
+      world_.world.clouds[&node] = std::move(held);
     else
-      world_.world.clouds[&node] = std::make_shared<const qnv::Cloud>(std::move(std::get<qnv::Cloud>(made)));
+      report_at(node, "QNV: " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
     return;
   }
   const auto& list = scene->get<vrml::MFString>(id, "url");
@@ -331,18 +356,22 @@ void SceneTaker::visit_outlines(NodeId id) {
 void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
   const vrml::Node* node = &scene->node(id);
   world_.changed = true;
-  auto& held = world_.world.clouds[node];
+  std::shared_ptr<const qnv::Cloud>& held = world_.world.clouds[node];
   auto transfer = transfer_of(scene->get<vrml::MFFloat>(id, "transfer"));
   if (transfer.empty()) {
     held = cloud;
-  } else if (cloud->size() > kMaxCopied - world_.copied_vectors) {
-    held = cloud;
-    report_at(*node, "QNV: too many vectors with a transfer of their own; left out");
   } else {
-    world_.copied_vectors += cloud->size();
-    qnv::Cloud own = *cloud;
-    own.description.transfer = std::move(transfer);
-    held = std::make_shared<const qnv::Cloud>(std::move(own));
+    held = nullptr;
+    if (has_room_for(*cloud, *world_.budget)) {
+      qnv::Cloud own = *cloud;
+      own.description.transfer = std::move(transfer);
+      held = hold_cloud(std::move(own), world_.budget);
+    }
+    if (!held) {
+      held = cloud;
+      report_at(*node,
+                "QNV: with a transfer of its own, " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
+    }
   }
   const auto fallback = fallbacks_.find(id.index);
   if (fallback == fallbacks_.end()) return;

@@ -13,17 +13,16 @@ namespace {
 
 using vrml::Severity;
 
-constexpr std::size_t kMaxChain = 32;  // Inlines and EXTERNPROTOs inside each other
-
 }  // namespace
 
 SceneTaker::SceneTaker(World& world, Role given_role, SceneTaker* given_outer)
-    : role(given_role), outer(given_outer), world_(world) {}
+    : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, vrml::Resource::files) {}
 
 bool SceneTaker::leads_back(const Found& found) const {
   std::size_t depth = 0;
   for (const SceneTaker* scene_taker = outer; scene_taker; scene_taker = scene_taker->outer, ++depth)
-    if (scene_taker->found_.url.text() == found.url.text() || depth >= kMaxChain) return true;
+    if (scene_taker->found_.url.text() == found.url.text() || depth >= world_.budget->limits().inline_depth)
+      return true;
   return false;
 }
 
@@ -36,7 +35,7 @@ bool SceneTaker::begin(const Found& found) {
   }
   errors_before_ = world_.world.diagnostics.errors();
   found_ = found;
-  own_ = std::make_unique<vrml::SceneGraph>(found.path);
+  own_ = std::make_unique<vrml::SceneGraph>(found.path, world_.budget);
   scene = own_.get();
   origins_ = {{scene, found.origin}};
   return true;
@@ -60,12 +59,19 @@ void SceneTaker::more(std::span<const std::byte> bytes) {
   bytes_ += bytes.size();
   if (refused) return;
   if (!type_ || type_->content == ContentClass::mesh) {
+    if (!waiting_share_.grow(bytes.size())) {
+      report(Severity::error, {}, world_.budget->refusal(vrml::Resource::files) + "; left out");
+      refused = true;
+      waiting_ = {};
+      return;
+    }
     waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
     if (type_ || !choose_type(false)) return;
     bytes = waiting_;
     if (type_->content == ContentClass::mesh) return;
     read_rest(bytes);
     waiting_ = {};
+    waiting_share_.shrink_to(0);
     return;
   }
   read_rest(bytes);
@@ -90,12 +96,12 @@ void SceneTaker::read_rest(std::span<const std::byte> bytes) {
   }
   if (type_->is_cloud()) return cloud_taker().more(bytes);
   if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
-  if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(kMaxUnpacked);
+  if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(world_.budget);
   is_gzip_known_ = true;
   if (gunzip_)
     gunzip_->push(bytes, [this](std::string_view piece) {
       parser_->push(piece);
-      return true;
+      return !scene->exhausted();
     });
   else
     parser_->push(text_of(bytes));
@@ -129,7 +135,8 @@ void SceneTaker::outlines_changed(vrml::NodeId id) {
 }
 
 void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
-  auto read = import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin));
+  auto read =
+      import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
   refused = !read;
   if (refused) return;
   own_ = std::move(read);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/opened_world.h"
+#include "vrml/limits.h"
 
 #include <atomic>
 #include <cstddef>
@@ -18,6 +19,7 @@ namespace gs::app {
 
 struct LoadOptions {
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  // of the file: the rest never arrives
+  vrml::Limits limits;                                                  // what the world may cost
   double loss = 0;  // of a stream: this share of its packets never comes
   std::uint64_t loss_seed = 1;
   double timeout_seconds = 30;                   // for everything together; what is missing then is left out

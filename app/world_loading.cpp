@@ -18,7 +18,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using vrml::Severity;
 
-constexpr std::size_t kMaxFiles = 20'000;                  // of all kinds, one world
 constexpr std::size_t kLocalBytes = std::size_t{4} << 20;  // of a local file, between two looks at the clock
 
 std::string title_of(const vrml::SceneGraph& scene) {
@@ -39,7 +38,9 @@ WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
     : options(given),
       limit(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(std::clamp(given.timeout_seconds, 0.0, 1e6))),
-            given.cancelled) {
+            given.cancelled),
+      budget(std::make_shared<vrml::Budget>(given.limits)) {
+  budget->stop_when([time = limit] { return time.over(); });
   world.path = asked;
   world.title = file_name(asked);
 }
@@ -67,8 +68,9 @@ void WorldLoading::State::start() {
 
 void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
   if (stopped) return;
-  if (++files > kMaxFiles)
-    return stop("refers to more than " + std::to_string(kMaxFiles) + " files; the rest is left out");
+  const std::size_t most_files = budget->limits().files;
+  if (++files > most_files)
+    return stop("refers to more than " + std::to_string(most_files) + " files; the rest is left out");
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
   fetches.push_back(std::move(wanted));
   begin_next_candidate(*fetches.back());
@@ -318,6 +320,7 @@ const std::string& WorldLoading::title() const { return state_->world.title; }
 OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   State& s = *state_;
   s.taken = true;
+  s.budget->stop_when({});
   OpenedWorld world = std::move(s.world);
   world.bytes = s.root->bytes();
   world.parse_seconds = s.root->seconds();

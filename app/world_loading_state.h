@@ -174,6 +174,7 @@ struct WorldLoading::State {
   LoadOptions options;
   net::ReferencePolicy policy;
   LoadLimit limit;
+  WorldBudget budget;
   OpenedWorld world;
   render::MeshCache meshes;
   std::shared_ptr<SceneTaker> root;
@@ -193,7 +194,7 @@ struct WorldLoading::State {
   std::unordered_set<std::string> silent_servers;  // that were asked for cells, and never answered
   net::CellClientStatistics ended_cells;           // of those that are over
   std::deque<net::LoadEvent> events;               // that were polled and not taken in yet
-  std::size_t files = 0, copied_vectors = 0;
+  std::size_t files = 0;
   std::uint64_t received = 0;
   bool stopped = false, is_done = false, changed = false, fed = false, taken = false;
   std::chrono::steady_clock::time_point next_priorities;
@@ -292,6 +293,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   std::unique_ptr<vrml::SceneGraph> own_;                             // until it is attached or handed over
   std::unordered_map<const vrml::SceneGraph*, net::Origin> origins_;  // of this text, and of libraries'
   std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
+  vrml::Share waiting_share_;
   const ContentType* type_ = nullptr;
   std::optional<vrml::Parser> parser_;
   std::unique_ptr<Gunzip> gunzip_;
@@ -361,11 +363,14 @@ class CloudTaker final : public Taker {
  private:
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
   void choose_way();
-  void start_feed(std::unique_ptr<qnv::LodStream> stream);
+  void start_feed(std::shared_ptr<qnv::LodStream> stream);
   void show_records(bool last);
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   void report_problems(const std::vector<qnv::StreamProblem>& problems, vrml::Severity severity);
+  /// What was refused is left out, and nothing more is taken.
+  void give_up(vrml::Resource resource);
+  bool count_decoded();
 
   World& world_;
   Place place_;
@@ -373,6 +378,7 @@ class CloudTaker final : public Taker {
   Found found_;
   Way way_ = Way::unknown;
   std::vector<std::byte> bytes_;
+  vrml::Share held_bytes_, decoded_;
   std::shared_ptr<StreamFeed> feed_;
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;

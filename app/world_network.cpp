@@ -177,6 +177,7 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
   wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
   const net::RequestId id = network()->request(std::move(wanted));
   std::vector<std::byte> bytes;
+  vrml::Share share(budget, vrml::Resource::files);
   std::optional<std::string> problem = "the time for loading is over";
   bool over = false;
   while (!over && !limit.over()) {
@@ -184,6 +185,12 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
       if (event.id != id) {
         events.push_back(std::move(event));
       } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
+        if (over) continue;
+        if (!share.grow(data->bytes.size())) {
+          over = true;
+          problem = budget->refusal(vrml::Resource::files);
+          continue;
+        }
         bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
       } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
         bytes.clear();
@@ -200,7 +207,12 @@ BytesResult WorldLoading::State::read_now(const std::string& url, const net::Ori
   loader->cancel(id);
   received += bytes.size();
   if (problem) return std::move(*problem);
-  return shared_bytes(std::move(bytes));
+  struct Held {
+    std::vector<std::byte> bytes;
+    vrml::Share share;
+  };
+  const auto held = std::make_shared<const Held>(Held{std::move(bytes), std::move(share)});
+  return SharedBytes{held, held->bytes};
 }
 
 }  // namespace gs::app

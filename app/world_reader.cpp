@@ -1,5 +1,7 @@
 #include "app/world_reader.h"
 
+#include "app/world_budget.h"
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -85,7 +87,11 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   if (!stop_) {
     render::MeshCache meshes;
     OpenedWorld world = loading.take(&meshes);
-    tell({make_document(std::move(world), std::move(meshes)), true, false, loading.state()});
+    const WorldBudget budget = world.scene ? world.scene->budget() : own_budget();
+    budget->stop_when([this] { return cancelled_.load(); });
+    auto document = make_document(std::move(world), std::move(meshes));
+    budget->stop_when({});
+    tell({std::move(document), true, false, loading.state()});
   }
   while (!stop_ && loading.streaming()) {
     (void)loading.step(kStreamWait);

@@ -41,7 +41,12 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
 void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   const auto decoded = decode_records(payload, missing);
   const auto* patch = std::get_if<RecordsPatch>(&decoded);
-  if (!patch || vectors_ + patch->size() > most_vectors_) {
+  if (!patch) {
+    ++refused_chunks_;
+    return;
+  }
+  if (vectors_ + patch->size() > most_vectors_) {
+    full_ = true;
     ++refused_chunks_;
     return;
   }
@@ -93,7 +98,14 @@ void StreamDecoder::add_packed(std::span<const std::byte> payload) {
   bool again = !parent && rooted_;
   for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
     again = again || parent->refined[cluster->header.first + i];
-  if (!cluster || again || vectors_ + discs_of(cluster->voxels, 0, cluster->voxels.size()) > most_vectors_) {
+  if (!cluster || again) {
+    ++refused_chunks_;
+    return;
+  }
+  // What was refined is kept too, since others may refine the rest of its cluster.
+  const std::size_t voxels = cluster->voxels.size();
+  if (vectors_ + discs_of(cluster->voxels, 0, voxels) > most_vectors_ || (voxels_ + voxels) / 2 > most_vectors_) {
+    full_ = true;
     ++refused_chunks_;
     return;
   }
@@ -109,6 +121,7 @@ void StreamDecoder::take(Cluster cluster) {
   }
   if (header.parent == kNoParent) rooted_ = true;
   vectors_ += discs_of(cluster.voxels, 0, cluster.voxels.size());
+  voxels_ += cluster.voxels.size();
   ++revision_;
   Held& held = clusters_[header.id];
   held.refined.resize(cluster.voxels.size());

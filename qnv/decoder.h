@@ -30,6 +30,8 @@ class StreamDecoder {
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return reader_.problems(); }
   [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_; }
+  /// Whether chunks were left out because of `most_vectors`.
+  [[nodiscard]] bool full() const { return full_; }
   /// How many discs `cloud` has.
   [[nodiscard]] std::size_t vectors() const { return vectors_; }
   /// Changes whenever `cloud` would.
@@ -54,6 +56,8 @@ class StreamDecoder {
   StreamReader reader_;
   std::size_t most_vectors_, vectors_ = 0, refused_chunks_ = 0, waiting_bytes_ = 0;
   std::uint64_t revision_ = 0;
+  std::size_t voxels_ = 0;  // of all clusters, also where discs were refined
+  bool full_ = false;
   bool rooted_ = false;  // the cluster without a parent has arrived
   std::map<std::uint32_t, Held> clusters_;
   std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the parent that has not arrived

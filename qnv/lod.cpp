@@ -65,7 +65,7 @@ LodStream::Opened LodStream::begin(std::span<const std::byte> front, std::size_t
   if (auto* problem = std::get_if<StreamProblem>(&header)) return std::move(*problem);
   Opened opened = make(std::move(std::get<StreamHeader>(header)), cache_bytes, true);
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&opened)) {
-    (*stream)->arrived_ = std::make_shared<ArrivedChunks>();
+    (*stream)->arrived_ = std::make_shared<ArrivedChunks>(LodLimits{}.arrived_bytes);
     (*stream)->source_ = (*stream)->arrived_;
     (void)(*stream)->push(front);
   }
@@ -189,11 +189,17 @@ void LodStream::keep_few_problems() {
   if (problems_.size() > kMostProblems) problems_.resize(kMostProblems);
 }
 
+void LodStream::set_limits(const LodLimits& limits) {
+  most_discs_ = limits.discs;
+  cache_.set_most_bytes(limits.cache_bytes);
+  if (arrived_) arrived_->set_most_bytes(limits.arrived_bytes);
+}
+
 Cloud LodStream::whole() {
   Cloud all;
   all.description = header_.description;
   all.color = header_.color;
-  (void)visit_whole(kMostDiscs, [&](const Cluster& cluster, std::size_t first, std::size_t count) {
+  (void)visit_whole(most_discs_, [&](const Cluster& cluster, std::size_t first, std::size_t count) {
     append_discs(cluster, first, count, header_.cube, all);
   });
   return all;
@@ -234,7 +240,10 @@ void LodStream::visit_below(std::uint32_t index, const Cluster& cluster, std::si
       continue;
     }
     const auto first = divided.begin() + decoded.cluster->header.first, last = first + decoded.cluster->header.count;
-    if (std::find(first, last, true) != last || decoded.discs > most_discs - discs) continue;
+    if (std::find(first, last, true) != last || decoded.discs > most_discs - std::min(most_discs, discs)) {
+      cut_short_ = true;
+      continue;
+    }
     std::fill(first, last, true);
     visit_below(child, *decoded.cluster, most_discs, discs, visit);
   }

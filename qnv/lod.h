@@ -51,15 +51,20 @@ struct ChunkRange {
   friend bool operator==(const ChunkRange&, const ChunkRange&) = default;
 };
 
+/// What a stream may take.
+struct LodLimits {
+  std::size_t cache_bytes = std::size_t{1} << 29;    // of what is decoded, beside the last cuts
+  std::size_t discs = std::size_t{1} << 26;          // of one cut, or of all that is copied, whatever its budget
+  std::size_t arrived_bytes = std::size_t{1} << 30;  // of one that grows: chunks that have come
+};
+
 /// A packed stream of which a view decodes what it needs: the coarse clusters everywhere, finer ones where they are
 /// seen, the largest on the screen first. The stream lies in memory or in a file, or it grows. One thread; safe for
 /// untrusted bytes: what is wrong is left out, with all that is below it, and the coarser picture stays in its place.
 class LodStream {
  public:
   /// How much of what is decoded is kept beside the last cuts.
-  static constexpr std::size_t kCacheBytes = std::size_t{1} << 29;
-  /// Of one cut, whatever its budget.
-  static constexpr std::size_t kMostDiscs = std::size_t{1} << 26;
+  static constexpr std::size_t kCacheBytes = LodLimits{}.cache_bytes;
   using Opened = std::variant<std::unique_ptr<LodStream>, StreamProblem>;
 
   /// A stream that lies in memory as it came: all of it is read and checked now. The error says why it cannot be
@@ -70,6 +75,9 @@ class LodStream {
   [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, std::size_t cache_bytes = kCacheBytes);
   /// A stream of which the first bytes have come, its header at least.
   [[nodiscard]] static Opened begin(std::span<const std::byte> front, std::size_t cache_bytes = kCacheBytes);
+
+  /// Before the first cut.
+  void set_limits(const LodLimits& limits);
 
   /// For one that grows. The bytes behind those that `begin` and the last `push` got. False once there is no sense
   /// in more.
@@ -99,6 +107,8 @@ class LodStream {
 
   /// All vectors at full detail, copied together; no more than a cut may have.
   [[nodiscard]] Cloud whole();
+  /// Whether `whole` had to leave some places coarse, because there are too many vectors.
+  [[nodiscard]] bool cut_short() const { return cut_short_; }
   /// How many there are at full detail. Decodes all of the stream.
   [[nodiscard]] std::size_t count();
 
@@ -153,6 +163,8 @@ class LodStream {
   [[nodiscard]] std::vector<Run> runs(Viewport& viewport, std::uint16_t bit) const;
   [[nodiscard]] std::vector<Piece> pieces(const LodView& view, std::span<const Run> runs) const;
 
+  std::size_t most_discs_ = LodLimits{}.discs;
+  bool cut_short_ = false;
   StreamHeader header_;
   std::shared_ptr<const ChunkSource> source_;
   std::shared_ptr<ArrivedChunks> arrived_;  // the same, of a stream that grows

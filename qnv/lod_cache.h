@@ -31,6 +31,8 @@ class LodCache {
   LodCache(LodTree& tree, const StreamHeader& header, std::size_t most_bytes, bool keep_voxels)
       : tree_(tree), header_(header), most_bytes_(most_bytes), keep_voxels_(keep_voxels) {}
 
+  void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
+
   /// A place in a stream's bytes and what is wrong there.
   using Problems = std::vector<StreamProblem>;
 

@@ -171,7 +171,7 @@ std::int64_t LodStream::discs_gained(std::uint32_t index) const {
 void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
   const bool same = last.last_cut != 0 && last.revision == revision_ && same_view(last.view, view);
   const bool backs_left_out = view.leave_backs && !header_.description.two_sided;
-  const auto budget = static_cast<std::int64_t>(view.budget == 0 ? kMostDiscs : std::min(view.budget, kMostDiscs));
+  const auto budget = static_cast<std::int64_t>(view.budget == 0 ? most_discs_ : std::min(view.budget, most_discs_));
   std::priority_queue<Candidate> candidates;
   candidates.push({std::numeric_limits<float>::infinity(), tree_.root()});
   order_.clear();
@@ -256,7 +256,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
     viewport.chosen.push_back(index);
     discs += discs_gained(index);
   }
-  const auto budget = static_cast<std::int64_t>(view.budget == 0 ? kMostDiscs : std::min(view.budget, kMostDiscs));
+  const auto budget = static_cast<std::int64_t>(view.budget == 0 ? most_discs_ : std::min(view.budget, most_discs_));
   // What was guessed may have been too little. Those that came last have no children here.
   while (discs > budget && viewport.chosen.size() > 1) {
     const std::uint32_t last = viewport.chosen.back();

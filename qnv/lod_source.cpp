@@ -10,8 +10,6 @@
 namespace gs::qnv {
 namespace {
 
-// Of a stream that grows: nobody asks for more.
-constexpr std::size_t kMostArrived = sizeof(std::size_t) > 4 ? std::size_t{1} << 32 : std::size_t{1} << 29;
 constexpr std::size_t kMostEntries = std::size_t{1} << 22;
 
 class MemorySource : public ChunkSource {
@@ -43,7 +41,7 @@ std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes) {
 }
 
 bool ArrivedChunks::add(std::uint64_t offset, std::vector<std::byte> chunk) {
-  if (chunk.size() > kMostArrived - bytes_) return false;
+  if (chunk.size() > most_bytes_ - std::min(most_bytes_, bytes_)) return false;
   bytes_ += chunk.size();
   chunks_.emplace(offset, std::move(chunk));
   return true;

@@ -34,6 +34,9 @@ class ChunkSource {
 /// The chunks of a stream that have come, in any order. One thread adds; not while others read.
 class ArrivedChunks : public ChunkSource {
  public:
+  /// `most_bytes`: of all of them together.
+  explicit ArrivedChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
   /// A whole chunk that stands at `offset`. False when they would take too much memory.
   bool add(std::uint64_t offset, std::vector<std::byte> chunk);
   [[nodiscard]] bool has(std::uint64_t offset) const { return chunks_.contains(offset); }
@@ -44,7 +47,7 @@ class ArrivedChunks : public ChunkSource {
 
  private:
   std::unordered_map<std::uint64_t, std::vector<std::byte>> chunks_;
-  std::size_t bytes_ = 0;
+  std::size_t most_bytes_, bytes_ = 0;
 };
 
 /// A chunk, whole and with the right checksum.

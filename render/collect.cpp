@@ -3,8 +3,10 @@
 #include "render/render_list.h"
 
 #include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -15,13 +17,16 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// USE lets a small file describe 2^n of anything.
-constexpr std::size_t kMaxVisits = 20'000'000;
-constexpr std::size_t kMaxItems = 2'000'000;
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
 constexpr std::size_t kMaxLightsOfAnItem = 16;
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
+constexpr std::size_t kBetweenLooks = 1024;  // visits, at the time
+// Segments of primitives, from fine to coarse: as many of these as make no more triangles than that, or the last.
+constexpr std::array<int, 3> kSegments = {32, 16, 8};
+constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
+// What a picture's pixels cost beside themselves: the copy of who draws, of 4 bytes each, and its smaller ones.
+constexpr std::size_t kPixelCopy = 6;
 
 bool fits_float(const dmat4& m) {
   double sum = 0;
@@ -44,8 +49,9 @@ vrml::Bounds transformed(const vrml::Bounds& bounds, const dmat4& matrix) {
 
 class Collector {
  public:
-  Collector(const Images& images, MeshCache& meshes, const glm::vec3& viewer, const Clouds& clouds)
-      : images_(images), meshes_(meshes), viewer_(viewer), clouds_(clouds) {}
+  Collector(const Images& images, MeshCache& meshes, const glm::vec3& viewer, const Clouds& clouds,
+            std::shared_ptr<vrml::Budget> budget)
+      : images_(images), meshes_(meshes), viewer_(viewer), clouds_(clouds), budget_(std::move(budget)) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -74,9 +80,15 @@ class Collector {
   void add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
                   float detail);
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
-  std::shared_ptr<const Image> image_of_texture(const NodeView& texture);
+  std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
   std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
+  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
+  std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                              std::size_t fineness);
+  bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
+  void leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
+  void coarsen_primitives();
   [[nodiscard]] dvec3 viewer_in(const dmat4& world_from_local) const;
 
   const Images& images_;
@@ -92,22 +104,39 @@ class Collector {
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;  // by index
   std::vector<std::uint16_t> active_lights_;
   std::size_t visits_ = 0;
+  std::shared_ptr<vrml::Budget> budget_;
+  std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
+  // Primitives of which there are items, by their finest mesh.
+  struct Primitives {
+    std::array<std::shared_ptr<const vrml::Mesh>, kSegments.size()> meshes;
+    std::size_t count = 0;
+  };
+  std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
 };
 
 RenderList Collector::collect(const vrml::SceneGraph& scene) {
   auto& open = open_nodes_[&scene];
   open.resize(scene.node_count() + 1);
   enter({&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), 0, true});
+  bool stopped = false;
   while (!path_.empty()) {
     Frame& top = path_.back();
-    if (top.next == top.end || visits_ >= kMaxVisits || list_.items.size() >= kMaxItems) {
+    if (top.next == top.end || stopped) {
       leave();
       continue;
     }
-    ++visits_;
+    if (++visits_ % kBetweenLooks == 0) stopped = budget_->stopped();
+    if (visits_ > budget_->limits().visits) {
+      stopped = true;
+      leave_out("more nodes, with all that USE multiplies, than the " + std::to_string(budget_->limits().visits) +
+                    " that one picture may visit",
+                *top.scene, *top.next);
+      continue;
+    }
     const vrml::NodeId id = *top.next++;
     visit(Frame(top), id);  // a copy: entering a group moves the path
   }
+  coarsen_primitives();
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
   return std::move(list_);
 }
@@ -237,12 +266,26 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
     add_splats(parent, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)));
     return;
   }
-  item.mesh = mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
-  if (!item.mesh || item.mesh->empty() || !fits_float(parent.world_from_local)) return;
-  item.world_from_node = glm::mat4(parent.world_from_local);
+  dmat4 world_from_node = parent.world_from_local;
+  if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
+    item.mesh = primitive(*parent.scene, geometry, 0);
+    world_from_node = glm::scale(world_from_node, dvec3(*scale));
+    Primitives& all = primitives_[item.mesh.get()];
+    for (std::size_t i = 0; all.count == 0 && i < kSegments.size(); ++i)
+      all.meshes[i] = primitive(*parent.scene, geometry, i);
+    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, all.meshes.back()->indices.size() / 3))
+      return;
+    ++all.count;
+  } else {
+    item.mesh = mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
+    if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) return;
+    const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
+    if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
+  }
+  item.world_from_node = glm::mat4(world_from_node);
   const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
-  const vrml::Bounds bounds = transformed(item.mesh->bounds, parent.world_from_local);
+  const vrml::Bounds bounds = transformed(item.mesh->bounds, world_from_node);
   if (!bounds.empty() && std::isfinite(glm::dot(bounds.lower, bounds.upper) * 0.0f)) list_.bounds.add(bounds);
   list_.items.push_back(std::move(item));
 }
@@ -250,6 +293,7 @@ void Collector::add_shape(const Frame& parent, const NodeView& shape) {
 void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
                            float detail) {
   if ((cloud->empty() && !cloud->levels) || !fits_float(parent.world_from_local)) return;
+  if (list_.splats.size() >= budget_->limit(vrml::Resource::items)) return;
   SplatItem item;
   item.cloud = cloud;
   item.world_from_node = glm::mat4(parent.world_from_local);
@@ -267,9 +311,10 @@ void Collector::add_splats(const Frame& parent, const DrawItem& shape, const std
 
 TextureUse Collector::texture_use(const vrml::SceneGraph& scene, const NodeView& appearance) {
   TextureUse use;
-  const NodeView texture = schemas_.view(scene, appearance.get(AppearanceFields::texture, vrml::NodeId{}));
+  const auto id = appearance.get(AppearanceFields::texture, vrml::NodeId{});
+  const NodeView texture = schemas_.view(scene, id);
   if (texture.kind() != NodeKind::image_texture && texture.kind() != NodeKind::pixel_texture) return use;
-  use.image = image_of_texture(texture);
+  use.image = image_of_texture(scene, id);
   if (!use.image) return use;
   use.repeat_s = texture.get(TextureFields::repeat_s, true);
   use.repeat_t = texture.get(TextureFields::repeat_t, true);
@@ -278,7 +323,8 @@ TextureUse Collector::texture_use(const vrml::SceneGraph& scene, const NodeView&
   return use;
 }
 
-std::shared_ptr<const Image> Collector::image_of_texture(const NodeView& texture) {
+std::shared_ptr<const Image> Collector::image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  const NodeView texture = schemas_.view(scene, id);
   const auto given = images_.find(texture.node);
   if (given != images_.end() && given->second && !given->second->empty()) return given->second;
   if (texture.kind() != NodeKind::pixel_texture) return nullptr;
@@ -286,29 +332,71 @@ std::shared_ptr<const Image> Collector::image_of_texture(const NodeView& texture
   if (!pixels || pixels->words.empty()) return nullptr;
   MeshCache::PixelEntry& entry = meshes_.pixel_images[texture.node];
   if (!entry.source.words.shares_with(pixels->words)) {
-    Image image = image_of(*pixels);
     entry.source = *pixels;
-    entry.image = image.empty() ? nullptr : std::make_shared<const Image>(std::move(image));
+    entry.image = nullptr;
+    entry.share = vrml::Share(budget_, vrml::Resource::pixels);
+    if (!entry.share.grow(pixels->pixels().size() * (pixels->components() + kPixelCopy))) {
+      leave_out("PixelTexture: " + budget_->refusal(vrml::Resource::pixels), scene, id);
+      return nullptr;
+    }
+    Image image = image_of(*pixels);
+    if (!image.empty()) entry.image = std::make_shared<const Image>(std::move(image));
   }
   return entry.image;
 }
 
-// Type and measures of a geometry that a few numbers describe wholly; empty for any other.
-std::string primitive_key(const vrml::Node& node) {
-  std::string key;
-  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
-    const bool plain = std::visit(
-        [&key](const auto& value) {
-          using T = std::decay_t<decltype(value)>;
-          constexpr bool kPlain =
-              std::is_same_v<T, vrml::SFFloat> || std::is_same_v<T, vrml::SFBool> || std::is_same_v<T, vrml::SFVec3f>;
-          if constexpr (kPlain) key.append(reinterpret_cast<const char*>(&value), sizeof value);
-          return kPlain;
-        },
-        node.values[i]);
-    if (!plain) return {};
+void Collector::leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node) {
+  for (LeftOut& known : list_.left_out)
+    if (known.why == why) {
+      ++known.count;
+      return;
+    }
+  const bool exists = scene.contains(node);
+  list_.left_out.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : vrml::SourceLocation{}});
+}
+
+// USE and PROTO let a small file describe 2^n of anything.
+bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
+  const std::size_t items = budget_->limit(vrml::Resource::items), most = budget_->limit(vrml::Resource::triangles);
+  if (list_.items.size() >= items) {
+    leave_out(budget_->refusal(vrml::Resource::items), scene, geometry);
+    return false;
   }
-  return key.empty() ? key : key + node.type->name;
+  if (triangles > most - std::min(most, triangles_)) {
+    leave_out(budget_->refusal(vrml::Resource::triangles), scene, geometry);
+    return false;
+  }
+  triangles_ += triangles;
+  return true;
+}
+
+std::shared_ptr<const vrml::Mesh> Collector::primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                       std::size_t fineness) {
+  const vrml::Node& node = scene.node(geometry);
+  std::string key = node.type->name;
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
+    if (const auto* flag = std::get_if<vrml::SFBool>(&node.values[i])) key += *flag ? '1' : '0';
+  auto& mesh = meshes_.primitives[key += static_cast<char>('a' + fineness)];
+  if (!mesh) {
+    vrml::MeshOptions options;
+    options.default_measures = true;
+    options.segments = kSegments[fineness];
+    mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  }
+  return mesh;
+}
+
+void Collector::coarsen_primitives() {
+  std::size_t fineness = 0;
+  for (; fineness + 1 < kSegments.size(); ++fineness) {
+    std::size_t triangles = 0;
+    for (const auto& [finest, all] : primitives_) triangles += all.count * (all.meshes[fineness]->indices.size() / 3);
+    if (triangles <= kManyTriangles) break;
+  }
+  if (fineness == 0) return;
+  for (DrawItem& item : list_.items)
+    if (const auto known = primitives_.find(item.mesh.get()); known != primitives_.end())
+      item.mesh = known->second.meshes[fineness];
 }
 
 // The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.
@@ -329,21 +417,27 @@ vrml::NodeId Collector::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId g
 std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                      bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
-  if (!entry.mesh || (textured && !entry.texture_coordinates)) {
-    const std::string key = primitive_key(scene.node(geometry));
-    std::weak_ptr<const vrml::Mesh>* shared = key.empty() ? nullptr : &meshes_.primitives[key];
-    if (shared && (entry.mesh = shared->lock())) {
-      entry.texture_coordinates = true;  // primitives always have them
-      return entry.mesh;
-    }
-    vrml::MeshOptions options;
-    options.texture_coordinates = textured || shared;
-    options.refiner = refiner_of(scene, geometry);
-    entry.mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
-    entry.texture_coordinates = options.texture_coordinates;
-    if (shared) *shared = entry.mesh;
-  }
+  if (!entry.mesh || (textured && !entry.texture_coordinates)) make_mesh(entry, scene, geometry, textured);
+  if (entry.refused) leave_out(budget_->refusal(vrml::Resource::meshes), scene, geometry);
   return entry.mesh;
+}
+
+void Collector::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                          bool textured) {
+  vrml::MeshOptions options;
+  options.texture_coordinates = textured;
+  options.refiner = refiner_of(scene, geometry);
+  entry.mesh = nullptr;
+  entry.share = vrml::Share(budget_, vrml::Resource::meshes);
+  auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  // One that there is no room for is not tried again for every USE.
+  if (!entry.share.grow(mesh->cost())) {
+    *mesh = {};
+    mesh->left_out = true;
+  }
+  entry.refused = mesh->left_out && !budget_->stopped();
+  entry.mesh = std::move(mesh);
+  entry.texture_coordinates = textured;
 }
 
 }  // namespace
@@ -351,7 +445,7 @@ std::shared_ptr<const vrml::Mesh> Collector::mesh_of(const vrml::SceneGraph& sce
 RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes, const glm::vec3& viewer,
                    const Clouds& clouds) {
   const bool usable = std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z);
-  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10), clouds).collect(scene);
+  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10), clouds, scene.budget()).collect(scene);
 }
 
 }  // namespace gs::render

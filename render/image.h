@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@ namespace gs::render {
 struct Image {
   std::uint32_t width = 0, height = 0, components = 0;
   std::vector<std::uint8_t> pixels;  // width * height * components
+  std::uint32_t reduction = 1;       // pixels of the file, in each direction, that one of these stands for
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }
   [[nodiscard]] bool has_alpha() const { return components == 2 || components == 4; }
@@ -34,11 +36,19 @@ struct ImageError {
   std::string message;
 };
 
+/// What decoding may cost.
+struct ImageLimits {
+  std::size_t file_pixels = std::size_t{1} << 28;    // larger pictures are refused: unpacking them takes too long
+  std::size_t kept_pixels = std::size_t{1} << 28;    // larger ones are made smaller while they are unpacked
+  std::size_t working_bytes = std::size_t{1} << 29;  // that a decoder may hold besides the result
+  std::function<bool()> stopped = {};                // asked for every row: true ends it. Null: nobody does
+};
+
 /// Decodes PNG, JPEG or GIF (first picture), told apart by their first bytes. JPEG grey is intensity;
-/// a PNG or GIF palette follows VRML97 4.6.11.2. Safe for untrusted input: at most `max_pixels`
-/// pixels are ever allocated. A truncated JPEG or PNG gives the rows that were there.
+/// a PNG or GIF palette follows VRML97 4.6.11.2. Safe for untrusted input: memory is bounded by `limits`. A truncated
+/// JPEG or PNG gives the rows that were there.
 [[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
-                                                           std::size_t max_pixels = std::size_t{1} << 28);
+                                                           const ImageLimits& limits = {});
 
 /// PNG bytes of an image of 1 to 4 components.
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image);

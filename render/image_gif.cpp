@@ -96,14 +96,16 @@ Palette make_palette(const ColorMapObject& map, int transparent, bool needs_alph
   return palette;
 }
 
+/// Where the picture is made smaller, one pixel of a square stands for all.
 void put_row(Image& image, const GifImageDesc& frame, std::uint32_t y, const std::vector<GifPixelType>& line,
              const Palette& palette) {
-  const std::uint32_t row = static_cast<std::uint32_t>(frame.Top) + y;
-  if (row >= image.height) return;
+  const std::uint32_t step = image.reduction, row = static_cast<std::uint32_t>(frame.Top) + y;
+  if (row / step >= image.height || row % step != 0) return;
   for (std::size_t x = 0; x < line.size(); ++x) {
     const std::size_t column = static_cast<std::size_t>(frame.Left) + x;
-    if (column >= image.width) return;
-    std::memcpy(image.pixels.data() + (std::size_t{row} * image.width + column) * image.components,
+    if (column / step >= image.width) return;
+    if (column % step != 0) continue;
+    std::memcpy(image.pixels.data() + (std::size_t{row / step} * image.width + column / step) * image.components,
                 palette.entries[line[x]].data(), image.components);
   }
 }
@@ -124,7 +126,7 @@ std::vector<std::uint32_t> row_order(const GifImageDesc& frame) {
 
 }  // namespace
 
-DecodedImage decode_gif(std::span<const std::byte> bytes, std::size_t max_pixels) {
+DecodedImage decode_gif(std::span<const std::byte> bytes, const ImageLimits& limits) {
   GifSource source{bytes};
   int code = 0;
   const Gif gif(DGifOpen(&source, read_bytes, &code));
@@ -136,8 +138,8 @@ DecodedImage decode_gif(std::span<const std::byte> bytes, std::size_t max_pixels
   const GifImageDesc& frame = gif->Image;
   const std::uint64_t width = gif->SWidth > 0 ? gif->SWidth : frame.Left + frame.Width;
   const std::uint64_t height = gif->SHeight > 0 ? gif->SHeight : frame.Top + frame.Height;
-  if (auto refused = refuse_size("GIF", width, height, max_pixels)) return *std::move(refused);
-  if (auto refused = refuse_size("GIF", frame.Width, frame.Height, max_pixels)) return *std::move(refused);
+  if (auto refused = refuse_size("GIF", width, height, limits)) return *std::move(refused);
+  if (auto refused = refuse_size("GIF", frame.Width, frame.Height, limits)) return *std::move(refused);
   const ColorMapObject* map = frame.ColorMap ? frame.ColorMap : gif->SColorMap;
   if (!map || !map->Colors) return ImageError{"broken GIF: no palette; expected a global or a local colour table"};
 
@@ -146,8 +148,9 @@ DecodedImage decode_gif(std::span<const std::byte> bytes, std::size_t max_pixels
                       static_cast<std::uint64_t>(frame.Height) >= height;
   const Palette palette = make_palette(*map, transparent, transparent != NO_TRANSPARENT_COLOR || !covers);
   Image image;
-  image.width = static_cast<std::uint32_t>(width);
-  image.height = static_cast<std::uint32_t>(height);
+  image.reduction = reduction_of(width, height, limits);
+  image.width = (static_cast<std::uint32_t>(width) - 1) / image.reduction + 1;
+  image.height = (static_cast<std::uint32_t>(height) - 1) / image.reduction + 1;
   image.components = palette.components;
   std::vector<GifPixelType> line(static_cast<std::size_t>(frame.Width));
   source.in_pixels = true;
@@ -156,6 +159,7 @@ DecodedImage decode_gif(std::span<const std::byte> bytes, std::size_t max_pixels
       if (image.pixels.empty()) return gif_error(gif->Error);
       break;
     }
+    if (limits.stopped && limits.stopped()) break;
     if (image.pixels.empty()) image.pixels.resize(std::size_t{image.width} * image.height * image.components);
     put_row(image, frame, y, line, palette);
   }

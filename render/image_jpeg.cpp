@@ -29,7 +29,10 @@ struct JpegReader {
   int broken_scans = 0, last_broken_scan = 0;
   std::uint32_t whole_rows = kAllRows;  // rows of which all data came
   std::uint32_t components = 0;         // as we keep them
-  std::uint8_t* line = nullptr;         // one row as libjpeg hands it out, where it differs from ours
+  std::uint32_t reduction = 1;          // by libjpeg: 1, 2, 4 or 8
+  RowReducer* reducer = nullptr;        // takes the rows, where that is not enough
+  const ImageLimits* limits = nullptr;
+  std::uint8_t* line = nullptr;  // one row as libjpeg hands it out, where it differs from ours
   std::uint8_t* pixels = nullptr;
 
   JpegReader() = default;
@@ -155,17 +158,34 @@ void rgb_of_cmyk(const std::uint8_t* cmyk, std::uint8_t* rgb, std::uint32_t widt
   }
 }
 
+/// Rows of libjpeg's result of which all data came.
+std::uint32_t whole_rows(const JpegReader& reader) {
+  return reader.whole_rows == kAllRows ? kAllRows : reader.whole_rows / reader.reduction;
+}
+
 bool read_rows(JpegReader& reader) {
   if (setjmp(reader.escape)) return false;
   const std::size_t stride = std::size_t{reader.jpeg.output_width} * reader.components;
   while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
-    if (reader.jpeg.output_scanline >= reader.whole_rows) break;
-    std::uint8_t* row = reader.pixels + reader.jpeg.output_scanline * stride;
+    if (reader.jpeg.output_scanline >= whole_rows(reader)) break;
+    if (reader.limits->stopped && reader.limits->stopped()) break;
+    std::uint8_t* row = reader.pixels + (reader.reducer ? 0 : reader.jpeg.output_scanline * stride);
     JSAMPROW target = reader.line ? reader.line : row;
     if (jpeg_read_scanlines(&reader.jpeg, &target, 1) != 1) break;
     if (reader.line) rgb_of_cmyk(reader.line, row, reader.jpeg.output_width, reader.jpeg.saw_Adobe_marker);
+    if (reader.reducer) reader.reducer->take(row);
   }
   return true;
+}
+
+/// Why a picture that is decoded as a whole before its first row comes does not get the memory for that.
+std::optional<ImageError> refuse_coefficients(JpegReader& reader, const ImageLimits& limits) {
+  const std::uint64_t bytes = std::uint64_t{reader.jpeg.image_width} * reader.jpeg.image_height *
+                              static_cast<std::uint64_t>(reader.jpeg.num_components) * sizeof(JCOEF);
+  if (!jpeg_has_multiple_scans(&reader.jpeg) || bytes <= limits.working_bytes) return std::nullopt;
+  return ImageError{"progressive JPEG image of " + std::to_string(reader.jpeg.image_width) + "x" +
+                    std::to_string(reader.jpeg.image_height) + " pixels, which takes " + std::to_string(bytes) +
+                    " bytes to decode; expected at most " + std::to_string(limits.working_bytes)};
 }
 
 ImageError jpeg_error_of(const JpegReader& reader) { return {std::string("broken JPEG: ") + reader.message}; }
@@ -180,36 +200,45 @@ std::size_t last_marker(std::span<const std::byte> bytes) {
   return 0;
 }
 
-DecodedImage decode_once(std::span<const std::byte> bytes, std::size_t max_pixels, bool& cut_in_marker) {
+DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& limits, bool& cut_in_marker) {
   JpegReader reader;
+  reader.limits = &limits;
   connect(reader, bytes);
   if (!read_header(reader)) return jpeg_error_of(reader);
-  if (auto refused = refuse_size("JPEG", reader.jpeg.image_width, reader.jpeg.image_height, max_pixels))
+  if (auto refused = refuse_size("JPEG", reader.jpeg.image_width, reader.jpeg.image_height, limits))
     return *std::move(refused);
+  if (auto refused = refuse_coefficients(reader, limits)) return *std::move(refused);
+  const std::uint32_t reduction = reduction_of(reader.jpeg.image_width, reader.jpeg.image_height, limits);
+  while (reader.reduction < 8 && reader.reduction * 2 <= reduction) reader.reduction *= 2;
+  reader.jpeg.scale_denom = reader.reduction;
   if (!start(reader)) {
     cut_in_marker = reader.ran_out;
     return jpeg_error_of(reader);
   }
   if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data end before the first rows of the picture"};
 
+  const std::uint32_t width = reader.jpeg.output_width, height = reader.jpeg.output_height;
+  const std::uint32_t rest = reduction_of(width, height, limits);
   Image image;
-  image.width = reader.jpeg.output_width;
-  image.height = reader.jpeg.output_height;
-  image.components = reader.components;
-  const std::size_t stride = std::size_t{image.width} * image.components;
-  std::vector<std::uint8_t> line;
+  RowReducer reducer(image, width, height, reader.components, rest);
+  std::vector<std::uint8_t> line, row;
   if (reader.jpeg.out_color_space == JCS_CMYK) {
-    line.resize(std::size_t{image.width} * 4);
+    line.resize(std::size_t{width} * 4);
     reader.line = line.data();
   }
-  image.pixels.resize(stride * image.height);
-  reader.pixels = image.pixels.data();
+  if (rest > 1) {
+    row.resize(std::size_t{width} * reader.components);
+    reader.reducer = &reducer;
+  }
+  reader.pixels = rest > 1 ? row.data() : image.pixels.data();
   const bool finished = read_rows(reader);
+  reducer.finish();
+  image.reduction = rest * reader.reduction;
   if (!finished && reader.jpeg.output_scanline == 0) return jpeg_error_of(reader);
   if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data end before the first rows of the picture"};
-  if (reader.whole_rows < image.height) {
+  if (whole_rows(reader) / rest < image.height) {
     // Rows of libjpeg's filler may have been written before it said so.
-    const std::size_t kept = stride * reader.whole_rows;
+    const std::size_t kept = std::size_t{image.width} * image.components * (whole_rows(reader) / rest);
     std::memset(image.pixels.data() + kept, 0, image.pixels.size() - kept);
   }
   return image;
@@ -217,13 +246,13 @@ DecodedImage decode_once(std::span<const std::byte> bytes, std::size_t max_pixel
 
 }  // namespace
 
-DecodedImage decode_jpeg(std::span<const std::byte> bytes, std::size_t max_pixels) {
+DecodedImage decode_jpeg(std::span<const std::byte> bytes, const ImageLimits& limits) {
   // A progressive file may end inside the tables of a later scan, which libjpeg takes for an error; without
   // them the scans before are a coarse picture. Tables may hold what looks like a marker: hence the tries.
   constexpr int kTries = 4;
   for (int attempt = 1;; ++attempt) {
     bool cut_in_marker = false;
-    DecodedImage result = decode_once(bytes, max_pixels, cut_in_marker);
+    DecodedImage result = decode_once(bytes, limits, cut_in_marker);
     const std::size_t end = cut_in_marker && attempt < kTries ? last_marker(bytes) : 0;
     if (end == 0) return result;
     bytes = bytes.first(end);

@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 #include <cstring>
 #include <new>
@@ -24,8 +25,12 @@ struct PngReader {
   std::uint32_t channels = 0;    // as libpng hands them out
   std::uint32_t components = 0;  // as we keep them
   int passes = 1;
+  std::uint32_t reduction = 1;
+  bool interlaced = false;
   std::uint8_t* first_row = nullptr;
   std::uint8_t* pixels = nullptr;  // height rows of channels
+  RowReducer* reducer = nullptr;   // takes the rows, where there are too many pixels
+  const ImageLimits* limits = nullptr;
 
   PngReader() = default;
   PngReader(const PngReader&) = delete;
@@ -77,7 +82,10 @@ bool read_header(PngReader& reader) {
   if (color_type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(reader.png);
   if (transparent) png_set_tRNS_to_alpha(reader.png);
   png_set_scale_16(reader.png);
-  reader.passes = png_set_interlace_handling(reader.png);
+  reader.reduction = reduction_of(reader.width, reader.height, *reader.limits);
+  reader.interlaced = png_get_interlace_type(reader.png, reader.info) != PNG_INTERLACE_NONE;
+  // Of a large interlaced picture the first passes are a smaller one.
+  if (reader.reduction == 1) reader.passes = png_set_interlace_handling(reader.png);
   png_read_update_info(reader.png, reader.info);
   reader.channels = png_get_channels(reader.png, reader.info);
   reader.components = grey_palette ? reader.channels - 2 : reader.channels;
@@ -85,6 +93,8 @@ bool read_header(PngReader& reader) {
     png_error(reader.png, "unexpected row size");
   return true;
 }
+
+bool stopped(const PngReader& reader) { return reader.limits->stopped && reader.limits->stopped(); }
 
 /// Reads one row so that nothing large is allocated for a file that has no picture in it.
 bool read_first_row(PngReader& reader) {
@@ -98,9 +108,40 @@ bool read_rows(PngReader& reader) {
   const std::size_t stride = std::size_t{reader.width} * reader.channels;
   std::memcpy(reader.pixels, reader.first_row, stride);
   for (int pass = 0; pass < reader.passes; ++pass)
-    for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height; ++y)
+    for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height && !stopped(reader); ++y)
       // The second buffer asks for whole blocks of an interlaced picture, so that a part of it has no gaps.
       png_read_row(reader.png, nullptr, reader.pixels + y * stride);
+  return true;
+}
+
+bool reduce_rows(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  for (std::uint32_t y = 0; y < reader.height && !stopped(reader); ++y) {
+    if (y > 0) png_read_row(reader.png, reader.first_row, nullptr);
+    reader.reducer->take(reader.first_row);
+  }
+  return true;
+}
+
+/// Of an interlaced picture the pixels whose places are multiples of 8, 4 or 2 come first, with all of their rows.
+bool thin_out_passes(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  const std::uint32_t step = reader.reduction, kept = (reader.width - 1) / step + 1;
+  const int passes = step >= 8 ? 1 : step >= 4 ? 3 : 5;
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::uint32_t columns = PNG_PASS_COLS(reader.width, pass), rows = PNG_PASS_ROWS(reader.height, pass);
+    if (columns == 0) continue;
+    for (std::uint32_t row = 0; row < rows && !stopped(reader); ++row) {
+      if (pass > 0 || row > 0) png_read_row(reader.png, reader.first_row, nullptr);
+      const std::uint32_t y = PNG_ROW_FROM_PASS_ROW(row, pass);
+      for (std::uint32_t column = 0; y % step == 0 && column < columns; ++column) {
+        const std::uint32_t x = PNG_COL_FROM_PASS_COL(column, pass);
+        if (x % step == 0)
+          std::memcpy(reader.pixels + (std::size_t{y / step} * kept + x / step) * reader.channels,
+                      reader.first_row + std::size_t{column} * reader.channels, reader.channels);
+      }
+    }
+  }
   return true;
 }
 
@@ -156,14 +197,15 @@ bool write_png(png_structp png, png_infop info, PngWriter& writer, const Image& 
 
 }  // namespace
 
-DecodedImage decode_png(std::span<const std::byte> bytes, std::size_t max_pixels) {
+DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& limits) {
   if (bytes.size() < kSizeEnd) return ImageError{"broken PNG: the data end before the size of the picture"};
   const auto* header = reinterpret_cast<png_const_bytep>(bytes.data());
-  if (auto refused = refuse_size("PNG", png_get_uint_32(header + 16), png_get_uint_32(header + 20), max_pixels))
+  if (auto refused = refuse_size("PNG", png_get_uint_32(header + 16), png_get_uint_32(header + 20), limits))
     return *std::move(refused);
 
   PngReader reader;
   reader.bytes = bytes;
+  reader.limits = &limits;
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_read_error, on_warning);
   if (!reader.png) throw std::bad_alloc();
   reader.info = png_create_info_struct(reader.png);
@@ -171,19 +213,25 @@ DecodedImage decode_png(std::span<const std::byte> bytes, std::size_t max_pixels
 
   if (!read_header(reader)) return png_error_of(reader);
   // The size that counts is the one libpng goes by.
-  if (auto refused = refuse_size("PNG", reader.width, reader.height, max_pixels)) return *std::move(refused);
+  if (auto refused = refuse_size("PNG", reader.width, reader.height, limits)) return *std::move(refused);
   std::vector<std::uint8_t> first_row(std::size_t{reader.width} * reader.channels);
   reader.first_row = first_row.data();
   if (!read_first_row(reader)) return png_error_of(reader);
 
   Image image;
-  image.width = reader.width;
-  image.height = reader.height;
-  image.components = reader.components;
-  image.pixels.resize(first_row.size() * reader.height);
-  reader.pixels = image.pixels.data();
+  if (reader.reduction > 1 && reader.interlaced) reader.reduction = std::bit_ceil(reader.reduction);
   // What came before an error or the end stays: a truncated picture is a smaller picture.
-  (void)read_rows(reader);
+  RowReducer reducer(image, reader.width, reader.height, reader.channels, reader.reduction);
+  reader.pixels = image.pixels.data();
+  reader.reducer = &reducer;
+  if (reader.reduction == 1)
+    (void)read_rows(reader);
+  else if (reader.interlaced)
+    (void)thin_out_passes(reader);
+  else
+    (void)reduce_rows(reader);
+  reducer.finish();
+  image.components = reader.components;
   if (reader.components != reader.channels) keep_grey(image.pixels, reader.channels);
   return image;
 }

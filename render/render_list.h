@@ -2,6 +2,7 @@
 
 #include "qnv/cloud.h"
 #include "render/image.h"
+#include "vrml/budget.h"
 #include "vrml/mesh.h"
 #include "vrml/scene_graph.h"
 
@@ -85,6 +86,14 @@ struct NavigationState {
   bool headlight = true;
 };
 
+/// What limits kept out of a picture, for one reason.
+struct LeftOut {
+  std::string why;    // names the limit
+  std::size_t count;  // shapes, pictures or steps of the walk
+  std::string file;   // the first one
+  vrml::SourceLocation location;
+};
+
 /// Everything that one frame needs, as plain data in world space.
 struct RenderList {
   std::vector<DrawItem> items;
@@ -93,7 +102,8 @@ struct RenderList {
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
   NavigationState navigation;
-  vrml::Bounds bounds;  // world space, of all items
+  vrml::Bounds bounds;            // world space, of all items
+  std::vector<LeftOut> left_out;  // one for each reason
 };
 
 /// What collect makes of nodes once and keeps while the world lives. Drop it with the world.
@@ -103,25 +113,30 @@ struct RenderList {
 struct MeshCache {
   struct Entry {
     std::shared_ptr<const vrml::Mesh> mesh;
+    vrml::Share share;                 // of the budget for meshes
     bool texture_coordinates = false;  // whether they were asked for
+    bool refused = false;              // the limit for meshes took some or all of it
   };
   struct PixelEntry {
     vrml::PixelImage source;  // shares its storage with the field while that is unchanged
     std::shared_ptr<const Image> image;
+    vrml::Share share;
   };
   std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
-  /// Boxes, cones, cylinders and spheres by type and measures: equal ones in different nodes, of which
-  /// worlds full of PROTO instances have thousands, share one mesh and so one draw call.
-  std::unordered_map<std::string, std::weak_ptr<const vrml::Mesh>> primitives;
+  /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
+  /// which share one mesh under different scales, and so one draw call.
+  std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
   void erase(const vrml::Node* geometry) { meshes.erase(geometry); }
   void clear() { *this = {}; }
 };
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
-/// Safe for any graph a file can describe: cycles are cut, depth and the number of items are bounded.
-/// `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in `clouds` become splats.
+/// Safe for any graph a file can describe: cycles are cut; depth, items, triangles and the memory of meshes are bounded
+/// by the scene's budget, and `left_out` tells what did not fit. Many primitives are cut more coarsely. Ends early
+/// where the budget says so. `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in
+/// `clouds` become splats.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {});
 

@@ -48,6 +48,8 @@ class Array {
   [[nodiscard]] const T& back() const { return (*this)[size() - 1]; }
   [[nodiscard]] std::span<const T> span() const { return {data(), size()}; }
 
+  /// True when other arrays use the same storage.
+  [[nodiscard]] bool shared() const { return block_ && block_->references.load(std::memory_order_acquire) != 1; }
   /// True when both arrays use the very same storage.
   [[nodiscard]] bool shares_with(const Array& other) const { return block_ == other.block_; }
 
@@ -126,7 +128,6 @@ class Array {
     if (capacity > (SIZE_MAX / 2 - kHeader) / sizeof(T)) throw std::bad_alloc();
     return kHeader + capacity * sizeof(T);
   }
-  [[nodiscard]] bool shared() const { return block_ && block_->references.load(std::memory_order_acquire) != 1; }
   [[nodiscard]] std::size_t grown(std::size_t least) const {
     const std::size_t doubled = capacity() * 2;
     return least > doubled ? (least < 4 ? 4 : least) : doubled;

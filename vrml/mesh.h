@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace gs::vrml {
 
@@ -45,9 +46,12 @@ struct Mesh {
   Array<std::uint32_t> indices;          // 3, 2 or 1 a primitive; every one < positions.size()
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
+  bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
   Bounds bounds;                         // of the positions that are used
 
   [[nodiscard]] bool empty() const { return indices.empty(); }
+  /// What it takes of Resource::meshes, with the copy of those who draw it: arrays that it shares with fields once.
+  [[nodiscard]] std::uint64_t cost() const;
 };
 
 /// How finely curved primitives are cut, and what may be left out.
@@ -56,6 +60,8 @@ struct MeshOptions {
   /// Give an IndexedFaceSet without texCoord the default coordinates of VRML97 6.23. False saves
   /// the work where no texture is drawn.
   bool texture_coordinates = true;
+  /// Of a Box, Cone, Cylinder or Sphere: the one with the default measures, in the place of its own.
+  bool default_measures = false;
   /// Of an OutlineGroup: the one that refines it, whose polygons are drawn with it; null: none.
   NodeId refiner{};
 };
@@ -63,7 +69,12 @@ struct MeshOptions {
 /// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's
 /// `ccw` says. Broken input (indices out of range, NaN coordinates, degenerate polygons) loses the
 /// faces it touches and nothing else. Empty for a node that is no geometry or has none.
-/// `geometry` may be a PROTO instance. Pure; any thread that owns the scene.
+/// `geometry` may be a PROTO instance. Memory for the work is drawn from the scene's budget and given back; the mesh's
+/// own is for the caller to draw. Any thread that owns the scene.
 [[nodiscard]] Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options = {});
+
+/// What makes a Box, Cone, Cylinder or Sphere of one with the default measures, along its axes: so that worlds of
+/// thousands share one mesh. Nothing for any other node, and for measures that are none.
+[[nodiscard]] std::optional<glm::vec3> scale_of_primitive(const SceneGraph& scene, NodeId geometry);
 
 }  // namespace gs::vrml

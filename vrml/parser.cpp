@@ -172,8 +172,30 @@ Step Parser::State::read_header() {
   return outcome == ParseOutcome::refused ? Step::finished : Step::done;
 }
 
+bool Parser::State::out_of_budget() {
+  if (!scene.exhausted()) return false;
+  if (std::exchange(said_budget, true)) return true;
+  error(lexer.location(), scene.budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
+  end_reported = true;
+  return true;
+}
+
+void Parser::State::charge_growth(Frame& frame, bool all) {
+  constexpr std::size_t kStep = std::size_t{16} << 10;
+  const std::size_t bytes = std::visit(
+      [](const auto& value) -> std::size_t {
+        if constexpr (requires { value.words; }) return value.words.size() * sizeof(std::uint32_t);
+        if constexpr (requires { value.size(); }) return value.size() * sizeof(*value.data());
+        return 0;
+      },
+      *frame.into);
+  if (bytes <= frame.charged || (!all && bytes - frame.charged < kStep)) return;
+  (void)scene.charge(bytes - frame.charged);
+  frame.charged = bytes;
+}
+
 Step Parser::State::step() {
-  if (outcome == ParseOutcome::refused) return Step::finished;
+  if (outcome == ParseOutcome::refused || out_of_budget()) return Step::finished;
   if (!header_read) return read_header();
   switch (frames.back().kind) {
     case Frame::Kind::statements:
@@ -227,6 +249,7 @@ void Parser::State::report_end_inside(const Frame& frame) {
 
 ParseOutcome Parser::State::close() {
   if (outcome == ParseOutcome::refused) return outcome;
+  (void)out_of_budget();
   if (frames.size() > 1) {
     report_end_inside(frames.back());
     while (frames.size() > 1) {
@@ -259,6 +282,10 @@ Parser::~Parser() = default;
 void Parser::push(std::string_view piece) {
   State& s = *state_;
   while (!piece.empty() && s.outcome != ParseOutcome::refused) {
+    if (s.out_of_budget()) {
+      s.carry = {};
+      return;
+    }
     if (s.carry.empty()) {
       s.run(piece.data(), piece.data() + piece.size(), false);
       s.carry.assign(s.lexer.unread(), s.lexer.window_end());

@@ -223,6 +223,7 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
   if (known) {
     if (!(script && known->access == access && known->type == *field_type))
       error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one counts");
+    (void)scene.charge(sizeof(InterfaceDeclaration));
     kept_values.push_back(std::move(pending));  // its value may still be arriving
     return Step::done;
   }

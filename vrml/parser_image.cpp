@@ -57,6 +57,7 @@ Step Parser::State::image_step() {
     const Lexer::Position before = lexer.position();
     const Token token = lexer.next();
     if (token.kind == TokenKind::need_more) {
+      charge_growth(frame, false);
       // Whole pixels have been taken: the next window begins behind them.
       lexer.go_back(before);
       return Step::need_more_kept;
@@ -70,12 +71,17 @@ Step Parser::State::image_step() {
       error(token.location, std::to_string(frame.pixels_left) +
                                 " pixels of an image are missing; expected a pixel, found " + describe(token));
       lexer.go_back(before);
-      while (frame.pixels_left-- > 0 && words.size() < 3 + scene.limits().image_pixels) words.push_back(0);
+      // A few numbers may claim many pixels.
+      if (frame.pixels_left * sizeof(std::uint32_t) > scene.budget()->left(Resource::nodes) / 4)
+        words.clear();
+      else
+        words.resize(words.size() + frame.pixels_left);
       break;
     }
     words.push_back((large > 0 ? static_cast<std::uint32_t>(large) : static_cast<std::uint32_t>(number)) & mask);
   }
   words.shrink_to_fit();
+  charge_growth(frame, true);
   frames.pop_back();
   return Step::done;
 }

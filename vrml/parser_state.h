@@ -45,6 +45,7 @@ struct Frame {
   std::array<double, 4> partial{};                // values: numbers of an element that is not whole yet
   std::uint8_t partial_count = 0;
   std::uint64_t pixels_left = 0;  // image
+  std::size_t charged = 0;        // values, image: bytes of `into` that were drawn from the budget
   std::size_t depth = 0;          // skip: open brackets
   bool skipped_value = false;     // skip: something was skipped already
   bool value_unexpected = false;  // skip: there should be nothing to skip
@@ -83,6 +84,10 @@ struct Parser::State {
   void warn_once(bool& said, SourceLocation location, std::string message);
   bool open(Frame frame);
   void report_end_inside(const Frame& frame);
+  /// The budget for nodes is spent: says so, once. What follows is left out.
+  bool out_of_budget();
+  /// Draws what the list or image of a frame has grown by, in steps; `all`: to the last byte.
+  void charge_growth(Frame& frame, bool all);
 
   // parser_statements.cpp: statements, node heads, ROUTE, PROTO
   Step statement_step();
@@ -146,7 +151,7 @@ struct Parser::State {
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,
-       said_bad_id = false, said_number_form = false, said_limit = false;
+       said_bad_id = false, said_number_form = false, said_limit = false, said_budget = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
 

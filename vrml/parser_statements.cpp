@@ -159,13 +159,14 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     own->clause = type->clause;
     own->kind = type->kind;
     own->role = type->role;
+    (void)scene.charge(sizeof(NodeType) + type->interfaces.size() * sizeof(InterfaceDeclaration));
     for (const InterfaceDeclaration& declaration : type->interfaces) own->declare(declaration);
     frame.declaring = &scene.add_type(std::move(own));
     type = frame.declaring;
   }
   const NodeId node = scene.create(*type, token.location);
   if (!node) {
-    if (!std::exchange(said_limit, true))
+    if (!scene.exhausted() && !std::exchange(said_limit, true))
       error(token.location, "more than " + std::to_string(scene.limits().nodes) + " nodes; the rest is left out");
     frame.kind = Frame::Kind::skip;
     frame.depth = 1;
@@ -188,6 +189,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
 }
 
 void Parser::State::place(NodeId node, FieldValue* into) {
+  (void)scene.charge(into ? sizeof(NodeId) : sizeof(Statement));
   if (into) {
     if (auto* list = std::get_if<MFNode>(into)) {
       list->push_back(node);
@@ -206,9 +208,8 @@ void Parser::State::end_node() {
   const NodeId node = frames.back().node;
   frames.pop_back();
   if (!scene.node(node).type->prototype) return;
-  if (!instantiate(scene, node) && !std::exchange(said_limit, true))
-    error(scene.node(node).location, "PROTO instances make more than " + std::to_string(scene.limits().expanded_nodes) +
-                                         " nodes; the rest stay empty");
+  if (!instantiate(scene, node) && !scene.budget()->stopped() && !std::exchange(said_limit, true))
+    error(scene.node(node).location, why_not_expanded(scene, *scene.node(node).type) + "; what is missing stays empty");
 }
 
 // `node.event`, also with blanks around the point. The last point parts them, so that illegal names
@@ -271,6 +272,8 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
   const auto to = scope.names.find(wanted.to);
   if (from == scope.names.end() || to == scope.names.end()) {
     if (!last_chance) {
+      constexpr std::size_t kNames = 64;
+      (void)scene.charge(sizeof wanted + kNames);
       scope.unresolved_routes.push_back(wanted);
     } else {
       error(wanted.location,
@@ -299,6 +302,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
     return;
   }
   std::vector<Statement>& statements = scope.prototype ? scope.prototype->prototype->statements : scene.statements();
+  (void)scene.charge(sizeof(Statement) + sizeof(Route));
   statements.push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scope.prototype) scene.routes().push_back(route);
 }
@@ -328,6 +332,7 @@ Step Parser::State::prototype_head(bool external) {
   Frame frame;
   frame.kind = Frame::Kind::prototype_interface;
   frame.start = name.location;
+  (void)scene.charge(sizeof(NodeType) + sizeof(Prototype));
   frame.declaring = &scene.add_type(std::move(type));
   ++interfaces_open;
   if (!open(std::move(frame))) --interfaces_open;
@@ -337,6 +342,7 @@ Step Parser::State::prototype_head(bool external) {
 void Parser::State::finish_pending() {
   Frame& frame = frames.back();
   if (!frame.pending) return;
+  (void)scene.charge(sizeof(InterfaceDeclaration));
   if (frame.kind == Frame::Kind::node_body) {
     scene.declare(frame.node, *frame.declaring, std::move(*frame.pending));
   } else {
@@ -428,6 +434,7 @@ void Parser::State::end_scope() {
   if (!type) return;
   scopes.pop_back();
   type->prototype->complete = true;
+  count_instance_nodes(scene, *type->prototype);
   // The first node of the body says where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type->prototype->statements) {
     if (statement.kind != Statement::Kind::node) continue;

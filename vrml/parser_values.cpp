@@ -106,6 +106,8 @@ String Parser::State::string_of(const Token& token) {
     if (!std::exchange(said_limit, true)) error(token.location, "a string longer than the limit is left empty");
     return {};
   }
+  constexpr std::size_t kEntry = 64;
+  if (!scene.charge(token.text.size() + kEntry)) return {};
   const std::string text = decode_string(token.text, token.has_escapes, latin1);
   if (latin1) warn_once(said_latin1, token.location, "a string is not UTF-8; read as Latin-1");
   return String(text);
@@ -376,6 +378,7 @@ Step Parser::State::values_step() {
   } else if (auto* g = std::get_if<MFRotation>(&list)) {
     bulk_floats(frame, *g);
   }
+  charge_growth(frame, false);
   const Lexer::Position before = lexer.position();
   const Token token = lexer.next();
   if (token.kind == TokenKind::need_more) {
@@ -395,6 +398,7 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
                                 std::to_string(frame.partial_count) + " numbers; expected " +
                                 std::to_string(arity(type)));
     shrink(list);
+    charge_growth(frame, true);
     frames.pop_back();
     return Step::done;
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <functional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -11,8 +12,16 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kPiece = std::size_t{1} << 20;
+// Deeper lines begin no farther in: a thousand levels would make blanks of nearly all of the text.
+constexpr std::size_t kMostIndent = 80;
 // Deeper than the parser lets texts nest; only graphs with strange USEs get there.
 constexpr int kMaxDepth = 8000;
+
+/// Takes text away when there is much of it. Null: nobody does.
+using Drain = std::function<void(std::string& out)>;
+
+std::string deeper(const std::string& indent) { return indent.size() < kMostIndent ? indent + "  " : indent; }
 
 template <class Number>
 void print_number(std::string& out, Number number) {
@@ -49,7 +58,7 @@ void print_element(std::string& out, const SFString& value) { print_string(out, 
 void print_element(std::string& out, const SFVec2f& v) { print_floats(out, {v.x, v.y}); }
 void print_element(std::string& out, const SFVec3f& v) { print_floats(out, {v.x, v.y, v.z}); }
 
-void print_element(std::string& out, const SFImage& image) {
+void print_element(std::string& out, const SFImage& image, const Drain& drain = {}) {
   print_number(out, image.width());
   out += ' ';
   print_number(out, image.height());
@@ -60,12 +69,13 @@ void print_element(std::string& out, const SFImage& image) {
     const auto result = std::to_chars(digits, digits + sizeof digits, pixel, 16);
     out += " 0x";
     out.append(digits, result.ptr);
+    if (drain && out.size() > kPiece) drain(out);
   }
 }
 
 // Text of one element after another, broken into lines of bearable length.
 template <class T>
-void print_list(std::string& out, const Array<T>& list, const std::string& indent) {
+void print_list(std::string& out, const Array<T>& list, const std::string& indent, const Drain& drain) {
   if (list.empty()) {
     out += "[]";
     return;
@@ -83,7 +93,8 @@ void print_list(std::string& out, const Array<T>& list, const std::string& inden
       out += separator;
       if (out.size() - line_start + line.size() > kLineWidth) {
         while (out.back() == ' ') out.pop_back();
-        out += '\n' + indent + "  ";
+        if (drain && out.size() > kPiece) drain(out);
+        out += '\n' + deeper(indent);
         line_start = out.size();
         broken = true;
       }
@@ -95,7 +106,7 @@ void print_list(std::string& out, const Array<T>& list, const std::string& inden
 
 class Printer {
  public:
-  Printer(const SceneGraph& scene, std::string& out) : scene_(scene), out_(out) {}
+  Printer(const SceneGraph& scene, std::string& out, const Drain& drain) : scene_(scene), out_(out), drain_(drain) {}
 
   void print_scope(const std::vector<Statement>& statements, const NodeType* prototype, const std::string& indent) {
     prototype_ = prototype;
@@ -124,11 +135,16 @@ class Printer {
           print_route(statement.route);
           break;
       }
-      out_ += '\n';
+      end_line();
     }
   }
 
  private:
+  void end_line() {
+    out_ += '\n';
+    if (drain_ && out_.size() > kPiece) drain_(out_);
+  }
+
   // Which nodes are met more than once. With a list in place of recursion: any graph is fine.
   void count(NodeId root) {
     std::vector<NodeId> waiting{root};
@@ -173,9 +189,9 @@ class Printer {
     const Node& node = scene_.node(id);
     if (!node.name.empty() || needs_name_.contains(id.index)) out_ += "DEF " + name_of_node(id) + ' ';
     out_ += node.type->name;
-    const std::size_t before = out_.size() + 2;
+    bool empty = true;
     out_ += " {\n";
-    const std::string inner = indent + "  ";
+    const std::string inner = deeper(indent);
     const auto mapped = mappings_.find(id.index);
     const NodeType* plain = node.type->kind == NodeType::Kind::script ? built_in_node_type("Script") : nullptr;
     for (const InterfaceDeclaration& declaration : node.type->interfaces) {
@@ -192,6 +208,7 @@ class Printer {
       } else {
         out_ += inner;
       }
+      empty = false;
       out_ += declaration.name;
       if (mapping) {
         out_ += " IS " + mapping->outer->name;
@@ -199,9 +216,9 @@ class Printer {
         out_ += ' ';
         print_field(node.values[declaration.slot], inner, depth);
       }
-      out_ += '\n';
+      end_line();
     }
-    if (out_.size() == before) {
+    if (empty) {
       out_.pop_back();
       out_ += "}";
     } else {
@@ -222,13 +239,15 @@ class Printer {
             }
             out_ += "[\n";
             for (const NodeId child : v) {
-              out_ += indent + "  ";
-              print_node(child, indent + "  ", depth + 1);
-              out_ += '\n';
+              out_ += deeper(indent);
+              print_node(child, deeper(indent), depth + 1);
+              end_line();
             }
             out_ += indent + "]";
           } else if constexpr (requires { v.span(); }) {
-            print_list(out_, v, indent);
+            print_list(out_, v, indent, drain_);
+          } else if constexpr (std::is_same_v<T, SFImage>) {
+            print_element(out_, v, drain_);
           } else {
             print_element(out_, v);
           }
@@ -238,7 +257,7 @@ class Printer {
 
   void print_type(const NodeType& type, const std::string& indent) {
     const bool external = type.kind == NodeType::Kind::external_prototype;
-    const std::string inner = indent + "  ";
+    const std::string inner = deeper(indent);
     out_ += (external ? "EXTERNPROTO " : "PROTO ") + type.name + " [\n";
     for (const InterfaceDeclaration& declaration : type.interfaces) {
       out_ += inner + std::string(name_of(declaration.access)) + ' ' + std::string(name_of(declaration.type)) + ' ' +
@@ -250,16 +269,16 @@ class Printer {
           for (const NodeId child : *nodes) count(child);
         print_field(declaration.initial, inner, 0);
       }
-      out_ += '\n';
+      end_line();
     }
     out_ += indent + "]";
     if (external) {
       out_ += ' ';
-      print_list(out_, type.url, indent);
+      print_list(out_, type.url, indent, drain_);
       return;
     }
     out_ += " {\n";
-    Printer(*type.prototype->scene, out_).print_scope(type.prototype->statements, &type, inner);
+    Printer(*type.prototype->scene, out_, drain_).print_scope(type.prototype->statements, &type, inner);
     out_ += indent + "}";
   }
 
@@ -270,6 +289,7 @@ class Printer {
 
   const SceneGraph& scene_;
   std::string& out_;
+  const Drain& drain_;
   const NodeType* prototype_ = nullptr;
   std::unordered_set<std::uint32_t> seen_, printed_, needs_name_;
   std::unordered_map<std::uint32_t, std::string> names_;
@@ -282,8 +302,20 @@ class Printer {
 
 std::string print(const SceneGraph& scene) {
   std::string out = "#VRML V2.0 utf8\n\n";
-  Printer(scene, out).print_scope(scene.statements(), nullptr, "");
+  const Drain none;
+  Printer(scene, out, none).print_scope(scene.statements(), nullptr, "");
   return out;
+}
+
+void print(const SceneGraph& scene, const std::function<bool(std::string_view)>& write) {
+  std::string out = "#VRML V2.0 utf8\n\n";
+  bool wanted = true;
+  const Drain drain = [&](std::string& text) {
+    wanted = wanted && write(text);
+    text.clear();
+  };
+  Printer(scene, out, drain).print_scope(scene.statements(), nullptr, "");
+  drain(out);
 }
 
 void print_value(std::string& out, const FieldValue& value, const SceneGraph& scene) {

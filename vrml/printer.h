@@ -2,7 +2,9 @@
 
 #include "vrml/scene_graph.h"
 
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace gs::vrml {
 
@@ -12,6 +14,8 @@ namespace gs::vrml {
 /// float. Nodes that several places use get a DEF name if they have none, and names that were given
 /// twice are told apart.
 [[nodiscard]] std::string print(const SceneGraph& scene);
+/// The same in pieces of about a megabyte, which `write` gets: the whole may be larger than the scene. False ends it.
+void print(const SceneGraph& scene, const std::function<bool(std::string_view)>& write);
 
 /// Appends one value as VRML97 text (clause 5), on one line; node values as their DEF names or types.
 void print_value(std::string& out, const FieldValue& value, const SceneGraph& scene);

@@ -7,6 +7,8 @@
 namespace gs::vrml {
 namespace {
 
+std::uint64_t bytes_of(const NodeType& type) { return sizeof(Node) + type.defaults.size() * sizeof(FieldValue); }
+
 // Copies nodes out of one arena into another (or the same): those of a PROTO's body, and, from another
 // scene, whatever their values point at besides.
 class Copier {
@@ -16,7 +18,7 @@ class Copier {
   // All nodes of the body; false when there is no room for them.
   bool copy_body(std::uint32_t& first) {
     const std::vector<NodeId>& body = prototype_.nodes;
-    if (body.empty() || !to_.reserve_expansion(body.size())) return false;
+    if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
     first = static_cast<std::uint32_t>(to_.node_count() + 1);
     for (const NodeId id : body) {
       const Node& original = from_.node(id);
@@ -60,6 +62,7 @@ class Copier {
     if (auto* node = std::get_if<SFNode>(&value)) {
       if (*node) *node = of(*node);
     } else if (auto* nodes = std::get_if<MFNode>(&value)) {
+      (void)to_.charge(nodes->size() * sizeof(NodeId));
       for (std::size_t i = 0; i < nodes->size(); ++i) {
         const NodeId copy = (*nodes)[i] ? of((*nodes)[i]) : NodeId{};
         nodes->mutable_data()[i] = copy;
@@ -72,8 +75,9 @@ class Copier {
   NodeId import(NodeId original) {
     const auto known = imported_.find(original.index);
     if (known != imported_.end()) return known->second;
-    if (!from_.contains(original) || !to_.reserve_expansion(1)) return {};
+    if (!from_.contains(original)) return {};
     const Node& node = from_.node(original);
+    if (!to_.reserve_expansion(1, bytes_of(*node.type))) return {};
     const NodeId made = to_.create(*node.type, node.location);
     imported_[original.index] = made;
     if (!made) return {};
@@ -121,7 +125,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   MFNode expansion;
   for (const Statement& statement : prototype.statements) {
     if (statement.kind == Statement::Kind::node) expansion.push_back(copier.of(statement.node));
-    if (statement.kind == Statement::Kind::route)
+    if (statement.kind == Statement::Kind::route && scene.charge(sizeof(Route)))
       scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to),
                                 statement.route.event_out, statement.route.event_in});
   }
@@ -135,8 +139,13 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
 }  // namespace
 
 bool instantiate(SceneGraph& scene, NodeId instance) {
+  const NodeType& type = *scene.node(instance).type;
+  const bool counts = type.prototype && !scene.node(instance).in_prototype_body;
+  if (counts && type.prototype->instance_bytes > scene.budget()->left(Resource::instances)) return false;
+  constexpr std::size_t kBetweenLooks = 256;  // at the time
   std::vector<NodeId> waiting{instance};
-  while (!waiting.empty()) {
+  for (std::size_t made = 1; !waiting.empty(); ++made) {
+    if (made % kBetweenLooks == 0 && scene.budget()->stopped()) return false;
     const NodeId next = waiting.back();
     waiting.pop_back();
     if (!instantiate_one(scene, next, waiting)) return false;
@@ -148,6 +157,33 @@ const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance, const 
   const Node& node = scene.node(instance);
   const bool given = field.slot < 64 && (node.fields_set >> field.slot & 1);
   return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->scene;
+}
+
+void count_instance_nodes(const SceneGraph& scene, Prototype& prototype) {
+  constexpr std::uint64_t kEnough = std::uint64_t{1} << 48;  // sums of such do not overflow
+  for (const NodeId id : prototype.nodes) {
+    const NodeType& type = *scene.node(id).type;
+    prototype.body_bytes += bytes_of(type);
+    ++prototype.instance_nodes;
+    if (!type.prototype) continue;
+    prototype.instance_nodes = std::min(kEnough, prototype.instance_nodes + type.prototype->instance_nodes);
+    prototype.instance_bytes = std::min(kEnough, prototype.instance_bytes + type.prototype->instance_bytes);
+  }
+  prototype.instance_bytes = std::min(kEnough, prototype.instance_bytes + prototype.body_bytes);
+}
+
+std::string why_not_expanded(const SceneGraph& scene, const NodeType& type) {
+  const Budget& budget = *scene.budget();
+  std::string text = "instances of PROTO " + type.name;
+  if (type.prototype && type.prototype->instance_nodes > 0)
+    text += ", which make " + std::to_string(type.prototype->instance_nodes) + " nodes each,";
+  text += " make ";
+  if (scene.exhausted()) return text + budget.refusal(Resource::nodes);
+  const std::uint64_t bytes = type.prototype ? type.prototype->body_bytes : 0;
+  if (bytes <= budget.left(Resource::instances) && type.prototype &&
+      type.prototype->instance_bytes <= budget.left(Resource::instances))
+    return text + "more than " + std::to_string(scene.limits().expanded_nodes) + " nodes";
+  return text + budget.refusal(Resource::instances);
 }
 
 bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source) {

@@ -16,7 +16,14 @@ std::uint64_t slot_key(NodeId id, int slot) { return std::uint64_t{id.index} << 
 
 }  // namespace
 
-SceneGraph::SceneGraph(std::string file_name, Limits limits) : file_name_(std::move(file_name)), limits_(limits) {
+SceneGraph::SceneGraph(std::string file_name, const Limits& limits)
+    : SceneGraph(std::move(file_name), std::make_shared<Budget>(limits)) {}
+
+SceneGraph::SceneGraph(std::string file_name, std::shared_ptr<Budget> budget)
+    : file_name_(std::move(file_name)),
+      budget_(std::move(budget)),
+      nodes_share_(budget_, Resource::nodes),
+      instances_share_(budget_, Resource::instances) {
   nodes_.emplace_back();
   nodes_.front().generation = 0;
 }
@@ -41,7 +48,8 @@ FieldValue* SceneGraph::allocate_values(std::size_t count) {
 }
 
 NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
-  if (node_count() >= limits_.nodes) return {};
+  const std::size_t bytes = sizeof(Node) + type.defaults.size() * sizeof(FieldValue);
+  if (node_count() >= limits().nodes || !charge(bytes)) return {};
   FieldValue* values = allocate_values(type.defaults.size());
   std::uninitialized_copy(type.defaults.begin(), type.defaults.end(), values);
   Node& made = nodes_.emplace_back();
@@ -51,6 +59,25 @@ NodeId SceneGraph::create(const NodeType& type, SourceLocation location) {
   made.value_capacity = static_cast<std::uint32_t>(type.defaults.size());
   made.location = location;
   return {static_cast<std::uint32_t>(nodes_.size() - 1), made.generation};
+}
+
+bool SceneGraph::charge(std::size_t bytes) {
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // drawn at a time: the counter is shared between threads
+  if (exhausted_) return false;
+  const std::size_t wanted = charged_ + bytes;
+  if (wanted > nodes_share_.amount()) {
+    const std::size_t missing = wanted - nodes_share_.amount();
+    exhausted_ = !nodes_share_.grow(std::max(missing, kStep)) && !nodes_share_.grow(missing);
+    if (exhausted_) return false;
+  }
+  charged_ = wanted;
+  return true;
+}
+
+bool SceneGraph::reserve_expansion(std::size_t count, std::size_t bytes) {
+  if (count > limits().expanded_nodes - expanded_nodes_ || !instances_share_.grow(bytes)) return false;
+  expanded_nodes_ += count;
+  return true;
 }
 
 NodeId SceneGraph::resolve(NodeId id) const {
@@ -82,7 +109,11 @@ void SceneGraph::set_text(NodeId id, int slot, const SceneGraph& text) {
 
 void SceneGraph::set_name(NodeId id, std::string_view name) { node(id).name = *keep_name(name); }
 
-const std::string* SceneGraph::keep_name(std::string_view name) { return &names_.emplace_back(name); }
+const std::string* SceneGraph::keep_name(std::string_view name) {
+  constexpr std::size_t kEntry = 96;  // of it here, and of the scope that finds it
+  (void)charge(name.size() + kEntry);
+  return &names_.emplace_back(name);
+}
 
 void SceneGraph::declare(NodeId id, NodeType& type, InterfaceDeclaration declaration) {
   Node& n = node(id);

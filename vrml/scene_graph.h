@@ -1,7 +1,7 @@
 #pragma once
 
+#include "vrml/budget.h"
 #include "vrml/diagnostic.h"
-#include "vrml/limits.h"
 #include "vrml/node_type.h"
 
 #include <cassert>
@@ -62,6 +62,9 @@ struct Prototype {
   std::vector<IsMapping> mappings;
   const SceneGraph* scene = nullptr;  // whose arena holds the nodes
   bool complete = false;              // the closing brace was seen
+  // What one instance makes, with the instances in it; known when complete.
+  std::uint64_t instance_nodes = 0, instance_bytes = 0;
+  std::uint64_t body_bytes = 0;  // of this: without the instances in it
 };
 
 /// A world or a part of it: the arena of its nodes, its PROTOs, its ROUTEs.
@@ -70,13 +73,16 @@ struct Prototype {
 /// are freed with the scene. Node references stay valid while nodes are added.
 class SceneGraph {
  public:
-  /// `file_name` is what diagnostics call this text; `limits` bounds what one load may make.
-  explicit SceneGraph(std::string file_name = {}, Limits limits = {});
+  /// `file_name` is what diagnostics call this text. Its nodes are drawn from `budget`, which the scenes of a world
+  /// share.
+  SceneGraph(std::string file_name, std::shared_ptr<Budget> budget);
+  /// A world of its own.
+  explicit SceneGraph(std::string file_name = {}, const Limits& limits = {});
   ~SceneGraph();
   SceneGraph(const SceneGraph&) = delete;
   SceneGraph& operator=(const SceneGraph&) = delete;
 
-  /// A new node with its type's default values. Null NodeId when `limits.nodes` is reached.
+  /// A new node with its type's default values. Null NodeId when `limits.nodes` is reached or the budget spent.
   /// `type` must live as long as the scene: built in, or owned by it or by an attached library.
   NodeId create(const NodeType& type, SourceLocation location = {});
 
@@ -152,21 +158,25 @@ class SceneGraph {
   /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
   SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 
-  /// Counts `count` more nodes as copies for PROTO instances; false when the limit is reached.
-  [[nodiscard]] bool reserve_expansion(std::size_t count) {
-    if (count > limits_.expanded_nodes - expanded_nodes_) return false;
-    expanded_nodes_ += count;
-    return true;
-  }
+  /// Counts `count` more nodes of `bytes` as copies for PROTO instances; false when the limit is reached.
+  [[nodiscard]] bool reserve_expansion(std::size_t count, std::size_t bytes);
+  /// Draws memory for names, lists and the like from the budget. False when it is spent, and from then on.
+  [[nodiscard]] bool charge(std::size_t bytes);
+  /// Whether something was left out because the budget for nodes is spent.
+  [[nodiscard]] bool exhausted() const { return exhausted_; }
 
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
-  [[nodiscard]] const Limits& limits() const { return limits_; }
+  [[nodiscard]] const Limits& limits() const { return budget_->limits(); }
+  [[nodiscard]] const std::shared_ptr<Budget>& budget() const { return budget_; }
 
  private:
   FieldValue* allocate_values(std::size_t count);
 
   std::string file_name_;
-  Limits limits_;
+  std::shared_ptr<Budget> budget_;
+  Share nodes_share_, instances_share_;
+  std::size_t charged_ = 0;  // of nodes_share_
+  bool exhausted_ = false;
   std::size_t expanded_nodes_ = 0;
   std::deque<Node> nodes_;  // [0] is unused: index 0 is NULL
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;

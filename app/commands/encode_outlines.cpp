@@ -5,6 +5,7 @@
 #include "app/formats/outline_text.h"
 #include "app/gunzip.h"
 #include "app/outline_model.h"
+#include "app/surface_triangles.h"
 #include "net/file.h"
 #include "net/url.h"
 #include "qnv/container.h"
@@ -13,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 
@@ -32,12 +34,16 @@ std::variant<OutlineModel, std::string> model_of(const Options& options, const O
                                                  ProgressBar& progress) {
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
     if (options.isovalue) return "is no volume; --isovalue is for volumes";
+    const vrml::Budget budget(options.limits);
+    const std::uint64_t bytes = summarize_surface((*opened)->list).triangles * kOutlineTriangleBytes;
+    if (bytes > budget.left(vrml::Resource::meshes))
+      return "has triangles that take " + budget.refusal(vrml::Resource::meshes);
     return outline_model((*opened)->list, texture_urls((*opened)->world));
   }
   const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
   if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
   if (!options.isovalue) return "is a volume; --outlines needs --isovalue to know which surface";
-  return isosurface_outlines(*volume, *options.isovalue, progress);
+  return isosurface_outlines(options, *volume, progress);
 }
 
 // Textures are named as seen from the file that is written.

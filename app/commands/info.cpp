@@ -100,9 +100,13 @@ void put_levels(Json& json, const qnv::StreamHeader& header, const qnv::Cloud& c
   json["levels"] = std::move(list);
 }
 
-bool describe_outlines(Json& json, std::span<const std::byte> bytes, const std::string& path) {
+bool describe_outlines(Json& json, std::span<const std::byte> bytes, const std::string& path, const vrml::Budget&) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
   qnv::OutlineDecoder decoder;
-  (void)decoder.push(bytes);
+  for (auto rest = bytes; !rest.empty(); rest = rest.subspan(std::min(kPiece, rest.size()))) {
+    if (!decoder.push(rest.first(std::min(kPiece, rest.size())))) break;
+    (void)decoder.take();  // only counted
+  }
   decoder.finish();
   const qnv::StreamHeader* header = decoder.header();
   Json problems = Json::array();
@@ -128,8 +132,9 @@ bool describe_outlines(Json& json, std::span<const std::byte> bytes, const std::
   return true;
 }
 
-bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::string& path) {
-  qnv::StreamDecoder decoder;
+bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::string& path,
+                     const vrml::Budget& budget) {
+  qnv::StreamDecoder decoder(most_decoded_vectors(budget));
   (void)decoder.push(bytes);
   decoder.finish();
   Json problems = Json::array();
@@ -142,6 +147,9 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
                problem.message.c_str());
     return false;
   }
+  if (decoder.full())
+    complain("%s: error: vectors take %s; the finer ones are not counted", path.c_str(),
+             budget.refusal(vrml::Resource::vectors).c_str());
   const qnv::Cloud cloud = decoder.cloud();
   json["payload"] = header->payload == qnv::Payload::packed ? "packed" : "records";
   put_cloud(json, cloud);
@@ -254,7 +262,9 @@ int run_info(const Options& options) {
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));
   if (const ContentType* type = content_type_by_mark(bytes); type && type->content == ContentClass::stream) {
     json["type"] = type->name;
-    if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(json, bytes, path)) return kFailed;
+    if (!(is_outline_stream(bytes) ? describe_outlines : describe_stream)(json, bytes, path,
+                                                                          vrml::Budget(options.limits)))
+      return kFailed;
     if (const auto changed = std::get<net::MappedFile>(mapped).changed()) return fail(local + ": " + *changed);
   } else {
     const auto input = open_input(options, path);

@@ -3,6 +3,8 @@
 #include "app/world_loader.h"
 #include "vrml/printer.h"
 
+#include <string_view>
+
 namespace gs::app {
 
 int run_print(const Options& options) {
@@ -11,7 +13,10 @@ int run_print(const Options& options) {
   const OpenedWorld world = load_world(options.files.front(), load);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  print_text(vrml::print(*world.scene));
+  vrml::print(*world.scene, [](std::string_view text) {
+    print_text(text);
+    return !output_failed();
+  });
   return world.truncated ? kFailed : kDone;
 }
 

@@ -76,6 +76,7 @@ std::string export_format_list() {
 
 LoadOptions load_options(const Options& options) {
   LoadOptions load;
+  load.limits = options.limits;
   load.max_bytes = options.max_bytes;
   load.loss = options.loss;
   load.loss_seed = options.loss_seed;

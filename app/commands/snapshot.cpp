@@ -1,4 +1,5 @@
 #include "app/commands/commands.h"
+#include "app/left_out.h"
 #include "app/navigation.h"
 #include "app/world_loader.h"
 #include "net/file.h"
@@ -60,17 +61,16 @@ std::size_t count_colors(const render::Image& image) {
 
 // A world of two kilobytes can ask for more pixels than a software rasteriser fills in a day, and a frame
 // that was begun cannot be stopped: after this long the program gives up in one line.
-constexpr double kDrawingPerLoading = 4;
 
 extern "C" void give_up(int) {
-  static constexpr char kMessage[] = "ghostspace: error: drawing takes longer than four times --timeout; given up\n";
+  static constexpr char kMessage[] = "ghostspace: error: drawing takes longer than --timeout; given up\n";
   (void)!write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
   _exit(kFailed);
 }
 
 // 0 seconds: no limit any more.
 void limit_drawing(double timeout_seconds) {
-  const double seconds = std::min(timeout_seconds * kDrawingPerLoading, 1e6);
+  const double seconds = std::min(timeout_seconds, 1e6);
   std::signal(SIGALRM, give_up);
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(seconds);
@@ -146,6 +146,9 @@ int run_snapshot(const Options& options, const std::string& file) {
   // Levels of detail and billboards follow the viewer, who is only known now.
   list =
       render::collect(*world.scene, world.images, meshes, glm::vec3(view->camera.world_from_camera[3]), world.clouds);
+  vrml::Diagnostics left_out;
+  report_left_out(list, left_out);
+  print_diagnostics(left_out);
   view->camera = render::fit_depth(view->camera, list.bounds);
   if (list.navigation.visibility_limit > 0 && !options.orbit)
     view->camera.far_plane = std::max(list.navigation.visibility_limit, view->camera.near_plane * 2);
@@ -183,7 +186,7 @@ int run_snapshot(const Options& options, const std::string& file) {
                                   {"backend", std::string(context.backend())},
                                   {"renderer", renderer.gl_renderer()},
                                   {"splats", statistics.splats},
-                                  {"errors", world.diagnostics.errors()},
+                                  {"errors", world.diagnostics.errors() + left_out.errors()},
                                   {"warnings", world.diagnostics.warnings()}};
     if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }

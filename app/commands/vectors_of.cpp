@@ -2,7 +2,9 @@
 
 #include "app/cloud_reader.h"
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/content_types.h"
+#include "app/left_out.h"
 #include "app/local_file.h"
 #include "app/surface_triangles.h"
 #include "app/text.h"
@@ -13,11 +15,13 @@
 #include "qnv/encode_volume.h"
 #include "qnv/isosurface.h"
 #include "qnv/lod.h"
+#include "qnv/volume_slices.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <utility>
 
 namespace gs::app {
@@ -29,8 +33,20 @@ using qnv::EncodeError;
 
 bool is_raw(const Options& options) { return options.raw.dimensions != decltype(options.raw.dimensions){}; }
 
+Clock::time_point deadline_of(const Options& options) {
+  const auto time = std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6));
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(time);
+}
+
+WorldBudget budget_of(const Options& options, const LoadLimit& limit) {
+  auto budget = std::make_shared<vrml::Budget>(options.limits);
+  budget->stop_when([limit] { return limit.over(); });
+  return budget;
+}
+
 std::optional<Opened> open_volume_input(const Options& options, const std::string& path) {
-  auto opened = open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}});
+  auto opened = open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}},
+                            budget_of(options, LoadLimit(deadline_of(options))));
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     (void)fail(*problem);
     return std::nullopt;
@@ -40,9 +56,21 @@ std::optional<Opened> open_volume_input(const Options& options, const std::strin
 
 std::optional<Opened> open_cloud_input(const Options& options, const ContentType& type, const CloudFile& file) {
   vrml::Diagnostics diagnostics;
-  const auto time = std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6));
-  auto cloud = read_cloud(type, file, diagnostics, Clock::now() + std::chrono::duration_cast<Clock::duration>(time));
-  if (cloud && cloud->levels) cloud = cloud->levels->whole();
+  const LoadLimit limit(deadline_of(options));
+  const WorldBudget budget = budget_of(options, limit);
+  auto cloud = read_cloud(type, file, diagnostics, limit, budget);
+  if (cloud && cloud->levels) {
+    qnv::LodLimits limits;
+    limits.discs = most_decoded_vectors(*budget);
+    cloud->levels->set_limits(limits);
+    const auto levels = cloud->levels;
+    cloud = levels->whole();
+    if (levels->cut_short())
+      diagnostics.add({vrml::Severity::error,
+                       file.path,
+                       {},
+                       budget->refusal(vrml::Resource::vectors) + "; some places stay coarse"});
+  }
   print_diagnostics(diagnostics);
   if (!cloud) return std::nullopt;
   return std::move(*cloud);
@@ -58,6 +86,9 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   title = surface->world.title;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
                                   surface->world.clouds);
+  vrml::Diagnostics left_out;
+  report_left_out(surface->list, left_out);
+  print_diagnostics(left_out);
   return surface;
 }
 
@@ -136,6 +167,14 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
     gradient_options.vectors = std::min<std::uint64_t>(options.vectors, gradient_options.vectors);
   }
   if (options.fraction > 0) gradient_options.fraction = options.fraction;
+  const vrml::Budget budget(options.limits);
+  const std::uint64_t most = most_gradients(budget);
+  const double wanted = gradient_options.fraction * static_cast<double>(qnv::voxel_count(volume.layout));
+  if (wanted > static_cast<double>(most) && gradient_options.vectors > most) {
+    complain("ghostspace: warning: %.0f gradients are %s; only the %llu longest are taken", wanted,
+             budget.refusal(vrml::Resource::vectors).c_str(), static_cast<unsigned long long>(most));
+    gradient_options.vectors = most;
+  }
   progress.whole().stage = "gradients";
   auto found = qnv::gradient_vectors(volume, gradient_options, &progress.whole());
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) return EncodeError{problem->message};
@@ -207,10 +246,19 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   return qnv::encode_cloud(std::get<qnv::Cloud>(found), encode_options, &progress.whole());
 }
 
-std::variant<OutlineModel, std::string> isosurface_outlines(const qnv::VolumeSource& volume, double isovalue,
+std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options, const qnv::VolumeSource& volume,
                                                             ProgressBar& progress) {
-  const Surface surface = surface_of(volume, isovalue, progress);
-  OutlineModel model = outline_model(surface.source, surface.two_sided);
+  const Surface surface = surface_of(volume, *options.isovalue, progress);
+  vrml::Budget budget(options.limits);
+  const qnv::TriangleSource bounded = [&](const qnv::TriangleSink& sink) {
+    return surface.source([&](std::span<const qnv::Triangle> triangles) {
+      const std::uint64_t bytes = triangles.size() * kOutlineTriangleBytes;
+      if (budget.take(vrml::Resource::meshes, bytes)) return sink(triangles);
+      *surface.problem = "has a surface that takes " + budget.refusal(vrml::Resource::meshes);
+      return false;
+    });
+  };
+  OutlineModel model = outline_model(bounded, surface.two_sided);
   if (!surface.problem->empty()) return *surface.problem;
   if (model.model.ends.empty()) return "has no surface of this value";
   return model;

@@ -41,9 +41,13 @@ struct OpenedInput {
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
 
+/// Memory that a triangle takes while outline groups are made.
+inline constexpr std::uint64_t kOutlineTriangleBytes = 400;
+
 /// The isosurface of a volume as polygons; what went wrong.
-[[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const qnv::VolumeSource& volume,
-                                                                          double isovalue, ProgressBar& progress);
+[[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options,
+                                                                          const qnv::VolumeSource& volume,
+                                                                          ProgressBar& progress);
 
 /// The vectors of an input: those it has, a volume's gradients, or those that its surface is encoded as.
 [[nodiscard]] std::variant<qnv::Cloud, qnv::EncodeError> cloud_of_input(const Options& options, OpenedInput input,

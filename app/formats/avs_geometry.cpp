@@ -135,10 +135,10 @@ class AvsGeometryImporter {
     kind_ = *kind;
     if (smooth || primitive == Primitive::strip || primitive == Primitive::mesh)
       geometry.crease_angle = std::numbers::pi_v<float>;
-    positions_ = {};
-    normals_ = {};
-    colors_ = {};
-    index_ = {};
+    (void)positions_.take();
+    (void)normals_.take();
+    (void)colors_.take();
+    (void)index_.take();
     welded_.clear();
     bool whole = false;
     if (primitive == Primitive::polygons) whole = read_polygons(smooth && !kind_.normals && !kind_.colors);
@@ -274,7 +274,7 @@ class AvsGeometryImporter {
       corner(i);
       if (primitive == Primitive::lines && i % 2 == 1) index_.push(kFaceEnd);
     }
-    normals_ = {};  // lines are not lit
+    (void)normals_.take();  // lines are not lit
     return whole;
   }
 
@@ -296,9 +296,9 @@ class AvsGeometryImporter {
   SceneBuilder& builder_;
   const char* start_ = nullptr;
   VertexKind kind_;
-  Appender<glm::vec3> positions_, normals_;
-  Appender<vrml::Color> colors_;
-  Appender<std::int32_t> index_;
+  Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
+  Appender<vrml::Color> colors_{builder_.scene()};
+  Appender<std::int32_t> index_{builder_.scene()};
   std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // by their bits: NaN has no place among numbers
   bool any_ = false;
 };

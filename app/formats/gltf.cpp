@@ -95,7 +95,7 @@ class GltfImporter {
   GltfImporter(const tinygltf::Model& model, SceneBuilder& builder)
       : model_(model),
         builder_(builder),
-        accessors_(model),
+        accessors_(model, builder.scene()),
         materials_(model, accessors_, builder),
         meshes_(model, accessors_, materials_, builder) {}
 

@@ -112,7 +112,7 @@ struct GltfAccessors::Source {
   std::size_t component_size = 0;
 };
 
-GltfAccessors::GltfAccessors(const tinygltf::Model& model) : model_(model) {
+GltfAccessors::GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& scene) : model_(model), scene_(scene) {
   std::size_t total = 0;
   for (const tinygltf::Buffer& buffer : model.buffers) total += buffer.data.size();
   budget_ = kSmallBudget + kMostUses * total;
@@ -121,6 +121,10 @@ GltfAccessors::GltfAccessors(const tinygltf::Model& model) : model_(model) {
 bool GltfAccessors::charge(std::size_t bytes) {
   if (bytes > budget_) {
     problem_ = "the asset uses its data too often";
+    return false;
+  }
+  if (!scene_.charge(bytes)) {
+    problem_ = scene_.budget()->refusal(vrml::Resource::nodes);
     return false;
   }
   budget_ -= bytes;

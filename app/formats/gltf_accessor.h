@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vrml/scene_graph.h"
+
 #include <tiny_gltf.h>
 
 #include <cstddef>
@@ -16,8 +18,8 @@ namespace gs::app {
 /// bounded by a multiple of the asset's bytes, so that thousands of accessors on one buffer cost no more.
 class GltfAccessors {
  public:
-  /// `model` must outlive this.
-  explicit GltfAccessors(const tinygltf::Model& model);
+  /// `model` and `scene`, whose budget is drawn from, must outlive this.
+  GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& scene);
 
   /// The components of all elements, `components` a piece, normalised integers as -1..1 or 0..1. Nothing, and
   /// `problem()`, where the accessor does not exist, has other components, or reaches beyond its buffer.
@@ -45,6 +47,7 @@ class GltfAccessors {
                    int component_type, int components, Source& source);
 
   const tinygltf::Model& model_;
+  vrml::SceneGraph& scene_;
   std::size_t budget_;
   std::string problem_;
 };

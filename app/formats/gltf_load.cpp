@@ -21,8 +21,7 @@ namespace {
 
 // tinygltf walks values recursively, and makes up to 3 kB of a "{}" and 250 bytes of a ",0".
 constexpr std::size_t kMaxDepth = 200;
-constexpr std::size_t kMaxObjects = 1'000'000;
-constexpr std::size_t kMaxValues = 10'000'000;
+constexpr std::size_t kObjectBytes = 3000, kValueBytes = 250;
 constexpr std::size_t kMaxBuffers = 1000;
 constexpr std::size_t kMaxExternalBytes = std::size_t{1} << 32;
 constexpr std::size_t kMaxMessage = 500;
@@ -71,7 +70,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
 }
 
 /// What is too much in a JSON text, or nothing; a walk over its bytes that cannot fail.
-std::optional<std::string> too_much(std::string_view json) {
+std::optional<std::string> too_much(std::string_view json, const vrml::Budget& budget) {
   std::size_t depth = 0, objects = 0, values = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -90,8 +89,10 @@ std::optional<std::string> too_much(std::string_view json) {
     if ((c == '}' || c == ']') && depth > 0) --depth;
     if (depth > kMaxDepth) return "nested deeper than " + std::to_string(kMaxDepth) + " levels";
   }
-  if (objects > kMaxObjects) return "more than " + std::to_string(kMaxObjects) + " objects";
-  if (values > kMaxValues) return "more than " + std::to_string(kMaxValues) + " values";
+  const std::uint64_t bytes = objects * kObjectBytes + values * kValueBytes;
+  if (bytes > budget.left(vrml::Resource::files))
+    return std::to_string(objects) + " objects and " + std::to_string(values) + " values take " +
+           budget.refusal(vrml::Resource::files);
   return std::nullopt;
 }
 
@@ -255,7 +256,7 @@ std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const
   const auto cut_result = cut(bytes);
   if (const auto* why = std::get_if<std::string>(&cut_result)) return refuse(*why);
   const Parts& parts = std::get<Parts>(cut_result);
-  if (const auto what = too_much(parts.json)) return refuse(*what);
+  if (const auto what = too_much(parts.json, *builder.scene().budget())) return refuse(*what);
   nlohmann::json document = nlohmann::json::parse(parts.json.begin(), parts.json.end(), nullptr, false);
   if (document.is_discarded() || !document.is_object())
     return refuse("expected a JSON object, as glTF 2.0 describes it");

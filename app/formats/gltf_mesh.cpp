@@ -26,7 +26,8 @@ std::int32_t as_index(std::uint32_t index) {
 /// The corners of a primitive as faces or lines that end with -1 (glTF 2.0 3.7.2.1); `index(i)` for i < count.
 class CornerWriter {
  public:
-  explicit CornerWriter(const std::vector<std::uint32_t>& indices) : indices_(indices) {}
+  CornerWriter(const std::vector<std::uint32_t>& indices, vrml::SceneGraph& scene)
+      : indices_(indices), corners_(scene) {}
 
   vrml::MFInt32 triangles() {
     for (std::size_t i = 0; i + 2 < indices_.size(); i += 3) put({i, i + 1, i + 2});
@@ -61,8 +62,9 @@ class CornerWriter {
 };
 
 template <class T>
-vrml::Array<T> gathered(const vrml::Array<T>& values, const std::vector<std::uint32_t>& indices) {
-  Appender<T> result;
+vrml::Array<T> gathered(const vrml::Array<T>& values, const std::vector<std::uint32_t>& indices,
+                        vrml::SceneGraph& scene) {
+  Appender<T> result(scene);
   for (const std::uint32_t i : indices)
     if (i < values.size()) result.push(values[i]);
   return result.take();
@@ -179,7 +181,7 @@ void GltfMeshes::read_colors(int accessor, const GltfSurface& surface, const std
     builder_.warn(where + "COLOR_0: " + accessors_.problem());
     return;
   }
-  Appender<vrml::Color> colors;
+  Appender<vrml::Color> colors(builder_.scene());
   for (std::size_t i = 0; i + 2 < values->size(); i += static_cast<std::size_t>(width))
     colors.push({display_of_linear((*values)[i] * surface.factor.x),
                  display_of_linear((*values)[i + 1] * surface.factor.y),
@@ -199,7 +201,7 @@ void GltfMeshes::read_texture_coordinates(int accessor, const GltfSurface& surfa
     builder_.warn(where + "TEXCOORD: " + accessors_.problem());
     return;
   }
-  Appender<glm::vec2> coordinates;
+  Appender<glm::vec2> coordinates(builder_.scene());
   for (std::size_t i = 0; i + 1 < values->size(); i += 2) {
     glm::vec2 uv((*values)[i], (*values)[i + 1]);
     if (surface.transform) uv = surface.transform->apply(uv);
@@ -228,7 +230,7 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
     builder_.fail(where + accessors_.problem());
     return false;
   }
-  CornerWriter writer(indices);
+  CornerWriter writer(indices, builder_.scene());
   geometry.kind = Geometry::Kind::faces;
   switch (primitive.mode) {
     case TINYGLTF_MODE_TRIANGLES:
@@ -264,8 +266,8 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
   }
   geometry.kind = Geometry::Kind::points;
   if (primitive.indices < 0) return true;
-  geometry.positions = gathered(geometry.positions, indices);
-  geometry.colors = gathered(geometry.colors, indices);
+  geometry.positions = gathered(geometry.positions, indices, builder_.scene());
+  geometry.colors = gathered(geometry.colors, indices, builder_.scene());
   return true;
 }
 

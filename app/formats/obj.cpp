@@ -32,6 +32,7 @@ struct PartKey {
 };
 
 struct Part {
+  explicit Part(vrml::SceneGraph& scene) : corners(scene), texture(scene), normals(scene) {}
   Appender<std::int32_t> corners, texture, normals;
   bool convex = true;
 };
@@ -274,7 +275,7 @@ class ObjImporter {
       full_ = true;
       key.group = key.material = 0;
     }
-    const auto [entry, added] = parts_.try_emplace(key);
+    const auto [entry, added] = parts_.try_emplace(key, builder_.scene());
     if (added) order_.push_back(&*entry);
     current_ = &entry->second;
     return *current_;
@@ -352,8 +353,8 @@ class ObjImporter {
   void take_points(Geometry& geometry) {
     const vrml::MFInt32 index = std::move(geometry.coord_index);
     geometry.coord_index.clear();
-    Appender<glm::vec3> positions;
-    Appender<vrml::Color> colors;
+    Appender<glm::vec3> positions(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
     std::size_t missing = 0;
     for (const std::int32_t i : index) {
       const auto at = static_cast<std::size_t>(i);
@@ -375,8 +376,8 @@ class ObjImporter {
   vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra,
                       vrml::MFColor& taken) {
     if (renumbered_.size() < all.size()) renumbered_.resize(all.size(), kNone);
-    Appender<T> values;
-    Appender<vrml::Color> colors;
+    Appender<T> values(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
     std::int32_t* first = index.mutable_data();
     touched_.clear();
     for (std::int32_t* i = first; i != first + index.size(); ++i) {
@@ -421,9 +422,9 @@ class ObjImporter {
   LineCounter lines_;
   SceneBuilder& builder_;
   const ReadFile& read_file_;
-  Appender<glm::vec3> positions_, normals_;
-  Appender<glm::vec2> texture_coordinates_;
-  Appender<vrml::Color> colors_;
+  Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
+  Appender<glm::vec2> texture_coordinates_{builder_.scene()};
+  Appender<vrml::Color> colors_{builder_.scene()};
   vrml::MFVec3f all_positions_, all_normals_;
   vrml::MFVec2f all_texture_coordinates_;
   vrml::MFColor all_colors_;

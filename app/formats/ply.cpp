@@ -79,9 +79,10 @@ FoundProperties find(const PlyElement& element, std::span<const Meaning> meaning
 /// Makes `array` `rows` long and lets the columns of the properties lead into it.
 template <class T>
 bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, vrml::Array<T>& array,
-             std::vector<Column>& columns) {
+             std::vector<Column>& columns, vrml::SceneGraph& scene) {
   const FoundProperties found = find(element, meanings);
   if (!found.meaning || rows == 0) return false;
+  draw(scene, rows * sizeof(T));
   array.resize(rows);
   constexpr std::size_t kWidth = sizeof(T) / sizeof(float);
   auto* first = reinterpret_cast<float*>(array.mutable_data());
@@ -90,8 +91,9 @@ bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::
   return true;
 }
 
-void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& colors, std::vector<Column>& columns) {
-  if (!connect(element, kColor, rows, colors, columns)) return;
+void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& colors, std::vector<Column>& columns,
+                    vrml::SceneGraph& scene) {
+  if (!connect(element, kColor, rows, colors, columns, scene)) return;
   const FoundProperties found = find(element, kColor);
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
@@ -153,10 +155,10 @@ class PlyImporter {
     constexpr std::uint64_t kMostVertices = std::numeric_limits<std::int32_t>::max() - 1;
     const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMostVertices}));
     std::vector<Column> columns(element.properties.size());
-    connect(element, kPosition, rows, positions_, columns);
-    connect(element, kNormal, rows, normals_, columns);
-    connect(element, kTexture, rows, texture_coordinates_, columns);
-    connect_colors(element, rows, colors_, columns);
+    connect(element, kPosition, rows, positions_, columns, builder_.scene());
+    connect(element, kNormal, rows, normals_, columns, builder_.scene());
+    connect(element, kTexture, rows, texture_coordinates_, columns, builder_.scene());
+    connect_colors(element, rows, colors_, columns, builder_.scene());
     const auto done = static_cast<std::size_t>(read_rows(element, rows, columns));
     positions_.resize(done);
     if (!normals_.empty()) normals_.resize(done);
@@ -246,7 +248,7 @@ class PlyImporter {
     const auto rows = std::min(element.count, source_.most_rows(element));
     std::vector<Column> columns(element.properties.size());
     vrml::MFColor colors;
-    connect_colors(element, static_cast<std::size_t>(rows), colors, columns);
+    connect_colors(element, static_cast<std::size_t>(rows), colors, columns, builder_.scene());
     std::vector<char> kinds;  // i: corners, t: texture coordinates, c: one of a colour, -: other
     bool has_texture = false;
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -390,8 +392,9 @@ class PlyImporter {
   vrml::MFVec3f positions_, normals_;
   vrml::MFColor colors_, face_colors_;
   vrml::MFVec2f texture_coordinates_;
-  Appender<glm::vec2> corner_texture_;
-  Appender<std::int32_t> coord_index_, texture_index_, edge_index_;
+  Appender<glm::vec2> corner_texture_{builder_.scene()};
+  Appender<std::int32_t> coord_index_{builder_.scene()}, texture_index_{builder_.scene()},
+      edge_index_{builder_.scene()};
   bool convex_ = true;
 };
 

@@ -90,7 +90,8 @@ std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes) {
   return HeaderReading(cursor).header;
 }
 
-std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> bytes, std::string_view name) {
+std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> bytes, std::string_view name,
+                                                   const WorldBudget& budget) {
   TextCursor cursor(bytes);
   HeaderReading reading(cursor);
   if (!reading.header) return reading.problem();
@@ -106,6 +107,9 @@ std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> by
   before.pop_back();
 
   if (table.header.format == PlyFormat::ascii) {
+    // A digit and a blank become a float, in a list that doubles.
+    table.share = vrml::Share(budget, vrml::Resource::files);
+    if (!table.share.grow(4 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
     PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));
     for (const PlyElement* element : before) {
       if (element->properties.empty()) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/ply_header.h"
+#include "app/world_budget.h"
 
 #include <cstddef>
 #include <optional>
@@ -19,6 +20,7 @@ struct PlyTable {
   std::size_t rows = 0;             // whole rows that are there, at most element.count
   std::span<const std::byte> data;  // binary: the rows
   std::vector<float> values;        // ascii: all values, row by row
+  vrml::Share share;                // that these take
 
   [[nodiscard]] bool has(std::string_view property) const;
   /// A property of every row as floats; empty where there is none or it is a list.
@@ -28,7 +30,8 @@ struct PlyTable {
 /// Opens element `name`, which may not have lists, nor any before it. A file that ends early has fewer rows.
 /// The string says what is wrong.
 [[nodiscard]] std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> bytes,
-                                                                 std::string_view name);
+                                                                 std::string_view name,
+                                                                 const WorldBudget& budget = own_budget());
 
 /// The header alone; nothing where it is broken.
 [[nodiscard]] std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes);

@@ -20,6 +20,15 @@ struct Points {
   std::vector<glm::vec3> positions, normals, colors;  // colours 0..255
   std::vector<float> areas;
   std::size_t announced = 0;
+  vrml::Share share;
+
+  /// Draws memory for `count` more points; why there is not so much.
+  [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count) {
+    constexpr std::uint64_t kBytes = 180;
+    if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+    if (share.grow(count * kBytes)) return std::nullopt;
+    return std::string(format) + ": the points take " + budget->refusal(vrml::Resource::vectors);
+  }
 };
 
 /// True for all but the first of the points that stand in one place.
@@ -150,11 +159,12 @@ bool is_points_ply(std::span<const std::byte> bytes) {
   return normals;
 }
 
-ImportedCloud import_points_ply(std::span<const std::byte> bytes) {
-  auto opened = open_ply_table(bytes, "vertex");
+ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened = open_ply_table(bytes, "vertex", budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   const PlyTable& table = std::get<PlyTable>(opened);
   Points points;
+  if (auto problem = points.draw(budget, table.rows)) return std::move(*problem);
   points.format = "PLY points";
   points.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
   points.positions = vectors(table, {"x", "y", "z"});
@@ -167,13 +177,16 @@ ImportedCloud import_points_ply(std::span<const std::byte> bytes) {
   return Gatherer(points).take();
 }
 
-ImportedCloud import_points_xyz(std::span<const std::byte> bytes) {
+ImportedCloud import_points_xyz(std::span<const std::byte> bytes, const WorldBudget& budget) {
   Points points;
   points.format = "xyz points";
   TextCursor cursor(bytes);
   bool colored = true;
   for (std::size_t number = 1; !cursor.at_end(); ++number) {
     const std::string_view line = trimmed(cursor.line());
+    constexpr std::size_t kStep = 4096;
+    if (points.positions.size() % kStep == 0)
+      if (auto problem = points.draw(budget, kStep)) return std::move(*problem);
     if (line.empty() || line.front() == '#') continue;
     std::array<float, 9> values{};
     const int count = point_numbers(line, values);

@@ -15,12 +15,14 @@ namespace gs::app {
 
 /// PLY, ascii or binary: element vertex with x y z, nx ny nz, and possibly red green blue (integers 0..255 or
 /// floating-point 0..1), area.
-[[nodiscard]] ImportedCloud import_points_ply(std::span<const std::byte> bytes);
+[[nodiscard]] ImportedCloud import_points_ply(std::span<const std::byte> bytes,
+                                              const WorldBudget& budget = own_budget());
 /// True for a PLY file of vertices with normals and no faces, lines or strips.
 [[nodiscard]] bool is_points_ply(std::span<const std::byte> bytes);
 
 /// Text with a point a line: x y z nx ny nz, and possibly r g b from 0 to 255. Lines that begin with # are
 /// passed over.
-[[nodiscard]] ImportedCloud import_points_xyz(std::span<const std::byte> bytes);
+[[nodiscard]] ImportedCloud import_points_xyz(std::span<const std::byte> bytes,
+                                              const WorldBudget& budget = own_budget());
 
 }  // namespace gs::app

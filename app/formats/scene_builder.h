@@ -5,20 +5,34 @@
 #include "vrml/field_value.h"
 #include "vrml/scene_graph.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <unordered_set>
+#include <utility>
 
 namespace gs::app {
 
-/// Fills a vrml::Array one value at a time, without its checks for every value. `take` ends it.
+/// An importer needs more memory than its scene may take, or the time is over. `import_mesh` takes it.
+class OutOfBudget : public std::exception {};
+
+/// Draws memory that the scene, or the work for it, takes; throws OutOfBudget.
+inline void draw(vrml::SceneGraph& scene, std::uint64_t bytes) {
+  if (!scene.charge(static_cast<std::size_t>(bytes)) || scene.budget()->stopped()) throw OutOfBudget();
+}
+
+/// Fills a vrml::Array one value at a time, without its checks for every value. `take` ends it. Throws OutOfBudget.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 class Appender {
  public:
+  /// For a field of `scene`, which outlives it.
+  explicit Appender(vrml::SceneGraph& scene) : scene_(&scene) {}
+
   void push(const T& value) {
     if (next_ == end_) grow();
     *next_++ = value;
@@ -43,7 +57,8 @@ class Appender {
   [[nodiscard]] vrml::Array<T> take() {
     flush();
     array_.shrink_to_fit();
-    return std::move(array_);
+    first_ = next_ = end_ = nullptr;
+    return std::exchange(array_, {});
   }
 
  private:
@@ -53,12 +68,14 @@ class Appender {
   }
   void grow() {
     flush();
-    constexpr std::size_t kFirst = 256;
-    const std::size_t more = array_.size() < kFirst ? kFirst : array_.size();
+    constexpr std::size_t kFirst = 256, kMost = std::size_t{1} << 18;  // between two looks at the budget
+    const std::size_t more = std::clamp(array_.size(), kFirst, kMost);
+    draw(*scene_, more * sizeof(T));
     first_ = next_ = array_.prepare(more);
     end_ = next_ + more;
   }
 
+  vrml::SceneGraph* scene_;
   vrml::Array<T> array_;
   T* first_ = nullptr;  // what array_ does not count yet begins here
   T* next_ = nullptr;

@@ -76,6 +76,14 @@ void add_count(qnv::Description& description, const char* name, std::size_t coun
 
 }  // namespace
 
+std::optional<std::string> SplatModel::draw(const WorldBudget& budget, std::uint64_t count) {
+  if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
+  const std::uint64_t bytes = std::min(count, kMost) * kSplatMemory;
+  if (share.grow(bytes)) return std::nullopt;
+  return std::to_string(count) + " splats take " + budget->refusal(vrml::Resource::vectors);
+}
+
 void SplatModel::resize(std::size_t count) {
   positions.resize(count);
   scales.resize(count);
@@ -91,6 +99,10 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
   std::size_t faint = 0, broken = 0, thick = 0;
   bool all_flat = true;
   std::vector<bool> sided;  // the sign of the normal is known
+  cloud.positions.reserve(model.size());
+  cloud.normals.reserve(model.size());
+  cloud.weights.reserve(model.size());
+  cloud.colors.reserve(model.size());
   for (std::size_t i = 0; i < model.size(); ++i) {
     Disc disc = disc_of(model, i);
     if (disc.fate != Disc::Fate::kept) {

@@ -12,11 +12,11 @@ float color_coefficient(std::byte color) {
 
 }  // namespace
 
-ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes) {
+ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes, const WorldBudget& budget) {
   const std::size_t count = bytes.size() / kRecordBytes;
   if (count == 0) return "the file is too short: expected records of " + std::to_string(kRecordBytes) + " bytes";
-  if (count > kMostSplats) return "more than " + std::to_string(kMostSplats) + " splats";
   SplatModel model;
+  if (auto problem = model.draw(budget, count)) return std::move(*problem);
   model.format = "antimatter .splat";
   model.announced = (bytes.size() + kRecordBytes - 1) / kRecordBytes;
   model.resize(count);

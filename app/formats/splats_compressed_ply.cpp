@@ -112,10 +112,10 @@ bool is_splats_compressed_ply(std::span<const std::byte> bytes) {
   return chunk && vertex;
 }
 
-ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes) {
-  auto opened_chunks = open_ply_table(bytes, "chunk");
+ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened_chunks = open_ply_table(bytes, "chunk", budget);
   if (auto* problem = std::get_if<std::string>(&opened_chunks)) return std::move(*problem);
-  auto opened = open_ply_table(bytes, "vertex");
+  auto opened = open_ply_table(bytes, "vertex", budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   const PlyTable& table = std::get<PlyTable>(opened);
   std::array<std::size_t, 4> offsets{};
@@ -128,8 +128,8 @@ ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes) {
 
   const std::vector<Chunk> chunks = read_chunks(chunk_table);
   const std::size_t count = std::min(table.rows, chunks.size() * kChunkSplats);
-  if (count > kMostSplats) return "more than " + std::to_string(kMostSplats) + " splats";
   SplatModel model;
+  if (auto problem = model.draw(budget, count)) return std::move(*problem);
   model.format = "PlayCanvas compressed PLY";
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
   model.resize(count);

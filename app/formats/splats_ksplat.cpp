@@ -120,7 +120,7 @@ void read_splat(const std::byte* from, std::size_t mode, const Section& section,
 
 }  // namespace
 
-ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes) {
+ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes, const WorldBudget& budget) {
   if (bytes.size() < kKsplatHeaderBytes) return "not a .ksplat file: expected a header of 4096 bytes";
   const auto word = [&](std::size_t at) { return load_little<std::uint32_t>(&bytes[at]); };
   if (bytes[0] != std::byte{0} || bytes[1] == std::byte{0})
@@ -140,7 +140,7 @@ ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes) {
         read_section(bytes, static_cast<std::size_t>(kKsplatHeaderBytes + s * kSectionHeaderBytes), start, mode);
     if (auto* problem = std::get_if<std::string>(&read)) return std::move(*problem);
     const Section& section = std::get<Section>(read);
-    if (section.splats > kMostSplats - model.size()) return "more than " + std::to_string(kMostSplats) + " splats";
+    if (auto problem = model.draw(budget, section.splats)) return std::move(*problem);
     model.announced += section.splats;
     // Mode 0 has buckets too, yet its positions stand for themselves.
     std::optional<Buckets> buckets;

@@ -35,15 +35,14 @@ bool is_splats_ply(std::span<const std::byte> bytes) {
   return false;
 }
 
-ImportedCloud import_splats_ply(std::span<const std::byte> bytes) {
-  auto opened = open_ply_table(bytes, "vertex");
+ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened = open_ply_table(bytes, "vertex", budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   const PlyTable& table = std::get<PlyTable>(opened);
   for (const char* name : kNeeded)
     if (!table.has(name)) return "not Gaussian splats: expected the property '" + std::string(name) + "'";
-  if (table.rows > kMostSplats) return "more than " + std::to_string(kMostSplats) + " splats";
-
   SplatModel model;
+  if (auto problem = model.draw(budget, table.rows)) return std::move(*problem);
   const bool flat = !table.has("scale_2");
   model.format = flat ? "2DGS PLY" : "3DGS PLY";
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));

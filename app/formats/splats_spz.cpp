@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstring>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -41,7 +41,7 @@ std::optional<std::string> read_header(const std::byte* from, std::size_t file_b
     return "SPZ version " + std::to_string(header.version) + "; expected 1 to 4";
   if (header.count == 0) return "an SPZ file without splats";
   // The reference implementation's rule: no real file packs better than this.
-  if (header.count > kMostSplats || header.count > std::uint64_t{file_bytes} * 1024 / 9)
+  if (header.count > std::uint64_t{file_bytes} * 1024 / 9)
     return std::to_string(header.count) + " splats, which the file cannot hold";
   if (header.fraction_bits > 30) return std::to_string(header.fraction_bits) + " fraction bits; expected up to 30";
   return std::nullopt;
@@ -135,19 +135,23 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
   return std::nullopt;
 }
 
-std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model) {
-  std::vector<std::byte> data;
+std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
+  vrml::Array<std::byte> data;  // grows without a copy
   Header header;
   std::optional<std::string> problem;
   bool known = false;
   std::size_t wanted = kSpzHeaderBytes;
-  const auto stopped = gunzip(bytes, std::numeric_limits<std::size_t>::max(), [&](std::string_view piece) {
-    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
-    data.insert(data.end(), first, first + piece.size());
+  vrml::Share share(budget, vrml::Resource::files);
+  const auto stopped = gunzip(bytes, budget, [&](std::string_view piece) {
+    if (!share.grow(piece.size())) problem = "unpacks to " + budget->refusal(vrml::Resource::files);
+    if (problem) return false;
+    std::memcpy(data.prepare(piece.size()), piece.data(), piece.size());
+    data.commit(piece.size());
     if (!known && data.size() >= kSpzHeaderBytes) {
       known = true;
       problem = read_header(data.data(), bytes.size(), header);
       if (!problem && header.version > 3) problem = "SPZ version 4 within gzip; expected 1 to 3";
+      if (!problem) problem = model.draw(budget, header.count);
       wanted = kSpzHeaderBytes + header.count * kMostSplatBytes + kMostExtensionBytes;
     }
     return !problem && (!known || data.size() < wanted);
@@ -161,18 +165,18 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model) {
   for (std::size_t plane = 0; plane < plane_count; ++plane) {
     const std::size_t length = widths[plane] * header.count;
     if (length > data.size() - at) return stopped ? *stopped : "the file ends too early";
-    planes[plane] = Bytes(data).subspan(at, length);
+    planes[plane] = data.span().subspan(at, length);
     at += length;
   }
   if ((header.flags & kHasExtensions) && header.harmonics_degree < kHarmonicBytes.size()) {
     const std::size_t behind = at + kHarmonicBytes[header.harmonics_degree] * header.count;
-    if (behind <= data.size()) read_extensions(Bytes(data).subspan(behind), model);
+    if (behind <= data.size()) read_extensions(data.span().subspan(behind), model);
   }
   unpack(header, planes, model);
   return std::nullopt;
 }
 
-std::optional<std::string> read_version4(Bytes bytes, SplatModel& model) {
+std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
   if (bytes.size() < kSpzHeaderBytes4) return "the file ends within its header of 32 bytes";
   Header header;
   if (auto problem = read_header(bytes.data(), bytes.size(), header)) return problem;
@@ -184,7 +188,9 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model) {
     return "the table of streams lies beyond the end of the file";
   if (header.flags & kHasExtensions) read_extensions(bytes.subspan(kSpzHeaderBytes4, table - kSpzHeaderBytes4), model);
   model.announced = header.count;
+  if (auto problem = model.draw(budget, header.count)) return problem;
   std::array<std::vector<std::byte>, plane_count> data;
+  vrml::Share share(budget, vrml::Resource::files);
   std::array<Bytes, plane_count> planes;
   std::size_t at = table + streams * 16;
   const auto widths = plane_widths(header.version);
@@ -195,6 +201,8 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model) {
     if (unpacked != expected)
       return "stream " + std::to_string(plane) + " of " + std::to_string(unpacked) + " bytes; expected " +
              std::to_string(expected);
+    // Twice: a list that grows.
+    if (!share.grow(2 * expected)) return "unpacks to " + budget->refusal(vrml::Resource::files);
     if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is cut off";
     if (auto problem = unzstd(bytes.subspan(at, static_cast<std::size_t>(packed)), expected, data[plane]))
       return problem;
@@ -211,12 +219,12 @@ bool is_splats_spz(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kSpzMagic;
 }
 
-ImportedCloud import_splats_spz(std::span<const std::byte> bytes) {
+ImportedCloud import_splats_spz(std::span<const std::byte> bytes, const WorldBudget& budget) {
   SplatModel model;
   model.format = "SPZ";
   model.axes = kFromRightUpBack;
-  auto problem = is_gzip(bytes)         ? read_gzip(bytes, model)
-                 : is_splats_spz(bytes) ? read_version4(bytes, model)
+  auto problem = is_gzip(bytes)         ? read_gzip(bytes, model, budget)
+                 : is_splats_spz(bytes) ? read_version4(bytes, model, budget)
                                         : std::optional<std::string>("not an SPZ file: expected NGSP or gzip data");
   if (problem) return std::move(*problem);
   return import_result(model);

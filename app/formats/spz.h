@@ -13,6 +13,9 @@ inline constexpr std::size_t kSpzHeaderBytes4 = 32;     // version 4, in the ope
 inline constexpr std::uint8_t kHasExtensions = 2;       // in the flags
 inline constexpr std::uint32_t kCoordinateSystem = 0xadbe0003;
 
+/// So many splats are written at most; other readers take no more.
+inline constexpr std::size_t kMostSplats = std::size_t{1} << 26;
+
 /// The planes that are read, in their order. (Behind them: harmonics.)
 enum Plane : std::size_t { positions, alphas, colors, scales, rotations, plane_count };
 /// Bytes a splat in each plane.

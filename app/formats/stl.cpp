@@ -25,6 +25,7 @@ std::uint32_t word_at(const std::byte* from) {
 /// Points by their exact bits; open addressing, so that a look-up mostly touches one cache line.
 class Welder {
  public:
+  explicit Welder(vrml::SceneGraph& scene) : scene_(scene) {}
   /// The index of the point; kBadIndex when there are too many.
   std::int32_t index(glm::vec3 p) {
     // -0 and 0 are one place.
@@ -57,7 +58,9 @@ class Welder {
     return static_cast<std::size_t>(h ^ h >> 32);
   }
   void grow() {
-    std::vector<Entry> old(table_.empty() ? 1024 : table_.size() * 2);
+    const std::size_t size = table_.empty() ? 1024 : table_.size() * 2;
+    draw(scene_, size * sizeof(Entry));
+    std::vector<Entry> old(size);
     old.swap(table_);
     const std::size_t mask = table_.size() - 1;
     for (const Entry& entry : old) {
@@ -68,7 +71,8 @@ class Welder {
     }
   }
 
-  Appender<glm::vec3> points_;
+  vrml::SceneGraph& scene_;
+  Appender<glm::vec3> points_{scene_};
   std::vector<Entry> table_;
 };
 
@@ -115,8 +119,8 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
                  std::to_string(there));
   const std::size_t count = std::min<std::size_t>(announced, there);
 
-  Welder welder;
-  Appender<std::int32_t> corners;
+  Welder welder(builder.scene());
+  Appender<std::int32_t> corners(builder.scene());
   std::size_t colored = 0;
   const std::byte* facets = bytes.data() + kDataStart;
   const auto attribute_of = [&](std::size_t i) {
@@ -137,7 +141,7 @@ void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
   if (object_color) look.diffuse = *object_color;
   // Without either sign the two bytes are anything; most programs leave rubbish or nothing there.
   if (count > 0 && (object_color ? colored < count : colored == count)) {
-    Appender<vrml::Color> colors;
+    Appender<vrml::Color> colors(builder.scene());
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint16_t attribute = attribute_of(i);
       const auto [low, middle, high] = five_bit_colors(attribute);
@@ -272,8 +276,8 @@ class TextImporter {
   TextCursor cursor_;
   LineCounter lines_;
   SceneBuilder& builder_;
-  Welder welder_;
-  Appender<std::int32_t> corners_;
+  Welder welder_{builder_.scene()};
+  Appender<std::int32_t> corners_{builder_.scene()};
   std::string name_;
   std::size_t loop_ = 0;  // corners of the facet so far
   bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;

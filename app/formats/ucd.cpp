@@ -111,11 +111,13 @@ class Coloring {
 };
 
 void build(const UcdMesh& mesh, SceneBuilder& builder) {
+  constexpr std::uint64_t kMostFaces = 6;
+  draw(builder.scene(), mesh.cells.size() * kMostFaces * sizeof(Face));
   std::vector<Face> faces = collect(mesh);
   mark_inner(faces);
   Geometry geometry;
-  Appender<std::int32_t> index;
-  Appender<vrml::Color> colors;
+  Appender<std::int32_t> index(builder.scene());
+  Appender<vrml::Color> colors(builder.scene());
   const bool by_node = !mesh.node_values.empty(), by_cell = !by_node && !mesh.cell_values.empty();
   const Coloring coloring(by_node ? mesh.node_values : mesh.cell_values);
   for (const Face& face : faces) {
@@ -146,6 +148,8 @@ void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml:
   SceneBuilder builder(scene, diagnostics);
   UcdMesh mesh;
   const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
+  // The shortest lines of a text become nodes, cells, their numbers and their values.
+  draw(scene, bytes.size() * (binary ? 3 : 5));
   if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
     builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});
   const auto thin = std::count_if(mesh.cells.begin(), mesh.cells.end(),

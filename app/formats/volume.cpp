@@ -4,6 +4,7 @@
 #include "app/gunzip.h"
 #include "app/local_file.h"
 #include "net/file.h"
+#include "qnv/volume_slices.h"
 
 #include <algorithm>
 #include <charconv>
@@ -104,24 +105,31 @@ VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
 }
 
 std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw,
-                                                         const VolumeOrigin& origin) {
-  BytesResult loaded = load_bytes(path);
+                                                         const VolumeOrigin& origin, const WorldBudget& budget) {
+  BytesResult loaded = load_bytes(path, budget);
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
   const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // npos + 1 is 0
                         std::get<SharedBytes>(std::move(loaded)),
-                        origin.read_beside ? origin.read_beside : reader_beside(path, {})};
+                        origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
   VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
+  // Whoever works on the volume holds some slices as floats.
+  constexpr std::uint64_t kSlices = 8;
+  const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
+  const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);
+  if (bytes > budget->left(vrml::Resource::volumes))
+    return path + ": slices of " + std::to_string(qnv::slice_voxels(layout)) + " voxels take " +
+           budget->refusal(vrml::Resource::volumes);
   return result;
 }
 
 bool is_volume(std::string_view path, std::span<const std::byte> bytes) {
   if (!is_gzip(bytes)) return format_of(path, bytes) != nullptr;
   std::vector<std::byte> head;
-  (void)gunzip(bytes, kMostUnpacked, [&](std::string_view piece) {
+  (void)gunzip(bytes, own_budget(), [&](std::string_view piece) {
     constexpr std::size_t kEnough = 4096;
     const auto* first = reinterpret_cast<const std::byte*>(piece.data());
     head.assign(first, first + std::min(piece.size(), kEnough));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/read_file.h"
+#include "app/world_budget.h"
 #include "qnv/volume.h"
 
 #include <array>
@@ -39,11 +40,13 @@ struct VolumeOrigin {
 
 /// Opens a volume of any format of the table; by its first bytes, else by its name; as headerless where
 /// `raw` has dimensions. gzip'd files are unpacked to memory, other files mapped, so that a volume may be larger than
-/// memory. Files that belong to a header come by `origin`. The source owns what it needs.
+/// memory; what is unpacked, and slices as numbers, are drawn from `budget`. Files that belong to a header come by
+/// `origin`. The source owns what it needs.
 /// Else: what is wrong, and what was expected; names the file. Safe for untrusted files. Any thread.
 [[nodiscard]] std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path,
                                                                        const RawVolume& raw = {},
-                                                                       const VolumeOrigin& origin = {});
+                                                                       const VolumeOrigin& origin = {},
+                                                                       const WorldBudget& budget = own_budget());
 
 /// True when a file, of which these are the first bytes (some 1024, gzip'd or not), is for open_volume.
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);

@@ -59,37 +59,32 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
 
 std::size_t size_of(StoredType type) { return type < StoredType::u64 ? qnv::size_of(voxel_type_of(type)) : 8; }
 
-std::optional<std::string> unpacking_problem(std::uint64_t from, std::uint64_t to) {
-  if (to > kMostUnpacked) return "unpacks to " + plural(to) + "; expected at most " + std::to_string(kMostUnpacked);
-  if (to / kMostDeflateRatio > from) return plural(from) + " of packed data cannot hold " + plural(to);
-  return std::nullopt;
+SharedBytes shared_bytes(VoxelMemory memory) {
+  auto owner = std::make_shared<const VoxelMemory>(std::move(memory));
+  return {owner, std::span<const std::byte>(owner->bytes)};
 }
 
-BytesResult unpacked_gzip(std::span<const std::byte> bytes) {
-  std::vector<std::byte> out;
-  if (bytes.size() >= 4) {  // RFC 1952 2.3.1: the size stands at the end; a hint only
-    std::uint32_t size = 0;
-    std::memcpy(&size, bytes.data() + bytes.size() - sizeof(size), sizeof(size));
-    if (!unpacking_problem(bytes.size(), size)) out.reserve(size);
-  }
-  const auto problem = gunzip(bytes, kMostUnpacked, [&](std::string_view piece) {
-    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
-    out.insert(out.end(), first, first + piece.size());
-    return true;
-  });
-  if (problem) return *problem;
-  return shared_bytes(std::move(out));
+std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size, const WorldBudget& budget) {
+  constexpr std::uint64_t kMostDeflateRatio = 1032;
+  if (size / kMostDeflateRatio > from) return plural(from) + " of packed data cannot hold " + plural(size);
+  VoxelMemory memory;
+  memory.share = vrml::Share(budget, vrml::Resource::volumes);
+  if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(vrml::Resource::volumes);
+  memory.bytes.resize(size);
+  return memory;
 }
 
-std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out) {
+std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
+                                       const WorldBudget& budget) {
+  constexpr std::size_t kPiece = std::size_t{1} << 24;  // between two looks at the time
   constexpr int kZlibOrGzip = 15 + 32;
   z_stream stream{};
   if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib could not be set up";
   std::size_t given = 0, made = 0;
   int status = Z_OK;
-  while (made < out.size() && status == Z_OK) {
+  while (made < out.size() && status == Z_OK && !budget->stopped()) {
     const auto in = static_cast<uInt>(std::min<std::size_t>(bytes.size() - given, std::numeric_limits<uInt>::max()));
-    const auto room = static_cast<uInt>(std::min<std::size_t>(out.size() - made, std::numeric_limits<uInt>::max()));
+    const auto room = static_cast<uInt>(std::min(out.size() - made, kPiece));
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data() + given));
     stream.avail_in = in;
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + made);
@@ -104,19 +99,26 @@ std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::sp
          "; expected " + std::to_string(out.size());
 }
 
-BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size) {
-  if (const auto problem = unpacking_problem(bytes.size(), size)) return *problem;
-  std::vector<std::byte> out(size);
-  if (const auto problem = unpack_into(bytes, out)) return *problem;
-  return shared_bytes(std::move(out));
+BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size, const WorldBudget& budget) {
+  auto made = voxel_memory(bytes.size(), size, budget);
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  auto& memory = std::get<VoxelMemory>(made);
+  if (const auto problem = unpack_into(bytes, memory.bytes, budget)) return *problem;
+  return shared_bytes(std::move(memory));
 }
 
-BytesResult load_bytes(const std::string& path) {
+BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto unpacked = std::make_shared<const UnpackedBytes>(unpack_gzip(bytes, budget, vrml::Resource::volumes));
+  if (unpacked->problem) return *unpacked->problem;
+  return SharedBytes{unpacked, unpacked->bytes.span()};
+}
+
+BytesResult load_bytes(const std::string& path, const WorldBudget& budget) {
   auto opened = net::map_file(path);
   if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
   auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(opened)));
   if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes(), file.get()};
-  BytesResult unpacked = unpacked_gzip(file->bytes());
+  BytesResult unpacked = unpacked_gzip(file->bytes(), budget);
   if (const auto changed = file->changed()) return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&unpacked)) return path + ": " + *problem;
   return unpacked;
@@ -135,7 +137,7 @@ BytesResult load_beside(const VolumeFile& file, std::string_view name) {
       loaded = std::move(beside);
   if (const auto* problem = std::get_if<std::string>(&loaded)) return "the data file: " + *problem;
   const SharedBytes& bytes = std::get<SharedBytes>(loaded);
-  return is_gzip(bytes.bytes) ? unpacked_gzip(bytes.bytes) : loaded;
+  return is_gzip(bytes.bytes) ? unpacked_gzip(bytes.bytes, file.budget) : loaded;
 }
 
 std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
@@ -174,18 +176,20 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
   return source;
 }
 
-std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count) {
+std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count,
+                                                       const WorldBudget& budget) {
   if (count > (text.size() + 1) / 2)
     return "a text of " + plural(text.size()) + " cannot hold " + std::to_string(count) + " numbers";
-  if (count > kMostUnpacked / sizeof(double)) return "more than " + plural(kMostUnpacked) + " of numbers as text";
-  std::vector<std::byte> out(count * sizeof(double));
+  auto made = voxel_memory(text.size(), count * sizeof(double), budget);
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  auto& out = std::get<VoxelMemory>(made);
   TextCursor cursor(text);
   for (std::uint64_t i = 0; i < count; ++i) {
     while (cursor.skip_space() && *cursor.next == ',') ++cursor.next;
     double value = 0;
     if (!cursor.number(value))
       return "the text holds " + std::to_string(i) + " numbers; expected " + std::to_string(count);
-    std::memcpy(out.data() + i * sizeof(double), &value, sizeof(value));
+    std::memcpy(out.bytes.data() + i * sizeof(double), &value, sizeof(value));
   }
   StoredVoxels voxels;
   voxels.content = shared_bytes(std::move(out));

@@ -2,6 +2,7 @@
 
 #include "app/formats/volume.h"
 #include "app/text.h"
+#include "app/world_budget.h"
 #include "qnv/volume.h"
 
 #include <cstddef>
@@ -20,26 +21,34 @@ namespace gs::app {
 /// A volume, or what is wrong with the file.
 using VolumeResult = std::variant<qnv::VolumeSource, std::string>;
 
-/// More is not unpacked; nor more than deflate can make of what is there (RFC 1951: 258 bytes from 2 bits).
-inline constexpr std::uint64_t kMostUnpacked = std::uint64_t{4} << 30;
-inline constexpr std::uint64_t kMostDeflateRatio = 1032;
+/// Bytes in memory that is drawn from a budget for voxels.
+struct VoxelMemory {
+  std::vector<std::byte> bytes;
+  vrml::Share share;
+};
+[[nodiscard]] SharedBytes shared_bytes(VoxelMemory memory);
+/// `size` bytes for what is unpacked of `from` bytes, or why there are none: the budget, or more than deflate can make
+/// of what is there (RFC 1951: 258 bytes from 2 bits).
+[[nodiscard]] std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size,
+                                                                  const WorldBudget& budget);
 
 /// Maps a file, and unpacks it when it is gzip'd.
-[[nodiscard]] BytesResult load_bytes(const std::string& path);
+[[nodiscard]] BytesResult load_bytes(const std::string& path, const WorldBudget& budget);
 /// Unpacks gzip members to the end.
-[[nodiscard]] BytesResult unpacked_gzip(std::span<const std::byte> bytes);
+[[nodiscard]] BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget);
 /// Unpacks zlib or gzip data of exactly `size` bytes; more is ignored, fewer are an error.
-[[nodiscard]] BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size);
+[[nodiscard]] BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size,
+                                           const WorldBudget& budget);
 /// The same, into memory that there is. What is wrong, or nothing.
-[[nodiscard]] std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out);
-/// What is wrong with unpacking `from` bytes to `to`, or nothing.
-[[nodiscard]] std::optional<std::string> unpacking_problem(std::uint64_t from, std::uint64_t to);
+[[nodiscard]] std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
+                                                     const WorldBudget& budget);
 
 /// A file that is being opened.
 struct VolumeFile {
   std::string path, name;  // the name is that of where it came from
   SharedBytes content;     // unpacked
   ReadFile read_beside;
+  WorldBudget budget = own_budget();
 };
 /// The file that a header names by a path, where it may be read (see ReadFile); else the file of that name beside the
 /// header. Unpacked as load_bytes does.
@@ -68,7 +77,7 @@ struct StoredVoxels {
 
 /// Reads numbers parted by blanks or commas, as voxels of type f64; fails when there are fewer than `count`.
 [[nodiscard]] std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text,
-                                                                     std::uint64_t count);
+                                                                     std::uint64_t count, const WorldBudget& budget);
 
 /// Makes a layout sound where only its place in space is wrong: axes that are not finite, zero, or do not span
 /// space become the unit axes, an origin that is not finite 0, a slope of 0 or one that is not finite 1.

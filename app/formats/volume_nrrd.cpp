@@ -204,12 +204,12 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
     // What is gzip'd as a whole beside a header comes here unpacked already.
     BytesResult unpacked = SharedBytes{voxels.content.owner, data};
     const bool packed = data.size() >= 2 && data[0] == std::byte{0x1f} && data[1] == std::byte{0x8b};
-    if (packed || !header.detached) unpacked = unpacked_exactly(data, size + skip);
+    if (packed || !header.detached) unpacked = unpacked_exactly(data, size + skip, file.budget);
     if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
     voxels.content = std::get<SharedBytes>(std::move(unpacked));
     voxels.offset = skip;
   } else if (header.encoding == "ascii" || header.encoding == "txt" || header.encoding == "text") {
-    return voxels_of_text(data.subspan(std::min<std::uint64_t>(skip, data.size())), count);
+    return voxels_of_text(data.subspan(std::min<std::uint64_t>(skip, data.size())), count, file.budget);
   } else {
     return "the encoding is '" + header.encoding.substr(0, 80) + "'; expected raw, gzip or ascii";
   }

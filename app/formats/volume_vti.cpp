@@ -180,16 +180,23 @@ std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64
 /// Binary data of an array: lengths in front, then the values, packed or not.
 class VtiData {
  public:
-  VtiData(const VtiHeader& header, SharedBytes bytes, bool base64)
+  VtiData(const VtiHeader& header, SharedBytes bytes, bool base64, WorldBudget budget)
       : wide_(header.header_type == "uint64"),
         big_endian_(header.byte_order == "bigendian"),
         packed_(!header.compressor.empty()),
         base64_(base64),
-        bytes_(std::move(bytes)) {}
+        bytes_(std::move(bytes)),
+        budget_(std::move(budget)) {}
 
   /// At least `size` bytes of values.
   [[nodiscard]] BytesResult values(std::uint64_t size) {
-    if (packed_) return unpacked(size);
+    BytesResult result = packed_ ? unpacked(size) : plain(size);
+    if (refused_) return *refused_;
+    return result;
+  }
+
+ private:
+  [[nodiscard]] BytesResult plain(std::uint64_t size) {
     const std::uint64_t word = wide_ ? 8 : 4;
     const SharedBytes all = first(word + size);
     if (all.bytes.size() < word || all.bytes.size() - word < size)
@@ -200,9 +207,18 @@ class VtiData {
     return SharedBytes{all.owner, all.bytes.subspan(word)};
   }
 
- private:
-  [[nodiscard]] SharedBytes first(std::uint64_t count) const {
-    if (base64_) return shared_bytes(base64_bytes(bytes_.bytes, count));
+  [[nodiscard]] SharedBytes first(std::uint64_t count) {
+    if (base64_) {
+      VoxelMemory memory;
+      memory.share = vrml::Share(budget_, vrml::Resource::volumes);
+      const std::uint64_t size = std::min<std::uint64_t>(count, bytes_.bytes.size() / 4 * 3 + 3);
+      if (!memory.share.grow(size)) {
+        refused_ = "base64 data take " + budget_->refusal(vrml::Resource::volumes);
+        return {};
+      }
+      memory.bytes = base64_bytes(bytes_.bytes, count);
+      return shared_bytes(std::move(memory));
+    }
     return {bytes_.owner, bytes_.bytes.first(std::min<std::uint64_t>(count, bytes_.bytes.size()))};
   }
   [[nodiscard]] std::uint64_t number_at(std::span<const std::byte> bytes, std::uint64_t index) const {
@@ -222,8 +238,7 @@ class VtiData {
     if (start.bytes.size() < 3 * word) return std::string("the array ends in its table of blocks");
     const std::uint64_t blocks = number_at(start.bytes, 0), block = number_at(start.bytes, 1),
                         last = number_at(start.bytes, 2);
-    if (blocks > most_blocks || block > kMostUnpacked || last > block)
-      return std::string("the array's table of blocks is wrong");
+    if (blocks > most_blocks || last > block) return std::string("the array's table of blocks is wrong");
     const SharedBytes table = first((3 + blocks) * word);
     if (table.bytes.size() < (3 + blocks) * word) return std::string("the array ends in its table of blocks");
     std::uint64_t packed = 0;
@@ -236,13 +251,15 @@ class VtiData {
     const std::uint64_t begin = (3 + blocks) * word;
     const SharedBytes all = first(begin + packed);
     if (all.bytes.size() < begin + packed) return std::string("the array's blocks are cut off");
-    if (const auto problem = unpacking_problem(packed, size)) return *problem;
-    std::vector<std::byte> out(size);
+    auto memory = voxel_memory(packed, size, budget_);
+    if (auto* problem = std::get_if<std::string>(&memory)) return std::move(*problem);
+    auto& out = std::get<VoxelMemory>(memory);
     std::uint64_t made = 0, from = begin;
     for (std::uint64_t i = 0; i < blocks && made < size; ++i) {
       const std::uint64_t length = number_at(table.bytes, 3 + i);
       const std::uint64_t whole = i + 1 == blocks && last != 0 ? last : block, part = std::min(whole, size - made);
-      if (const auto problem = unpack_into(all.bytes.subspan(from, length), std::span(out).subspan(made, part)))
+      if (const auto problem =
+              unpack_into(all.bytes.subspan(from, length), std::span(out.bytes).subspan(made, part), budget_))
         return *problem;
       from += length;
       made += part;
@@ -254,6 +271,8 @@ class VtiData {
 
   bool wide_, big_endian_, packed_, base64_;
   SharedBytes bytes_;
+  WorldBudget budget_;
+  std::optional<std::string> refused_;  // memory, and why
 };
 
 std::optional<StoredType> vti_type_of(std::string_view name) {
@@ -318,7 +337,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
                                                   const VtiArray& array, StoredType type, std::uint64_t size) {
   const std::span<const std::byte> bytes = file.content.bytes;
   const std::span<const std::byte> inside = bytes.subspan(array.begin, array.end - array.begin);
-  if (array.format == "ascii") return voxels_of_text(inside, size / size_of(type));
+  if (array.format == "ascii") return voxels_of_text(inside, size / size_of(type), file.budget);
   if (!header.compressor.empty() && header.compressor != "vtkzlibdatacompressor")
     return "the compressor is '" + header.compressor.substr(0, 80) + "'; expected vtkZLibDataCompressor or none";
   SharedBytes data{file.content.owner, inside};
@@ -333,7 +352,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   } else if (array.format != "binary") {
     return "the format is '" + array.format.substr(0, 80) + "'; expected ascii, binary or appended";
   }
-  BytesResult values = VtiData(header, std::move(data), base64).values(size);
+  BytesResult values = VtiData(header, std::move(data), base64, file.budget).values(size);
   if (auto* problem = std::get_if<std::string>(&values)) return std::move(*problem);
   StoredVoxels voxels;
   voxels.content = std::get<SharedBytes>(std::move(values));

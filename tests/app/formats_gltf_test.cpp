@@ -390,7 +390,8 @@ TEST_CASE("hostile JSON is refused before tinygltf sees it") {
   CHECK(gltf(deep).messages() == "test: error: glTF: nested deeper than 200 levels\n");
   std::string many = R"({"asset":{"version":"2.0"},"materials":[)";
   for (int i = 0; i < 1'000'001; ++i) many += "{},";
-  CHECK(gltf(many + "{}]}").messages() == "test: error: glTF: more than 1000000 objects\n");
+  CHECK(gltf(many + "{}]}").messages().find("values take more than the limit for files in memory") !=
+        std::string::npos);
   CHECK(gltf(std::string("{")).messages() == "test: error: glTF: expected a JSON object, as glTF 2.0 describes it\n");
   CHECK(gltf(Bytes{}).diagnostics.errors() == 1);
   CHECK(gltf(std::string(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":1}]})")).messages() ==

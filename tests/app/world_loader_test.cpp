@@ -51,23 +51,24 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
   };
   CHECK(is_gzip(byte_span_of(packed)));
   CHECK_FALSE(is_gzip(byte_span_of(kBoxWorld)));
-  CHECK_FALSE(gunzip(byte_span_of(packed), 1 << 20, sink));
+  CHECK_FALSE(gunzip(byte_span_of(packed), own_budget(), sink));
   CHECK(out == text);
   out.clear();
-  CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), 100, sink));
+  CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), own_budget(), sink));
   CHECK(out == "onetwo");
   out.clear();
-  CHECK(gunzip(byte_span_of(packed), 1000, sink)->find("more than 1000") != std::string::npos);
+  const auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1024});
+  CHECK(gunzip(byte_span_of(packed), small, sink)->find("more than the limit for unpacked data") != std::string::npos);
   CHECK(out.size() <= 1000);
   for (std::size_t size = 0; size < packed.size(); ++size) {
     const std::vector<char> exact(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
-    CHECK(gunzip(byte_span_of({exact.data(), exact.size()}), 1 << 20, sink));
+    CHECK(gunzip(byte_span_of({exact.data(), exact.size()}), own_budget(), sink));
   }
   for (std::size_t i = 10; i < packed.size(); ++i) {
     std::string damaged = packed;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x40);
     std::string result;
-    const auto problem = gunzip(byte_span_of(damaged), 1 << 20, [&](std::string_view piece) {
+    const auto problem = gunzip(byte_span_of(damaged), own_budget(), [&](std::string_view piece) {
       result += piece;
       return true;
     });
@@ -79,7 +80,7 @@ TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at t
   const std::string text = "one, " + std::string(300000, 'x'),
                     packed = gzipped_text(text) + gzipped_text("two") + "rest";
   for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
-    Gunzip unpacking(1 << 20);
+    Gunzip unpacking(own_budget());
     std::string out;
     const auto sink = [&](std::string_view piece) {
       out += piece;
@@ -92,10 +93,10 @@ TEST_CASE("gunzip: pieces of any size are one text, and what is wrong shows at t
     CHECK_FALSE(unpacking.finish());
     CHECK(out == text + "two");
   }
-  Gunzip early(1 << 20);
+  Gunzip early(own_budget());
   CHECK(early.push(byte_span_of(packed.substr(0, 40)), [](std::string_view) { return true; }));
   CHECK(early.finish()->find("too early") != std::string::npos);
-  Gunzip stopped(1 << 20);
+  Gunzip stopped(own_budget());
   CHECK_FALSE(stopped.push(byte_span_of(packed), [](std::string_view) { return false; }));
   CHECK_FALSE(stopped.finish());
 }

@@ -50,10 +50,11 @@ bool run_vrml(std::span<const std::byte> bytes) {
   vrml::Diagnostics diagnostics;
   vrml::Parser parser(scene, diagnostics);
   if (is_gzip(bytes))
-    (void)gunzip(bytes, std::size_t{1} << 16, [&](std::string_view piece) {
-      parser.push(piece);
-      return true;
-    });
+    (void)gunzip(bytes, std::make_shared<vrml::Budget>(vrml::Limits{.memory = std::size_t{1} << 16}),
+                 [&](std::string_view piece) {
+                   parser.push(piece);
+                   return true;
+                 });
   else
     parser.push(text_of(bytes));
   (void)parser.finish();
@@ -158,11 +159,12 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   VolumeFile file;
   file.path = folder.header();
   file.read_beside = reader_beside(file.path, {});
-  file.content = shared_bytes({files.first.begin(), files.first.end()});
+  file.content = shared_bytes(std::vector(files.first.begin(), files.first.end()));
   if (is_gzip(files.first)) {
-    BytesResult unpacked = unpacked_gzip(files.first);
-    if (!std::holds_alternative<SharedBytes>(unpacked)) return false;
-    file.content = std::get<SharedBytes>(std::move(unpacked));
+    const auto unpacked =
+        std::make_shared<const UnpackedBytes>(unpack_gzip(files.first, file.budget, vrml::Resource::volumes));
+    if (unpacked->problem) return false;
+    file.content = {unpacked, unpacked->bytes.span()};
   }
   const VolumeResult opened = format.sniff ? format.open(file) : open_without_header(file);
   const auto* source = std::get_if<qnv::VolumeSource>(&opened);
@@ -186,11 +188,12 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
 bool run_gzip(std::span<const std::byte> bytes) {
   constexpr std::size_t kMost = std::size_t{1} << 20;
   std::string whole, pieces;
-  const auto problem = gunzip(bytes, kMost, [&](std::string_view piece) {
+  const vrml::Limits limits{.memory = kMost};
+  const auto problem = gunzip(bytes, std::make_shared<vrml::Budget>(limits), [&](std::string_view piece) {
     whole += piece;
     return true;
   });
-  Gunzip unpacking(kMost);
+  Gunzip unpacking(std::make_shared<vrml::Budget>(limits));
   in_pieces(bytes, [&](std::span<const std::byte> piece) {
     (void)unpacking.push(piece, [&](std::string_view out) {
       pieces += out;

@@ -29,7 +29,7 @@ std::vector<std::byte> mended(std::span<const std::byte> bytes) {
 bool run_image(const ImageFormat& format, std::span<const std::byte> input) {
   const std::vector<std::byte> bytes = mended(input);
   constexpr std::size_t kMostPixels = std::size_t{1} << 22;
-  const DecodedImage decoded = format.decode(bytes, kMostPixels);
+  const DecodedImage decoded = format.decode(bytes, {.file_pixels = kMostPixels});
   const auto* image = std::get_if<Image>(&decoded);
   if (!image) {
     require(!std::get<ImageError>(decoded).message.empty());
@@ -38,7 +38,7 @@ bool run_image(const ImageFormat& format, std::span<const std::byte> input) {
   require(image->components >= 1 && image->components <= 4);
   require(std::uint64_t{image->width} * image->height <= kMostPixels);
   require(image->pixels.size() == std::size_t{image->width} * image->height * image->components);
-  if (text_of(bytes).starts_with(format.magic)) require(decode_image(bytes, kMostPixels).index() == 0);
+  if (text_of(bytes).starts_with(format.magic)) require(decode_image(bytes, {.file_pixels = kMostPixels}).index() == 0);
   return text_of(bytes).starts_with(format.magic);
 }
 

@@ -122,7 +122,7 @@ TEST_CASE("Switch shows the chosen child or none") {
 TEST_CASE("LOD chooses by the distance in its own space (VRML97 6.26)") {
   const auto level = [](const std::string& body, const glm::vec3& viewer) {
     const RenderList list = World(body).collect(viewer);
-    return list.items.empty() ? -1 : static_cast<int>(std::lround(list.items[0].mesh->bounds.upper.x));
+    return list.items.empty() ? -1 : static_cast<int>(std::lround(glm::length(list.items[0].world_from_node[0])));
   };
   const auto box = [](int size) { return "Shape { geometry Box { size " + std::to_string(2 * size) + " 1 1 } }\n"; };
   const std::string lod = "LOD { center 1 0 0 range [ 10 20 ] level [ " + box(1) + box(2) + box(3) + "] }";
@@ -130,7 +130,7 @@ TEST_CASE("LOD chooses by the distance in its own space (VRML97 6.26)") {
   CHECK(level(lod, {1, 0, 10}) == 2);
   CHECK(level(lod, {1, 0, 19.9f}) == 2);
   CHECK(level(lod, {1, 0, 20}) == 3);
-  CHECK(level("Transform { scale 10 10 10 children " + lod + "}", {10, 0, 150}) == 2);
+  CHECK(level("Transform { scale 10 10 10 children " + lod + "}", {10, 0, 150}) == 20);
   CHECK(level("LOD { level [ " + box(1) + box(2) + "] }", {0, 0, 1000}) == 1);
   CHECK(level("LOD { range [ 1 2 3 ] level [ " + box(1) + box(2) + "] }", {0, 0, 1000}) == 2);  // too few levels
   CHECK(level("LOD { range [ 1 ] level [ ] }", {0, 0, 1000}) == -1);
@@ -164,7 +164,7 @@ TEST_CASE("USE shares meshes, Anchor, Collision and Group show their children, p
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
 
-TEST_CASE("Equal primitives share one mesh, whatever nodes and PROTO instances they stand in") {
+TEST_CASE("Primitives share one mesh, whatever their measures, nodes and PROTO instances") {
   World world(
       "PROTO Ball [ field SFFloat r 2 ] { Shape { geometry Sphere { radius IS r } } }\n"
       "Ball { } Ball { } Ball { r 3 } Shape { geometry Sphere { radius 2 } } Shape { geometry Box { size 2 2 2 } }\n"
@@ -174,10 +174,12 @@ TEST_CASE("Equal primitives share one mesh, whatever nodes and PROTO instances t
   REQUIRE(list.items.size() == 8);
   CHECK(list.items[0].mesh == list.items[1].mesh);
   CHECK(list.items[0].mesh == list.items[3].mesh);
-  CHECK(list.items[0].mesh != list.items[2].mesh);
+  CHECK(list.items[0].mesh == list.items[2].mesh);
   CHECK(list.items[0].mesh != list.items[4].mesh);
-  CHECK(list.items[5].mesh != list.items[6].mesh);
-  CHECK(list.items[5].mesh != list.items[7].mesh);
+  CHECK(list.items[5].mesh == list.items[6].mesh);
+  CHECK(list.items[5].mesh != list.items[7].mesh);  // which has no side
+  check_vector(moved(list.items[2].world_from_node, {1, 1, -1}), {3, 3, -3});
+  check_vector(moved(list.items[5].world_from_node, {1, 1, -1}), {2, 1.5f, -2});
   CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
 }
 

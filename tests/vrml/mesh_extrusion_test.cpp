@@ -285,17 +285,3 @@ TEST_CASE("Extrusion: what cannot be drawn") {
     check_promises(extrusion().set("scale", MFVec2f{{kNaN, 1}}).mesh());
   }
 }
-
-TEST_CASE("Extrusion: two long lists do not multiply without end") {
-  SceneGraph scene("", Limits{.extrusion_points = 1000});
-  const NodeId id = scene.create(*built_in_node_type("Extrusion"));
-  MFVec3f spine;
-  for (int i = 0; i < 500; ++i) spine.push_back({0, static_cast<float>(i), 0});
-  scene.set(id, "spine", spine);
-  scene.set(id, "crossSection", circle(9, 1));  // ten points: room for a hundred rings
-  const Mesh mesh = tessellate(scene, id);
-  check_promises(mesh);
-  CHECK(mesh.bounds.upper.y == 99);
-  scene.set(id, "crossSection", circle(900, 1));
-  CHECK(tessellate(scene, id).empty());
-}

@@ -67,6 +67,13 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   if (rows < 2) return nothing;
   const Grid grid{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows)};
 
+  constexpr std::uint64_t kBytesOfPoint = 40;
+  Share share(scene.budget(), Resource::meshes);
+  if (!share.grow(columns * rows * kBytesOfPoint)) {
+    nothing.left_out = true;
+    return nothing;
+  }
+  faces.budget = scene.budget();
   glm::vec3* point = faces.points.prepare(columns * rows);
   const float* y = height.data();
   for (std::uint32_t j = 0; j < grid.rows; ++j)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace gs::vrml {
@@ -62,6 +63,7 @@ struct Extrusion {
   bool ccw = true, solid = true;
   float crease_angle = 0;
   std::size_t rings = 0;  // spine points that are drawn
+  std::shared_ptr<Budget> budget;
 
   [[nodiscard]] bool cross_section_closed() const {
     return cross_section.size() > 2 && cross_section.front() == cross_section.back();
@@ -133,6 +135,7 @@ Mesh Extrusion::sides(const MFVec3f& points) const {
   faces.ccw = ccw;
   faces.solid = solid;
   faces.crease_angle = crease_angle;
+  faces.budget = budget;
   return make_mesh(std::move(faces));
 }
 
@@ -165,6 +168,7 @@ Mesh Extrusion::cap(const MFVec3f& points, bool begin) const {
   faces.ccw = ccw;
   faces.solid = solid;
   faces.convex = false;
+  faces.budget = budget;
   return make_mesh(std::move(faces));
 }
 
@@ -179,17 +183,24 @@ Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOp
   extrusion.ccw = scene.get<SFBool>(geometry, "ccw");
   extrusion.solid = scene.get<SFBool>(geometry, "solid");
   extrusion.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");
+  extrusion.budget = scene.budget();
 
   Mesh mesh;
   if (extrusion.cross_section.size() >= 2) {
     // Two short lists multiply to a large mesh: beyond the limit the end of the spine is left out.
-    extrusion.rings =
-        std::min(extrusion.spine.size(), scene.limits().extrusion_points / extrusion.cross_section.size());
-    if (extrusion.rings >= 2) {
-      const MFVec3f points = extrusion.place_cross_sections();
-      mesh = extrusion.sides(points);
-      if (scene.get<SFBool>(geometry, "beginCap")) append(mesh, extrusion.cap(points, true));
-      if (scene.get<SFBool>(geometry, "endCap")) append(mesh, extrusion.cap(points, false));
+    constexpr std::size_t kBytesOfPoint = 60, kBytesAtWorst = 600;  // here; here, in the faces and in the mesh
+    const std::size_t columns = extrusion.cross_section.size();
+    const std::size_t points = scene.budget()->left(Resource::meshes) / (2 * kBytesAtWorst);
+    extrusion.rings = std::min(extrusion.spine.size(), points / columns);
+    Share share(scene.budget(), Resource::meshes);
+    mesh.left_out = extrusion.rings < extrusion.spine.size();
+    if (extrusion.rings >= 2 && share.grow(extrusion.rings * columns * kBytesOfPoint)) {
+      const bool cut = mesh.left_out;
+      const MFVec3f placed = extrusion.place_cross_sections();
+      mesh = extrusion.sides(placed);
+      if (scene.get<SFBool>(geometry, "beginCap")) append(mesh, extrusion.cap(placed, true));
+      if (scene.get<SFBool>(geometry, "endCap")) append(mesh, extrusion.cap(placed, false));
+      mesh.left_out = mesh.left_out || cut;
     }
   }
   mesh.solid = extrusion.solid;

@@ -105,7 +105,13 @@ class SharedBuilder {
   [[nodiscard]] Mesh build() {
     FaceCutter cutter(faces_, index_);
     FaceReader reader(index_, vertices_, faces_.ccw);
-    while (reader.position() < index_.size()) {
+    std::size_t next_look = 0;
+    bool stopped = false;
+    while (reader.position() < index_.size() && !stopped) {
+      if (reader.position() >= next_look) {
+        stopped = faces_.budget && faces_.budget->stopped();
+        next_look = reader.position() + kStretch;
+      }
       if (vertices_.all()) {
         std::size_t faces = 0;
         const std::size_t position = read_plain_faces(reader.position(), faces);
@@ -121,6 +127,7 @@ class SharedBuilder {
     mesh.texture_coordinates = faces_.texture_coordinate.values;
     mesh.indices = out_.finish();
     mesh.bounds = bounds_of(faces_.points.span(), used_);
+    mesh.left_out = stopped;
     return mesh;
   }
 
@@ -255,7 +262,13 @@ class CornerBuilder {
     FaceCutter cutter(faces_, index_);
     FaceReader reader(index_, vertices_, faces_.ccw);
     std::vector<std::uint32_t> made;
-    while (reader.next()) {
+    std::size_t next_look = 0;
+    bool stopped = false;
+    while (!stopped && reader.next()) {
+      if (reader.position() >= next_look) {
+        stopped = faces_.budget && faces_.budget->stopped();
+        next_look = reader.position() + kStretch;
+      }
       const std::span<const std::uint32_t> corners = reader.corners();
       made.clear();
       face_normal_ = kMissing;
@@ -269,7 +282,9 @@ class CornerBuilder {
       writer_ = VertexWriter(faces_, welder_.vertices().size());
       for (const VertexParts& vertex : welder_.vertices()) writer_.write(vertex, normal_of(vertex));
     }
-    return writer_.finish(std::move(indices));
+    Mesh mesh = writer_.finish(std::move(indices));
+    mesh.left_out = stopped;
+    return mesh;
   }
 
  private:
@@ -374,19 +389,41 @@ void compact_points(FaceSet& faces) {
   return binding == Binding::by_vertex || binding == Binding::none;
 }
 
+// Bytes that each way takes at its worst, an entry of coordIndex and a point.
+struct Cost {
+  std::uint64_t entry, point;
+};
+constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompaction{40, 0};
+
+[[nodiscard]] bool draw(Share& share, const FaceSet& faces, const Cost& cost) {
+  return share.grow(faces.coord_index.size() * cost.entry + faces.points.size() * cost.point);
+}
+
+[[nodiscard]] Mesh left_out() {
+  Mesh mesh;
+  mesh.left_out = true;
+  return mesh;
+}
+
 [[nodiscard]] Mesh make_triangles(FaceSet faces) {
   if (faces.coord_index.empty() || faces.points.empty()) return {};
   faces.normal.simplify(faces.coord_index.span());
   faces.color.simplify(faces.coord_index.span());
   faces.texture_coordinate.simplify(faces.coord_index.span());
+  Share share(faces.budget, Resource::meshes);
+  if (!draw(share, faces, kCompaction)) return left_out();
   compact_points(faces);
+  share.shrink_to(0);
   if (faces.points.empty()) return {};
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   const UsableVertices vertices(faces.points.span());
   const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
+  if (smooth && !draw(share, faces, kSmoothing)) return left_out();
   if (smooth) faces.normal = crease_normals(index, faces.points.span(), vertices, faces.ccw, faces.crease_angle);
   const bool shared = faces.normal.binding == Binding::by_vertex && by_vertex_or_none(faces.color.binding) &&
                       by_vertex_or_none(faces.texture_coordinate.binding) && fit_normals(faces);
+  share.shrink_to(faces.normal.values.size() * sizeof(glm::vec3));
+  if (!draw(share, faces, shared ? kSharing : kWelding)) return left_out();
   if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
   if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
   if (faces.texture_coordinate.binding != Binding::none)
@@ -399,7 +436,7 @@ void compact_points(FaceSet& faces) {
 Mesh make_mesh(FaceSet faces) {
   const bool solid = faces.solid, map_texture = faces.default_texture_coordinates;
   Mesh mesh = make_triangles(std::move(faces));
-  if (mesh.indices.empty()) mesh = {};
+  if (mesh.indices.empty()) mesh = mesh.left_out ? left_out() : Mesh{};
   mesh.solid = solid;
   if (map_texture && !mesh.empty() && mesh.texture_coordinates.empty())
     mesh.texture_coordinates = default_texture_coordinates(mesh.positions.span(), mesh.bounds);
@@ -424,6 +461,7 @@ void append_values(Array<T>& values, std::size_t count, const Array<T>& more, st
 }  // namespace
 
 void append(Mesh& mesh, const Mesh& more) {
+  mesh.left_out = mesh.left_out || more.left_out;
   if (more.empty()) return;
   const std::size_t count = mesh.positions.size(), more_count = more.positions.size();
   append_values(mesh.normals, count, more.normals, more_count, glm::vec3(0));

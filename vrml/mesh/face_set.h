@@ -1,7 +1,10 @@
 #pragma once
 
+#include "vrml/budget.h"
 #include "vrml/mesh.h"
 #include "vrml/mesh/attribute.h"
+
+#include <memory>
 
 namespace gs::vrml {
 
@@ -18,12 +21,14 @@ struct FaceSet {
   bool convex = true;
   bool solid = true;
   float crease_angle = 0;
+  std::shared_ptr<Budget> budget;  // that the memory for the work is drawn from; null: none
 };
 
 /// The triangles of the faces. Given normals are made unit vectors; a corner whose normal is missing
 /// or has no direction gets that of its face. A missing colour is the one of the corner's vertex or
 /// the last one, a missing texture coordinate is (0, 0). Where all normals are generated and flat,
-/// faces without area are dropped.
+/// faces without area are dropped. Without a face, and `left_out`, where the budget does not allow the work; with those
+/// that were made where it stops.
 [[nodiscard]] Mesh make_mesh(FaceSet faces);
 
 /// Puts the triangles of `more` behind those of `mesh`. An attribute that only one of them has is

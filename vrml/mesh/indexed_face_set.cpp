@@ -19,6 +19,7 @@ Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const
   faces.convex = scene.get<SFBool>(geometry, "convex");
   faces.solid = scene.get<SFBool>(geometry, "solid");
   faces.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");
+  faces.budget = scene.budget();
   return make_mesh(std::move(faces));
 }
 

@@ -97,7 +97,11 @@ Mesh tessellate_indexed_line_set(const SceneGraph& scene, NodeId geometry, const
   lines.points = coordinates_of(scene, geometry);
   lines.color = {colors_of(scene, geometry), scene.get<SFBool>(geometry, "colorPerVertex"),
                  scene.get<MFInt32>(geometry, "colorIndex")};
-  Mesh mesh = make_lines(std::move(lines));
+  constexpr std::uint64_t kBytesOfEntry = 60, kBytesOfPoint = 25;
+  Share share(scene.budget(), Resource::meshes);
+  const bool allowed = share.grow(lines.coord_index.size() * kBytesOfEntry + lines.points.size() * kBytesOfPoint);
+  Mesh mesh = allowed ? make_lines(std::move(lines)) : Mesh{};
+  mesh.left_out = !allowed;
   mesh.primitive = Mesh::Primitive::lines;
   mesh.solid = false;
   mesh.lit = false;
@@ -111,6 +115,12 @@ Mesh tessellate_point_set(const SceneGraph& scene, NodeId geometry, const MeshOp
   mesh.lit = false;
   const MFVec3f points = coordinates_of(scene, geometry);
   if (points.empty() || points.size() > kMaximumCorners) return mesh;
+  constexpr std::uint64_t kBytesOfOne = 17;
+  Share share(scene.budget(), Resource::meshes);
+  if (!share.grow(points.size() * kBytesOfOne)) {
+    mesh.left_out = true;
+    return mesh;
+  }
   const UsableVertices vertices(points.span());
   std::uint32_t* next = mesh.indices.prepare(points.size());
   std::size_t count = 0;

@@ -180,6 +180,18 @@ Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const Me
   // What refines another node is drawn with that, so that both shade as one.
   if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), "OutlineGroup")) return {};
   const Groups groups(scene, geometry, options.refiner);
+  const auto entries = [&](NodeId node) {
+    return !node ? std::uint64_t{0}
+                 : scene.get<MFInt32>(node, "coordIndex").size() + scene.get<MFInt32>(node, "outlineIndex").size() +
+                       scene.get<MFVec3f>(node, "point").size() + scene.get<MFVec3f>(node, "outline").size();
+  };
+  constexpr std::uint64_t kBytesOfEntry = 48;
+  Share share(scene.budget(), Resource::meshes);
+  if (!share.grow((entries(geometry) + entries(options.refiner)) * kBytesOfEntry)) {
+    Mesh nothing;
+    nothing.left_out = true;
+    return nothing;
+  }
   Gatherer gatherer(scene, groups);
   gatherer.add_polygons(geometry);
   if (options.refiner && options.refiner != geometry) gatherer.add_polygons(options.refiner);
@@ -187,6 +199,7 @@ Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const Me
   FaceSet faces = gatherer.take(scene.get<SFFloat>(geometry, "creaseAngle"), options.texture_coordinates);
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.convex = false;
+  faces.budget = scene.budget();
   faces.solid = scene.get<SFBool>(geometry, "solid");
   return make_mesh(std::move(faces));
 }

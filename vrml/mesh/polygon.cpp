@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kStepsPerCorner = 512;
 constexpr std::size_t kStepsAtLeast = 16384;
+constexpr std::size_t kMostSteps = std::size_t{1} << 27;  // of one polygon: a second at most
 constexpr int kMostExceptions = 24;    // ears cut without care; more only a polygon that crosses itself needs
 constexpr std::size_t kGridFrom = 48;  // reflex corners from which a grid pays
 constexpr std::size_t kMaximumColumns = 4096;
@@ -86,7 +87,7 @@ void PolygonTriangulator::link() {
   columns_ = 0;
   first_ = 0;
   remaining_ = count;
-  steps_left_ = count * kStepsPerCorner + kStepsAtLeast;
+  steps_left_ = std::min(count * kStepsPerCorner + kStepsAtLeast, kMostSteps);
   changed_.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     previous_[i] = i == 0 ? count - 1 : i - 1;

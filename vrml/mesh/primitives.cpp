@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 namespace gs::vrml {
@@ -11,6 +14,14 @@ namespace {
 constexpr int kMaximumSegments = 4096;
 
 [[nodiscard]] bool is_size(float value) { return std::isfinite(value) && value > 0; }
+
+/// A measure of the node, or of its type.
+template <class T>
+[[nodiscard]] T measure(const SceneGraph& scene, NodeId geometry, std::string_view field, const MeshOptions& options) {
+  if (!options.default_measures) return scene.get<T>(geometry, field);
+  const NodeType& type = *scene.node(geometry).type;
+  return std::get<T>(type.defaults[static_cast<std::size_t>(type.find_field(field)->slot)]);
+}
 
 /// A unit vector in the XZ plane.
 struct Direction {
@@ -92,8 +103,8 @@ void add_disc(Builder& builder, const std::vector<Direction>& around, float radi
 
 }  // namespace
 
-Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&) {
-  const auto size = scene.get<SFVec3f>(geometry, "size");
+Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
+  const auto size = measure<SFVec3f>(scene, geometry, "size", options);
   if (!is_size(size.x) || !is_size(size.y) || !is_size(size.z)) return {};
   const glm::vec3 half = size * 0.5f;
 
@@ -118,8 +129,8 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
 }
 
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = scene.get<SFFloat>(geometry, "bottomRadius");
-  const auto height = scene.get<SFFloat>(geometry, "height");
+  const auto radius = measure<SFFloat>(scene, geometry, "bottomRadius", options);
+  const auto height = measure<SFFloat>(scene, geometry, "height", options);
   if (!is_size(radius) || !is_size(height)) return {};
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
@@ -148,8 +159,8 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
 }
 
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = scene.get<SFFloat>(geometry, "radius");
-  const auto height = scene.get<SFFloat>(geometry, "height");
+  const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
+  const auto height = measure<SFFloat>(scene, geometry, "height", options);
   if (!is_size(radius) || !is_size(height)) return {};
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
@@ -174,7 +185,7 @@ Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOpt
 }
 
 Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = scene.get<SFFloat>(geometry, "radius");
+  const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
   if (!is_size(radius)) return {};
   const int segments = segments_of(options);
   const int stacks = std::max(2, segments / 2);
@@ -202,6 +213,32 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
       if (row + 1 != static_cast<std::uint32_t>(stacks)) builder.triangle(a, b + 1, b);
     }
   return builder.finish();
+}
+
+std::optional<glm::vec3> scale_of_primitive(const SceneGraph& scene, NodeId geometry) {
+  const NodeId id = scene.resolve(geometry);
+  if (!id) return std::nullopt;
+  // Which measure goes along which axis.
+  struct Row {
+    std::string_view type, x, y, z;
+  };
+  static constexpr Row kRows[] = {{"Sphere", "radius", "radius", "radius"},
+                                  {"Cylinder", "radius", "height", "radius"},
+                                  {"Cone", "bottomRadius", "height", "bottomRadius"}};
+  const std::string& type = scene.node(id).type->name;
+  if (scene.node(id).type->kind != NodeType::Kind::built_in) return std::nullopt;
+  glm::vec3 scale(0);
+  const MeshOptions standard{.default_measures = true};
+  if (type == "Box") scale = scene.get<SFVec3f>(id, "size") / measure<SFVec3f>(scene, id, "size", standard);
+  for (const Row& row : kRows) {
+    if (type != row.type) continue;
+    const auto part = [&](std::string_view field) {
+      return scene.get<SFFloat>(id, field) / measure<SFFloat>(scene, id, field, standard);
+    };
+    scale = {part(row.x), part(row.y), part(row.z)};
+  }
+  if (!is_size(scale.x) || !is_size(scale.y) || !is_size(scale.z)) return std::nullopt;
+  return scale;
 }
 
 }  // namespace gs::vrml
