@@ -67,10 +67,10 @@ void WorldLoading::State::start() {
 }
 
 void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
-  if (stopped) return;
-  const std::size_t most_files = budget->limits().files;
-  if (++files > most_files)
-    return stop("refers to more than " + std::to_string(most_files) + " files; the rest is left out");
+  if (stopped || too_many_files) return;
+  // It is a fetch that asks for more, which stopping ends: the next step does so.
+  too_many_files = ++files > budget->limits().files;
+  if (too_many_files) return;
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
   fetches.push_back(std::move(wanted));
   begin_next_candidate(*fetches.back());
@@ -239,6 +239,8 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   }
   if (!is_done && !fetches.empty() && ended.size() < fetches.size() && limit.over())
     stop("the time for loading is over; what is missing is left out");
+  if (!is_done && too_many_files)
+    stop("refers to more than " + std::to_string(budget->limits().files) + " files; the rest is left out");
   if (is_done && streams.empty() && cells.empty()) return false;
   if (loader) busy = take_events() || busy;
   busy = step_cells() || busy;

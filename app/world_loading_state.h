@@ -196,7 +196,7 @@ struct WorldLoading::State {
   std::deque<net::LoadEvent> events;               // that were polled and not taken in yet
   std::size_t files = 0;
   std::uint64_t received = 0;
-  bool stopped = false, is_done = false, changed = false, fed = false, taken = false;
+  bool too_many_files = false, stopped = false, is_done = false, changed = false, fed = false, taken = false;
   std::chrono::steady_clock::time_point next_priorities;
 
   // Things that several nodes refer to, by what they ask for.

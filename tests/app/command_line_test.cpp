@@ -188,7 +188,7 @@ TEST_CASE("a world that can't be drawn in time is given up in one line, and leav
                          quoted(folder.write("boxes.wrl", text)));
   INFO(result.output);
   CHECK(result.status == kFailed);
-  CHECK(result.output.find("four times --timeout") != std::string::npos);
+  CHECK(result.output.find("drawing takes longer than --timeout") != std::string::npos);
   CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
   CHECK(folder.read("out.png").empty());
 }

@@ -59,7 +59,7 @@ TEST_CASE("gunzip: members, truncation, damage, limits") {
   out.clear();
   const auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1024});
   CHECK(gunzip(byte_span_of(packed), small, sink)->find("more than the limit for unpacked data") != std::string::npos);
-  CHECK(out.size() <= 1000);
+  CHECK(out == text.substr(0, 1024));
   for (std::size_t size = 0; size < packed.size(); ++size) {
     const std::vector<char> exact(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(size));
     CHECK(gunzip(byte_span_of({exact.data(), exact.size()}), own_budget(), sink));

@@ -54,7 +54,7 @@ std::size_t triangles_of(const RenderList& list) {
 }  // namespace
 
 TEST_CASE("USE inside USE makes no more shapes than the limit, and the first one left out is named") {
-  SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 30), 16 * kMega);
+  SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 18), 16 * kMega);
   const RenderList list = world.collect();
   const std::size_t most = world.budget().limit(vrml::Resource::items);
   CHECK(most == 2048);

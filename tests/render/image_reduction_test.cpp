@@ -36,6 +36,7 @@ void check_shaded(const Image& image, int margin) {
   for (std::uint32_t y = 0; y < image.height; ++y)
     for (std::uint32_t x = 0; x < image.width; ++x)
       for (std::uint32_t c = 0; c < 3; ++c) {
+        if (x + 1 >= image.width / 2 && x <= image.width / 2 + 1) continue;  // of both halves
         const int expected = (x < image.width / 2 ? 20 : 180) + static_cast<int>(60 * y / image.height);
         REQUIRE(std::abs(image.pixels[(y * image.width + x) * 3 + c] - expected) <= margin);
       }
@@ -106,15 +107,19 @@ TEST_CASE("A palette of greys stays one component, a CMYK picture three") {
 }
 
 TEST_CASE("A reduced picture that ends early has the rows that were there") {
-  const Image image = shaded(256, 256);
+  Image image = shaded(256, 256);
+  std::uint32_t noise = 1;  // so that a packed picture is of many pieces
+  for (std::uint8_t& value : image.pixels)
+    value = static_cast<std::uint8_t>(value + ((noise = noise * 1664525 + 1013904223) >> 29));
   Bytes png = encode_png(image);
   png.resize(png.size() * 3 / 4);
   const Image part = reduced(png, 1024);
-  CHECK(part.pixels.front() == Approx(20).margin(6));
+  CHECK(part.pixels.front() == Approx(24).margin(6));
+  CHECK(part.pixels.back() == 0);
   Bytes jpeg = jpeg_of(image, JCS_RGB, JCS_YCbCr);
   jpeg.resize(jpeg.size() / 2);
   const Image half = reduced(jpeg, 1024);
-  CHECK(half.pixels.front() == Approx(20).margin(12));
+  CHECK(half.pixels.front() == Approx(24).margin(12));
   CHECK(half.pixels.back() == 0);
 }
 
@@ -129,9 +134,9 @@ TEST_CASE("A progressive JPEG is not decoded where its coefficients take too muc
 }
 
 TEST_CASE("Decoding ends when it is told to") {
-  const Image image = shaded(64, 64);
+  const Image image = shaded(512, 512);
   for (const Bytes& bytes : {encode_png(image), jpeg_of(image, JCS_RGB, JCS_YCbCr)})
-    for (const std::size_t kept : {std::size_t{4096}, std::size_t{64}}) {
+    for (const std::size_t kept : {std::size_t{512 * 512}, std::size_t{64 * 64}}) {
       int rows = 0;
       ImageLimits limits;
       limits.kept_pixels = kept;

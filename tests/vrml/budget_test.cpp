@@ -106,7 +106,7 @@ TEST_CASE("Nodes, names and lists end at the limit, and what came before shows")
     CHECK(small.budget().used(Resource::nodes) <= small.budget().limit(Resource::nodes));
   };
   check(Small(box + repeated("Group { } ", 200'000)));
-  check(Small(box + repeated("Group { children [ ", 1000) + repeated("Shape { } ", 200'000)));
+  check(Small(box + repeated("Group { children [ ", 900) + repeated("Shape { } ", 200'000)));
   check(Small(box + "Shape { geometry PointSet { coord Coordinate { point [ " + repeated("0 1 2 ", 1'000'000)));
   check(Small(box + "WorldInfo { info [ " + repeated("\"\" ", 200'000) + "] }"));
   check(Small(box + repeated("DEF a Group { } ", 100'000)));

@@ -154,7 +154,7 @@ std::int32_t reference(const std::string& token, std::int32_t) {
 template <class T, class Token>
 void check_random_texts(unsigned seed, unsigned texts, unsigned numbers, Token token) {
   Random random(seed);
-  for (unsigned i = 0; i < texts; i += watched_step(4)) {  // not 3: see the shapes below
+  for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // not 3: see the shapes below
     // Also texts of one shape only, and of few: the paths treat crowds of special numbers in their own way.
     const unsigned shapes = i % 3 == 0 ? 1 + below(random, 20) : numbers;
     std::vector<std::string> tokens;
@@ -242,7 +242,7 @@ void check_garbage(unsigned seed, const std::string& alphabet) {
   Random random(seed);
   GuardedText guarded(400);
   std::vector<T> out(500);
-  for (unsigned i = 0; i < 8000; i += watched_step(3)) {
+  for (unsigned i = 0; i < 8000; i += gs::watched_step(3)) {
     std::string text;
     for (unsigned size = below(random, 400); text.size() < size;) {
       if (alphabet.empty()) {
