@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 std::optional<net::MakeFailure> run_confined(const std::string& program, const std::string& served,
                                              std::vector<std::string> arguments, const ChildLimits& limits,
                                              const std::stop_token& stop) {
-  arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), {"--offline", "--allow", served, "--confine", served});
+  arguments.insert(std::find(arguments.begin(), arguments.end(), "--"),
+                   {"--offline", "--allow", served, "--confine", served});
   const auto failure = run_child(program, arguments, limits, stop);
   if (!failure) return std::nullopt;
   return net::MakeFailure{failure->message, failure->lasting};

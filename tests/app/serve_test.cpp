@@ -180,6 +180,24 @@ TEST_CASE("serve: what is made discloses nothing beyond the folder, and asks nob
   CHECK(cache.read("log").find("asked.wrl") == std::string::npos);
 }
 
+TEST_CASE("serve: what is made may use all of the served folder") {
+  const ScratchFolder folder, cache, elsewhere;
+  folder.write("ball.wrl", kWorld);
+  folder.write("deep/up.wrl", "#VRML V2.0 utf8\nInline { url \"../ball.wrl\" }\n");
+  folder.write("deep/none.wrl", "#VRML V2.0 utf8\nInline { url \"../none.wrl\" }\n");
+  elsewhere.write("ball.wrl", kWorld);
+  std::filesystem::create_symlink(elsewhere.path("ball.wrl"), folder.path("link.wrl"));
+  folder.write("deep/out.wrl", "#VRML V2.0 utf8\nInline { url \"../link.wrl\" }\n");
+  const auto archive = started(options_for(folder, cache));
+  const std::uint16_t port = *archive->http_port();
+  const Got up = fetch_made(port, "/deep/up.wrl.qnv");
+  INFO(up.body.substr(0, 200));
+  CHECK(up.status == 200);
+  // A world without any surface is nothing that can be encoded.
+  CHECK(fetch_made(port, "/deep/none.wrl.qnv").status == 422);
+  CHECK(fetch_made(port, "/deep/out.wrl.qnv").status == 422);
+}
+
 TEST_CASE("serve: after a full disk it is made again") {
   const ScratchFolder folder, cache;
   folder.write("ball.wrl", kWorld);
