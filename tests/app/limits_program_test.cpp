@@ -2,6 +2,7 @@
 #include "net/file.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -53,14 +54,15 @@ TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay
   const ScratchFolder folder;
   const std::size_t large = kMeasures ? std::size_t{600} << 20 : std::size_t{80} << 20;
   SECTION("nodes") {
-    const Run nodes = measured(folder, "check", folder.write("nodes.wrz", gzip_of(kHeader, "Group{}", large)));
+    const Run nodes =
+        measured(folder, "check", folder.write("nodes.wrz", gzip_of(kHeader, "Group{}", large / watched_step(8))));
     if (kMeasures) CHECK(nodes.output.find("more than the limit for nodes and numbers") != std::string::npos);
   }
   SECTION("numbers") {
     const Run numbers = measured(
         folder, "check",
-        folder.write("numbers.wrz",
-                     gzip_of(kHeader + "Shape { geometry PointSet { coord Coordinate { point [ ", "0 ", large)));
+        folder.write("numbers.wrz", gzip_of(kHeader + "Shape { geometry PointSet { coord Coordinate { point [ ", "0 ",
+                                            large / watched_step(8))));
     if (kMeasures) CHECK(numbers.output.find("unpacks to more than 250 times its size") != std::string::npos);
   }
   SECTION("a ratio that no honest file has") {

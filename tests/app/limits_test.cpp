@@ -7,6 +7,7 @@
 #include "render/image.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 
@@ -44,6 +45,7 @@ struct Loaded {
   Loaded(const std::string& path, std::size_t memory) {
     LoadOptions options;
     options.limits.memory = memory;
+    options.limits.visits /= watched_step(8);
     options.timeout_seconds = 600;  // a machine may be slow; what ends it is the limit
     document = make_document(load_world(path, options));
   }
@@ -138,7 +140,7 @@ TEST_CASE("gzip data that unpack to far more than their size are stopped") {
 
 TEST_CASE("A packed world shows up to where it unpacks to too much") {
   const ScratchFolder folder;
-  const Loaded blanks(folder.write("blanks.wrz", packed(kHeader + kBox, 100 * kMega, ' ')), 32 * kMega);
+  const Loaded blanks(folder.write("blanks.wrz", packed(kHeader + kBox, 40 * kMega, ' ')), 32 * kMega);
   INFO(blanks.said());
   CHECK(blanks.said("blanks.wrz: error: unpacks to more than the limit for unpacked data, 32 MiB"));
   CHECK(blanks.list().items.size() == 1);

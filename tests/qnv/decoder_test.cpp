@@ -227,7 +227,7 @@ TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is w
     if (bit / 8 < parts.header.size()) {
       REQUIRE((!good || decoder.header() == nullptr));
       REQUIRE(decoder.cloud().empty());
-    } else if (bit % 8 == 0 || watched_step(5) != 1) {
+    } else if (bit % 8 == 0) {
       const Cloud cloud = decoder.cloud();
       REQUIRE(cloud.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
       for (const glm::vec3& p : cloud.positions) REQUIRE(right.contains({p.x, p.y, p.z}));
