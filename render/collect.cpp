@@ -21,7 +21,7 @@ constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bit
 constexpr std::size_t kMaxLightsOfAnItem = 16;
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
-constexpr std::size_t kBetweenLooks = 1024;  // visits, at the time
+constexpr std::size_t kBetweenLooks = 1024;  // visits that make no mesh, at the time
 // Segments of primitives, from fine to coarse: as many of these as make no more triangles than that, or the last.
 constexpr std::array<int, 3> kSegments = {32, 16, 8};
 constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
@@ -104,6 +104,7 @@ class Collector {
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;  // by index
   std::vector<std::uint16_t> active_lights_;
   std::size_t visits_ = 0;
+  bool made_mesh_ = false;  // since the last look at the time
   std::shared_ptr<vrml::Budget> budget_;
   std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
   // Primitives of which there are items, by their finest mesh.
@@ -125,7 +126,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       leave();
       continue;
     }
-    if (++visits_ % kBetweenLooks == 0) stopped = budget_->stopped();
+    if (++visits_ % kBetweenLooks == 0 || std::exchange(made_mesh_, false)) stopped = budget_->stopped();
     if (visits_ > budget_->limits().visits) {
       stopped = true;
       leave_out("more nodes, with all that USE multiplies, than the " + std::to_string(budget_->limits().visits) +
@@ -430,6 +431,7 @@ void Collector::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene
   entry.mesh = nullptr;
   entry.share = vrml::Share(budget_, vrml::Resource::meshes);
   auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  made_mesh_ = true;
   // One that there is no room for is not tried again for every USE.
   if (!entry.share.grow(mesh->cost())) {
     *mesh = {};

@@ -174,4 +174,19 @@ TEST_CASE("Gathering ends when the budget says that it is time") {
   CHECK(list.left_out.empty());
 }
 
+TEST_CASE("Between any two meshes that are made it is asked whether gathering should end") {
+  std::string grids;
+  for (int i = 0; i < 100; ++i)
+    grids +=
+        "Shape { geometry ElevationGrid { xDimension 2 zDimension 2 height [ 0 0 0 " + std::to_string(i) + " ] } }\n";
+  SmallWorld world(grids, 2048 * kMega);
+  int looks = 0;
+  world.budget().stop_when([&] { return ++looks > 20; });
+  const RenderList list = world.collect();
+  CHECK(list.items.size() > 2);
+  CHECK(list.items.size() <= 20);
+  world.budget().stop_when({});
+  CHECK(world.collect().items.size() == 100);
+}
+
 }  // namespace gs::collect_limits_test
