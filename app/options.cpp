@@ -131,10 +131,10 @@ Problem set_timeout(Options& options, const std::string& value) {
 }
 
 Problem set_memory(Options& options, const std::string& value) {
-  static constexpr std::pair<char, unsigned> kUnits[] = {{'K', 10}, {'M', 20}, {'G', 30}};
+  static constexpr std::pair<char, unsigned> kSizeUnits[] = {{'K', 10}, {'M', 20}, {'G', 30}};
   std::string_view number(value);
   unsigned shift = 0;
-  for (const auto& [unit, bits] : kUnits)
+  for (const auto& [unit, bits] : kSizeUnits)
     if (number.ends_with(unit)) shift = bits;
   if (shift > 0) number.remove_suffix(1);
   constexpr std::size_t kLeast = std::size_t{16} << 20, kMost = std::size_t{1} << 46;

@@ -32,7 +32,7 @@ void UiOverlay::State::question_panel(const UiModel& model, UiActions& actions) 
   ImGui::Spacing();
   if (ImGui::Button("Allow this folder")) actions.allow_folder = true;
   ImGui::SameLine();
-  if (ImGui::Button("Not") || refused) actions.allow_folder = false;
+  if (ImGui::Button("Don't allow") || refused) actions.allow_folder = false;
   if (actions.allow_folder) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }

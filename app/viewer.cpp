@@ -54,7 +54,7 @@ void Viewer::wait_for_something() {
   const glm::ivec2 size = window_->framebuffer_size();
   if (size.x <= 0 || size.y <= 0)
     window_->wait(kIdleWait);
-  else if (frames_wanted_ > 0 || moving() || refinement_.wanted())
+  else if (frames_wanted_ > 0 || moving() || refinement_.wanted() || window_->has_events())
     window_->poll();
   else if (loading())
     window_->wait(kLoadingWait);

@@ -7,6 +7,7 @@ namespace {
 
 // Discs of streams that may be decoded for one frame of all viewports: some 20 ms of one core.
 constexpr std::size_t kMostDecoded = 250'000;
+constexpr double kMostUninterrupted = 0.4;  // seconds of drawing before events are looked for
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
@@ -71,6 +72,12 @@ void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
     pane.statistics = renderer_->draw(kNothing, render::Camera{}, draw);
     return;
   }
+  // However long a picture takes, who does something is answered; the whole picture comes when nobody does.
+  draw.go_on = [this, begin = Window::now()] {
+    if (Window::now() - begin < kMostUninterrupted) return true;
+    window_->poll();
+    return !window_->should_close() && !window_->has_events();
+  };
   draw.headlight = seen->headlight;
   draw.clouds = seen->look;
   pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);

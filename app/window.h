@@ -94,6 +94,7 @@ class Window final : public render::GlContext {
   static void wake();
   /// The events since the last call, oldest first.
   [[nodiscard]] std::vector<WindowEvent> take_events();
+  [[nodiscard]] bool has_events() const { return !events_.empty(); }
 
   [[nodiscard]] bool should_close() const;
   void close();

@@ -263,25 +263,59 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
   }
 }
 
-void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics) {
+static std::size_t corners_of(GLenum primitive) {
+  return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1;
+}
+
+/// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
+void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
+                           DrawPacer& pacer) {
+  while (count > 0 && !pacer.given_up()) {
+    const std::size_t room = pacer.room();
+    if (primitives <= room) {
+      const std::size_t some = std::min(room / primitives, count);
+      meshes_.draw(mesh, first, some);
+      pacer.spend(some * primitives);
+      first += some;
+      count -= some;
+      continue;
+    }
+    // One instance is too much: a part of its primitives at a time.
+    const std::size_t corners = corners_of(mesh.primitive);
+    MeshStore::Slice part = mesh;
+    for (std::size_t drawn = 0; drawn < primitives && !pacer.given_up();) {
+      const std::size_t some = std::min(pacer.room(), primitives - drawn);
+      part.first_index = mesh.first_index + corners * drawn;
+      part.index_count = static_cast<GLsizei>(corners * some);
+      meshes_.draw(part, first, 1);
+      pacer.spend(some);
+      drawn += some;
+    }
+    ++first;
+    --count;
+  }
+}
+
+void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer) {
   for (const Batch& batch : batches_) {
+    if (pacer.given_up()) return;
     const Prepared& prepared = prepared_[batch.prepared];
-    const std::size_t corners = prepared.slice->primitive == GL_TRIANGLES ? 3 : 1;
+    const std::size_t corners = corners_of(prepared.slice->primitive);
     const std::size_t primitives =
         std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);
     const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
     if (count == 0) continue;
     primitives_ += primitives * count;
     apply(prepared.state, clip_from_camera);
-    meshes_.draw(*prepared.slice, batch.first, count);
+    draw_slices(*prepared.slice, primitives, batch.first, count, pacer);
     statistics.items += count;
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
   }
 }
 
-void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
-                    FrameStatistics& statistics, const std::function<void()>& between) {
+void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
@@ -293,7 +327,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
 
-  lights_.begin(list.lights, view.camera_from_world, headlight);
+  lights_.begin(list.lights, view.camera_from_world, options.headlight);
   prepare(list, view);
   if (instances_.empty()) {
     between();
@@ -314,23 +348,26 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
     return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
   });
-  draw_batches(clip_from_camera, statistics);
-  between();
+  DrawPacer pacer(gl_, options.go_on,
+                  static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
+  draw_batches(clip_from_camera, statistics, pacer);
+  if (!pacer.given_up()) between();
   anything_applied_ = false;
   meshes_.forget_binding();
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
-  if (!transparent_.empty()) {
+  if (!transparent_.empty() && !pacer.given_up()) {
     gl_.Enable(GL_BLEND);
     gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     gl_.DepthMask(GL_FALSE);
     batch(transparent_, opaque_.size());
-    draw_batches(clip_from_camera, statistics);
+    draw_batches(clip_from_camera, statistics, pacer);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
+  statistics.given_up = pacer.given_up();
 }
 
 }  // namespace gs::render

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/camera.h"
+#include "render/draw_pacer.h"
 #include "render/gpu.h"
 #include "render/light_sets.h"
 #include "render/mesh_store.h"
@@ -29,7 +30,8 @@ class MeshPass {
 
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
   /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
-  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, bool headlight,
+  /// When `options.go_on` ends the frame before that, it is not called.
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
             FrameStatistics& statistics, const std::function<void()>& between);
 
  private:
@@ -99,7 +101,9 @@ class MeshPass {
   void prepare_item(const DrawItem& item, const View& view);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
-  void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics);
+  void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
+                   DrawPacer& pacer);
   void apply(const DrawState& state, const glm::mat4& clip_from_camera);
 
   const Gl& gl_;

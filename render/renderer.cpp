@@ -125,7 +125,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
   state_->background->draw(list.background, glm::mat3(camera.world_from_camera),
                            {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}, options.background);
   gl.DepthMask(GL_TRUE);
-  state_->meshes->draw(list, camera, clip_from_camera, options.headlight, statistics, [&] {
+  state_->meshes->draw(list, camera, clip_from_camera, options, statistics, [&] {
     state_->splats->draw(list, camera, clip_from_camera, options, statistics);
     state_->volumes->draw(list, camera, clip_from_camera, options, statistics);
   });

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ struct DrawOptions {
   CloudLook clouds;
   std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
   std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs
+  std::function<bool()> go_on;   // asked some times a second; false: what is not drawn yet is left out. Null: true
 };
 
 struct FrameStatistics {
@@ -35,7 +37,8 @@ struct FrameStatistics {
   std::size_t vectors = 0;  // of clouds, in view
   const char* splats =
       "none";            // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
-  bool pending = false;  // detail that belongs to this view is not there yet: drawn again, it is better
+  bool pending = false;   // detail that belongs to this view is not there yet: drawn again, it is better
+  bool given_up = false;  // `go_on` said so: the picture is not whole
 };
 
 /// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody

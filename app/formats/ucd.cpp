@@ -55,9 +55,12 @@ struct Face {
   bool inner = false;  // two such cells share it
 };
 
-std::vector<Face> collect(const UcdMesh& mesh) {
+constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps, at whether the work should end
+
+std::vector<Face> collect(const UcdMesh& mesh, vrml::SceneGraph& scene) {
   std::vector<Face> faces;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (c % kBetweenLooks == 0) draw(scene, 0);
     const UcdCell& cell = mesh.cells[c];
     for (const LocalFace& local : faces_of(cell.type)) {
       Face face;
@@ -75,11 +78,15 @@ std::vector<Face> collect(const UcdMesh& mesh) {
   return faces;
 }
 
-void mark_inner(std::vector<Face>& faces) {
+void mark_inner(std::vector<Face>& faces, vrml::SceneGraph& scene) {
   std::vector<std::size_t> order;
+  std::size_t steps = 0;
   for (std::size_t i = 0; i < faces.size(); ++i)
     if (faces[i].solid) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return faces[a].key < faces[b].key; });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (++steps % kBetweenLooks == 0) draw(scene, 0);
+    return faces[a].key < faces[b].key;
+  });
   for (std::size_t i = 1; i < order.size(); ++i)
     if (faces[order[i]].key == faces[order[i - 1]].key) faces[order[i]].inner = faces[order[i - 1]].inner = true;
 }
@@ -113,8 +120,8 @@ class Coloring {
 void build(const UcdMesh& mesh, SceneBuilder& builder) {
   constexpr std::uint64_t kMostFaces = 6;
   draw(builder.scene(), mesh.cells.size() * kMostFaces * sizeof(Face));
-  std::vector<Face> faces = collect(mesh);
-  mark_inner(faces);
+  std::vector<Face> faces = collect(mesh, builder.scene());
+  mark_inner(faces, builder.scene());
   Geometry geometry;
   Appender<std::int32_t> index(builder.scene());
   Appender<vrml::Color> colors(builder.scene());
