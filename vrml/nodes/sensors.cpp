@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -54,7 +55,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFFloat    fraction_changed                  # [0,1]
   eventOut     SFBool     isActive
   eventOut     SFTime     time
-)"},
+)",
+     nullptr, &kTimeSensorBehaviour},
     {"TouchSensor", "6.51", Role::child | Role::sensor, R"(
   exposedField SFBool     enabled          TRUE
   eventOut     SFVec3f    hitNormal_changed
