@@ -2,6 +2,8 @@
 
 #include "vrml/field_value.h"
 
+#include <glm/mat4x4.hpp>
+
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -9,6 +11,7 @@
 namespace gs::vrml {
 
 class Execution;
+struct Node;
 /// A node that takes part in events: its place in Execution. 0 is none.
 using EventNode = std::uint32_t;
 
@@ -27,9 +30,14 @@ struct Behaviour {
   /// The time is Execution::now(): in each step while the node runs, at times it asked for, and after events for it
   /// where on_event asked for it.
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
+  /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
+  glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
 };
 
 // The rows' behaviours.
+extern const Behaviour kTransformBehaviour;
+extern const Behaviour kViewpointBehaviour;
+extern const Behaviour kProximitySensorBehaviour;
 extern const Behaviour kGroupBehaviour;     // addChildren, removeChildren (4.6.5)
 extern const Behaviour kBindableBehaviour;  // 4.6.10
 inline constexpr int kSetBind = 0;          // of its events

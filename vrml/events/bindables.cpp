@@ -1,4 +1,5 @@
 #include "vrml/events/execution.h"
+#include "vrml/events/placement.h"
 
 namespace gs::vrml {
 namespace {
@@ -29,8 +30,15 @@ bool set_bind(Execution& execution, EventNode node, int event, const FieldValue&
   return false;
 }
 
+glm::dmat4 viewer_of(const Node& node) {
+  static const int position = node.type->find_field("position")->slot;
+  static const int orientation = node.type->find_field("orientation")->slot;
+  return viewer_matrix(std::get<SFVec3f>(node.values[position]), std::get<SFRotation>(node.values[orientation]));
+}
+
 }  // namespace
 
+const Behaviour kViewpointBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr, viewer_of};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr};
 
 }  // namespace gs::vrml

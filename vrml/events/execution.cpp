@@ -63,6 +63,7 @@ void Execution::mark_changed(EventNode node, std::int32_t slot) {
     changed_.push_back(node);
     at.change = static_cast<std::uint32_t>(changes_.size());
   }
+  if (std::holds_alternative<MFNode>(at.node->values[slot])) placement_.forget();
   changes_[at.change - 1].slots |= std::uint64_t{1} << std::min(slot, kLastChangeBit);
 }
 
@@ -151,6 +152,17 @@ void Execution::bind(EventNode node, bool to_top) {
   stack.top = node;
 }
 
+glm::dmat4 Execution::viewer() {
+  if (told_viewer_) return *told_viewer_;
+  for (const Stack& stack : stacks_) {
+    if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
+    glm::dmat4 matrix = stack.type->behaviour->parent_from_local(node_of(stack.top));
+    if (const auto places = places_of(stack.top); !places.empty()) matrix = places.front() * matrix;
+    return matrix;
+  }
+  return viewer_matrix({0, 0, 10}, {});
+}
+
 // ---- Cascades (4.10.3, 4.10.4)
 
 void Execution::begin(double now) {
@@ -186,10 +198,11 @@ void Execution::step(double now) {
   drain();
 }
 
-bool Execution::send(SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in, const FieldValue& value) {
+bool Execution::send(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in,
+                     const FieldValue& value) {
   if (!scene.contains(id) || vrml::type_of(value) != event_in.type) return false;
-  const std::size_t state = scene_state(scene);
-  const EventNode node = member(scenes_[state], id);
+  const auto place = scene_places_.find(&scene);
+  const EventNode node = place == scene_places_.end() ? 0 : member(scenes_[place->second], id);
   if (node == 0) return false;
   const std::uint32_t interface = nodes_[node].schema->find(event_in);
   if (interface == EventSchema::kNone ||

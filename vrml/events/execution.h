@@ -1,11 +1,13 @@
 #pragma once
 
 #include "vrml/events/event_schema.h"
+#include "vrml/events/placement.h"
 #include "vrml/scene_graph.h"
 
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -54,8 +56,9 @@ class Execution {
   /// Lets time go on to `now`: what time-dependent nodes send, and all that follows from it. Time never goes back.
   void step(double now);
   /// An event from outside, with the present timestamp, and all that follows from it. The value's type must be that
-  /// of `event_in`, an eventIn or exposedField of the node's type; false where it is not, or where there is no room.
-  bool send(SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
+  /// of `event_in`, an eventIn or exposedField of the node's type; false where it is not, where the scene is not
+  /// part of the world, or where there is no room.
+  bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
 
   /// False where there is such a ROUTE already (they count once), where it is none between nodes of one scene with
   /// equal types, or where there is no room. Not added to SceneGraph::routes.
@@ -70,6 +73,8 @@ class Execution {
   [[nodiscard]] std::span<const NodeChange> take_changes();
   /// The bound node of a bindable type (4.6.10); a null scene: there is none.
   [[nodiscard]] NodeChange bound(const NodeType& type) const;
+  /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
+  void set_viewer(const glm::dmat4& world_from_viewer) { told_viewer_ = world_from_viewer; }
   /// What limits kept out; empty: nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
@@ -113,6 +118,13 @@ class Execution {
   void bind(EventNode node, bool to_top);
   /// The bound node of a type; 0: none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
+
+  /// world_from_viewer: as it was told, else of the bound Viewpoint, else 10 units from the origin along z.
+  [[nodiscard]] glm::dmat4 viewer();
+  /// See Placement. Valid until this or viewer() is called again.
+  [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node) {
+    return placement_.places_of(*nodes_[node].scene, nodes_[node].id);
+  }
 
   /// State of behaviours, by number; see state_of.
   struct States;
@@ -222,6 +234,8 @@ class Execution {
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;
   std::vector<Stack> stacks_;
+  Placement placement_;
+  std::optional<glm::dmat4> told_viewer_;
   std::vector<NodeChange> changes_, taken_changes_;
   std::vector<EventNode> changed_;
   std::unique_ptr<States> states_;

@@ -23,7 +23,7 @@ bool receives(const InterfaceDeclaration& declaration) {
 }  // namespace
 
 Execution::Execution(SceneGraph& root)
-    : root_(root), share_(root.budget(), Resource::nodes), states_(std::make_unique<States>()) {
+    : root_(root), share_(root.budget(), Resource::nodes), placement_(root), states_(std::make_unique<States>()) {
   now_ = previous_ = -std::numeric_limits<double>::infinity();
   nodes_.emplace_back();
   connections_.emplace_back();
@@ -39,6 +39,7 @@ std::size_t Execution::scene_state(SceneGraph& scene) {
 }
 
 void Execution::attach() {
+  placement_.forget();
   // Inlines inside Inlines stand behind those that hold them.
   for (std::size_t i = 0; i < scenes_.size(); ++i) {
     attach_scene(i);

@@ -1,4 +1,5 @@
 #include "vrml/events/execution.h"
+#include "vrml/events/placement.h"
 
 #include <unordered_set>
 
@@ -33,8 +34,24 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
   return false;
 }
 
+glm::dmat4 transform_of(const Node& node) {
+  struct Slots {
+    int translation, center, rotation, scale, scale_orientation;
+  };
+  static const Slots slots = [&] {
+    const auto slot = [&](std::string_view name) { return node.type->find_field(name)->slot; };
+    return Slots{slot("translation"), slot("center"), slot("rotation"), slot("scale"), slot("scaleOrientation")};
+  }();
+  return transform_matrix(
+      std::get<SFVec3f>(node.values[slots.translation]), std::get<SFVec3f>(node.values[slots.center]),
+      std::get<SFRotation>(node.values[slots.rotation]), std::get<SFVec3f>(node.values[slots.scale]),
+      std::get<SFRotation>(node.values[slots.scale_orientation]));
+}
+
 }  // namespace
 
+const Behaviour kTransformBehaviour = {
+    {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};
 const Behaviour kGroupBehaviour = {{"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr};
 
 }  // namespace gs::vrml

@@ -38,25 +38,39 @@ std::string NodeNames::of(const SceneGraph& scene, NodeId id) {
   return node.type->name + '#' + std::to_string(numbers.of_node[id.index]);
 }
 
-NodeId NodeNames::find(std::string_view name) {
-  Numbers& numbers = scenes_.front();
-  count(numbers);
-  const SceneGraph& scene = *numbers.scene;
-  const std::size_t mark = name.rfind('#');
+void NodeNames::find_names() {
+  const SceneGraph& scene = *scenes_.front().scene;
+  if (named_seen_ == scene.node_count()) return;
+  named_seen_ = scene.node_count();
   std::vector<bool> inside(scene.node_count() + 1);
-  NodeId found, found_inside;
+  std::unordered_map<std::string_view, NodeId> inner;
+  named_.clear();
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const NodeId id = scene.id_at(i);
     const Node& node = scene.node(id);
     if (node.in_prototype_body) continue;
     if (!node.expansion.empty() && node.type->prototype)
       for (std::size_t k = 0; k < node.type->prototype->nodes.size(); ++k) inside[node.expansion_first + k] = true;
-    if (node.name == name) (inside[i] ? found_inside : found) = id;
-    if (node.name.empty() && mark != std::string_view::npos && node.type->name == name.substr(0, mark) &&
+    if (!node.name.empty()) (inside[i] ? inner : named_)[node.name] = id;
+  }
+  named_.merge(inner);
+}
+
+NodeId NodeNames::find(std::string_view name) {
+  find_names();
+  const auto found = named_.find(name);
+  if (found != named_.end()) return found->second;
+  Numbers& numbers = scenes_.front();
+  count(numbers);
+  const std::size_t mark = name.rfind('#');
+  for (std::uint32_t i = 1; mark != std::string_view::npos && i <= numbers.scene->node_count(); ++i) {
+    const NodeId id = numbers.scene->id_at(i);
+    const Node& node = numbers.scene->node(id);
+    if (numbers.of_node[i] != 0 && node.type->name == name.substr(0, mark) &&
         std::to_string(numbers.of_node[i]) == name.substr(mark + 1))
       return id;
   }
-  return found ? found : found_inside;
+  return {};
 }
 
 }  // namespace gs::vrml

@@ -28,10 +28,13 @@ class NodeNames {
     std::vector<std::uint32_t> of_node{0};  // by index; 0: part of a PROTO's declaration
   };
   void count(Numbers& numbers);
+  void find_names();
   Numbers& numbers_of(const SceneGraph& scene);
 
   std::vector<Numbers> scenes_;
   std::unordered_map<std::string_view, std::uint32_t> counts_;  // by type name
+  std::unordered_map<std::string_view, NodeId> named_;          // of the root
+  std::size_t named_seen_ = 0;                                  // nodes of the root when `named_` was made
 };
 
 }  // namespace gs::vrml

@@ -49,7 +49,7 @@ constexpr NodeRow kBindablesRows[] = {
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
 )",
-     nullptr, &kBindableBehaviour},
+     nullptr, &kViewpointBehaviour},
 };
 
 }  // namespace

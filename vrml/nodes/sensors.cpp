@@ -36,7 +36,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFRotation orientation_changed
   eventOut     SFTime     enterTime
   eventOut     SFTime     exitTime
-)"},
+)",
+     nullptr, &kProximitySensorBehaviour},
     {"SphereSensor", "6.44", Role::child | Role::sensor, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFBool     enabled          TRUE

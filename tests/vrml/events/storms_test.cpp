@@ -6,7 +6,7 @@
 
 namespace gs::vrml::traces {
 
-TEST_CASE("a million ROUTEs from one eventOut are one cascade") {
+TEST_CASE("A hundred thousand ROUTEs in cycles are one cascade") {
   std::string text = "DEF A Switch { } DEF B Switch { }";
   constexpr int kTargets = 1000;
   for (int i = 0; i < kTargets; ++i) text += " DEF S" + std::to_string(i) + " Switch { }";
@@ -21,7 +21,7 @@ TEST_CASE("a million ROUTEs from one eventOut are one cascade") {
   CHECK(world.execution().problem().empty());
 }
 
-TEST_CASE("fan-in times fan-out of PROTO instances is cut short") {
+TEST_CASE("Fan-in times fan-out of PROTO instances is cut short") {
   std::string inner = "PROTO P [ eventIn SFInt32 in ] { Group { children [";
   for (int i = 0; i < 5000; ++i) inner += " Switch { set_whichChoice IS in }";
   std::string text = inner + " ] } } DEF I P { } DEF A Switch { }";
@@ -50,7 +50,7 @@ TEST_CASE("events go through PROTO instances nested as deep as a file likes") {
   CHECK(world.scene().get<SFInt32>(world.node("I"), "x") == 7);
 }
 
-TEST_CASE("where the budget has no room for ROUTEs they are left out, and that is said") {
+TEST_CASE("Where the budget has no room for ROUTEs they are left out, and that is said") {
   Limits limits;
   limits.memory = std::size_t{16} << 20;
   std::string text;
