@@ -13,6 +13,7 @@
 namespace gs::vrml {
 
 class SceneGraph;
+struct Behaviour;
 struct Mesh;
 struct MeshOptions;
 struct Prototype;
@@ -67,8 +68,9 @@ struct NodeRow {
   std::string_view name;
   std::string_view clause;  // "6.7"; "GhostSpace" for our own nodes
   Role role;
-  std::string_view interface_text;  // one declaration a line, the range in a comment behind it
-  Tessellate tessellate = nullptr;  // geometry only
+  std::string_view interface_text;       // one declaration a line, the range in a comment behind it
+  Tessellate tessellate = nullptr;       // geometry only
+  const Behaviour* behaviour = nullptr;  // where events and time do more than set fields (vrml/events/behaviour.h)
 };
 
 /// The type of a node: built in, declared by PROTO or EXTERNPROTO, or one Script's own.
@@ -83,6 +85,7 @@ struct NodeType {
   std::deque<InterfaceDeclaration> interfaces;  // in declaration order; places never move
   std::vector<FieldValue> defaults;             // by slot
   Tessellate tessellate = nullptr;
+  const Behaviour* behaviour = nullptr;
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
 

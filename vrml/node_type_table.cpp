@@ -30,6 +30,7 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   type->clause = row.clause;
   type->role = row.role;
   type->tessellate = row.tessellate;
+  type->behaviour = row.behaviour;
   const bool good = parse_interface(row.interface_text, *type);
   assert(good && "a row of the node table does not parse");
   (void)good;

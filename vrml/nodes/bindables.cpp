@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -18,14 +19,16 @@ constexpr NodeRow kBindablesRows[] = {
   exposedField MFFloat    skyAngle         []               # [0,pi]
   exposedField MFColor    skyColor         0 0 0            # [0,1]
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kBindableBehaviour},
     {"Fog", "6.19", Role::child | Role::bindable, R"(
   exposedField SFColor    color            1 1 1            # [0,1]
   exposedField SFString   fogType          "LINEAR"
   exposedField SFFloat    visibilityRange  0                # [0,inf)
   eventIn      SFBool     set_bind
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kBindableBehaviour},
     {"NavigationInfo", "6.29", Role::child | Role::bindable, R"(
   eventIn      SFBool     set_bind
   exposedField MFFloat    avatarSize       [0.25, 1.6, 0.75]  # [0,inf)
@@ -34,7 +37,8 @@ constexpr NodeRow kBindablesRows[] = {
   exposedField MFString   type             ["WALK", "ANY"]
   exposedField SFFloat    visibilityLimit  0.0              # [0,inf)
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kBindableBehaviour},
     {"Viewpoint", "6.53", Role::child | Role::bindable, R"(
   eventIn      SFBool     set_bind
   exposedField SFFloat    fieldOfView      0.785398         # (0,inf)
@@ -44,7 +48,8 @@ constexpr NodeRow kBindablesRows[] = {
   field        SFString   description      ""
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kViewpointBehaviour},
 };
 
 }  // namespace

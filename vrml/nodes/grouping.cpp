@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -14,7 +15,8 @@ constexpr NodeRow kGroupingRows[] = {
   exposedField MFString   url              []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"Billboard", "6.6", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
@@ -22,7 +24,8 @@ constexpr NodeRow kGroupingRows[] = {
   exposedField MFNode     children         []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"Collision", "6.8", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
@@ -32,14 +35,16 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
   field        SFNode     proxy            NULL
   eventOut     SFTime     collideTime
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"Group", "6.21", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField MFNode     children         []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"Inline", "6.25", Role::child | Role::grouping, R"(
   exposedField MFString   url              []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
@@ -65,7 +70,8 @@ constexpr NodeRow kGroupingRows[] = {
   exposedField SFVec3f    translation      0 0 0            # (-inf,inf)
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
-)"},
+)",
+     nullptr, &kTransformBehaviour},
 };
 
 }  // namespace

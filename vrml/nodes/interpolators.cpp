@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -10,37 +11,43 @@ constexpr NodeRow kInterpolatorsRows[] = {
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFColor    keyValue         []               # [0,1]
   eventOut     SFColor    value_changed
-)"},
+)",
+     nullptr, &kColorInterpolatorBehaviour},
     {"CoordinateInterpolator", "6.13", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     MFVec3f    value_changed
-)"},
+)",
+     nullptr, &kCoordinateInterpolatorBehaviour},
     {"NormalInterpolator", "6.31", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     MFVec3f    value_changed
-)"},
+)",
+     nullptr, &kNormalInterpolatorBehaviour},
     {"OrientationInterpolator", "6.32", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFRotation keyValue         []               # [-1,1],(-inf,inf)
   eventOut     SFRotation value_changed
-)"},
+)",
+     nullptr, &kOrientationInterpolatorBehaviour},
     {"PositionInterpolator", "6.37", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     SFVec3f    value_changed
-)"},
+)",
+     nullptr, &kPositionInterpolatorBehaviour},
     {"ScalarInterpolator", "6.39", Role::child | Role::interpolator, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFFloat    keyValue         []               # (-inf,inf)
   eventOut     SFFloat    value_changed
-)"},
+)",
+     nullptr, &kScalarInterpolatorBehaviour},
 };
 
 }  // namespace

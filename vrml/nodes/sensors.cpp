@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -35,7 +36,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFRotation orientation_changed
   eventOut     SFTime     enterTime
   eventOut     SFTime     exitTime
-)"},
+)",
+     nullptr, &kProximitySensorBehaviour},
     {"SphereSensor", "6.44", Role::child | Role::sensor, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFBool     enabled          TRUE
@@ -54,7 +56,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFFloat    fraction_changed                  # [0,1]
   eventOut     SFBool     isActive
   eventOut     SFTime     time
-)"},
+)",
+     nullptr, &kTimeSensorBehaviour},
     {"TouchSensor", "6.51", Role::child | Role::sensor, R"(
   exposedField SFBool     enabled          TRUE
   eventOut     SFVec3f    hitNormal_changed

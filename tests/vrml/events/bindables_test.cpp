@@ -1,0 +1,91 @@
+#include "tests/vrml/events/trace.h"
+
+#include <string>
+
+namespace gs::vrml::traces {
+
+TEST_CASE("the first node of each bindable type is bound at start (4.6.10)") {
+  World world(
+      "Group { children [ DEF V1 Viewpoint { } DEF V2 Viewpoint { } ] } DEF F Fog { } DEF B Background { } "
+      "DEF N NavigationInfo { } Fog { }");
+  world.start();
+  CHECK(world.take() ==
+        Lines{"0 V1.isBound TRUE", "0 V1.bindTime 1000", "0 F.isBound TRUE", "0 B.isBound TRUE", "0 N.isBound TRUE"});
+  CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("V1"));
+}
+
+TEST_CASE("set_bind TRUE pushes and moves, FALSE pops (4.6.10)") {
+  World world("DEF A Viewpoint { } DEF B Viewpoint { } DEF C Viewpoint { }");
+  world.start();
+  (void)world.take();
+  world.step(1);
+  world.send("B.set_bind", true);
+  CHECK(world.take() == Lines{"1 A.isBound FALSE", "1 A.bindTime 1001", "1 B.isBound TRUE", "1 B.bindTime 1001"});
+  world.step(2);
+  world.send("B.set_bind", true);   // it is at the top already
+  world.send("C.set_bind", false);  // it is not on the stack
+  CHECK(world.take().empty());
+  world.send("C.set_bind", true);
+  CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 C.isBound TRUE"});
+  world.step(3);
+  world.send("A.set_bind", false);  // below the top: it goes without a word
+  CHECK(world.take().empty());
+  world.send("C.set_bind", false);
+  CHECK(world.take("isBound") == Lines{"3 C.isBound FALSE", "3 B.isBound TRUE"});
+  world.step(4);
+  world.send("B.set_bind", false);
+  CHECK(world.take("isBound") == Lines{"4 B.isBound FALSE"});
+  CHECK(!world.execution().bound(*built_in_node_type("Viewpoint")).scene);
+  world.step(5);
+  world.send("A.set_bind", true);
+  CHECK(world.take("isBound") == Lines{"5 A.isBound TRUE"});
+}
+
+TEST_CASE("a node of the stack moves to the top, and is on it once (4.6.10)") {
+  World world("DEF A Background { } DEF B Background { } DEF C Background { }");
+  world.start();
+  world.step(1);
+  world.send("B.set_bind", true);
+  world.step(2);
+  world.send("C.set_bind", true);
+  world.step(3);
+  world.send("A.set_bind", true);
+  (void)world.take();
+  world.step(4);
+  world.send("A.set_bind", false);
+  CHECK(world.take() == Lines{"4 A.isBound FALSE", "4 C.isBound TRUE"});
+  world.step(5);
+  world.send("C.set_bind", false);
+  world.step(6);
+  world.send("B.set_bind", false);
+  CHECK(world.take() == Lines{"5 C.isBound FALSE", "5 B.isBound TRUE", "6 B.isBound FALSE"});
+}
+
+TEST_CASE("types have stacks of their own, and bindables of an Inline wait until they are asked (4.6.10)") {
+  World world("DEF Part Inline { } DEF F Fog { }");
+  auto content = std::make_unique<SceneGraph>("part.wrl", world.scene().budget());
+  Diagnostics diagnostics;
+  (void)parse("#VRML V2.0 utf8\nDEF V Viewpoint { } DEF G Fog { }", *content, diagnostics);
+  SceneGraph& part = *content;
+  world.scene().attach_inline(world.node("Part"), std::move(content));
+  world.execution().attach();
+  world.start();
+  CHECK(world.take() == Lines{"0 F.isBound TRUE"});
+  const NodeId fog = part.roots()[1];
+  world.step(1);
+  CHECK(world.execution().send(part, fog, *part.node(fog).type->find("set_bind"), FieldValue(true)));
+  CHECK(world.take() == Lines{"1 F.isBound FALSE", "1 G.isBound TRUE"});
+}
+
+TEST_CASE("isBound goes on through ROUTEs, also of a PROTO instance") {
+  World world(
+      "PROTO P [ eventIn SFBool go eventOut SFBool there ] { Viewpoint { set_bind IS go isBound IS there } } "
+      "Viewpoint { } DEF I P { } DEF L DirectionalLight { on FALSE } ROUTE I.there TO L.on");
+  world.start();
+  (void)world.take();
+  world.step(1);
+  world.send("I.go", true);
+  CHECK(world.take("L.") == Lines{"1 L.on TRUE"});
+}
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,222 @@
+#include "vrml/events/execution.h"
+
+#include "tests/vrml/events/trace.h"
+#include "vrml/prototype.h"
+
+#include <algorithm>
+#include <string>
+
+namespace gs::vrml::traces {
+
+namespace {
+
+const SFVec3f kFar(1, 2, 3);
+
+Route route_of(World& world, const char* from, const char* event_out, const char* to, const char* event_in) {
+  Route route{world.node(from), world.node(to), nullptr, nullptr};
+  route.event_out = world.scene().node(route.from).type->find_event_out(event_out);
+  route.event_in = world.scene().node(route.to).type->find_event_in(event_in);
+  return route;
+}
+
+}  // namespace
+
+TEST_CASE("an exposedField takes set_x and sends x_changed, under all its names (4.7)") {
+  World world(
+      "DEF A Transform { } DEF B Transform { } ROUTE A.translation TO B.translation "
+      "ROUTE A.scale_changed TO B.set_scale");
+  world.start();
+  world.send("A.set_translation", kFar);
+  world.send("A.scale", SFVec3f(2, 2, 2));
+  CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 B.translation 1 2 3", "0 A.scale 2 2 2", "0 B.scale 2 2 2"});
+  CHECK(world.scene().get<SFVec3f>(world.node("B"), "translation") == kFar);
+}
+
+TEST_CASE("an eventOut sends one event a timestamp, so that loops end (4.10.4)") {
+  World world(
+      "DEF A Transform { } DEF B Transform { } ROUTE A.translation TO B.translation "
+      "ROUTE B.translation TO A.translation ROUTE A.translation TO A.translation");
+  world.start();
+  world.send("A.translation", kFar);
+  CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 B.translation 1 2 3"});
+  world.send("A.translation", SFVec3f(4, 5, 6));  // the same timestamp
+  CHECK(world.take().empty());
+  world.step(1);
+  world.send("B.translation", SFVec3f(7, 8, 9));
+  CHECK(world.take() == Lines{"1 B.translation 7 8 9", "1 A.translation 7 8 9"});
+}
+
+TEST_CASE("fan-out goes in the order of the ROUTEs, fan-in takes every event (4.10.5)") {
+  World world(
+      "DEF A Transform { } DEF B Transform { } DEF C Transform { } DEF D Transform { }"
+      "ROUTE A.translation TO C.translation ROUTE A.translation TO B.translation "
+      "ROUTE C.translation TO D.translation ROUTE B.translation TO D.translation");
+  world.start();
+  world.send("A.translation", kFar);
+  CHECK(world.take() ==
+        Lines{"0 A.translation 1 2 3", "0 C.translation 1 2 3", "0 B.translation 1 2 3", "0 D.translation 1 2 3"});
+}
+
+TEST_CASE("a ROUTE that is given twice counts once (4.10.2)") {
+  World world(
+      "DEF A Switch { } DEF B Switch { } ROUTE A.whichChoice TO B.whichChoice "
+      "ROUTE A.whichChoice_changed TO B.set_whichChoice");
+  world.start();
+  const Route route = route_of(world, "A", "whichChoice", "B", "whichChoice");
+  CHECK(!world.execution().add_route(world.scene(), route));
+  CHECK(world.execution().remove_route(world.scene(), route));
+  CHECK(!world.execution().remove_route(world.scene(), route));
+  world.send("A.whichChoice", SFInt32{4});
+  CHECK(world.take() == Lines{"0 A.whichChoice 4"});
+}
+
+TEST_CASE("ROUTEs are added and removed while the world runs") {
+  World world("DEF A Transform { } DEF B Transform { } DEF C Transform { }");
+  world.start();
+  const Route first = route_of(world, "A", "translation", "B", "translation");
+  const Route second = route_of(world, "A", "translation", "C", "translation");
+  for (int round = 1; round < 50; ++round) {
+    world.step(round);
+    CHECK(world.execution().add_route(world.scene(), first));
+    CHECK(world.execution().add_route(world.scene(), second));
+    world.send("A.translation", kFar);
+    CHECK(world.take().size() == 3);
+    CHECK(world.execution().remove_route(world.scene(), first));
+    world.step(round + 0.5);
+    world.send("A.translation", kFar);
+    CHECK(world.take().size() == 2);
+    CHECK(world.execution().remove_route(world.scene(), second));
+  }
+}
+
+TEST_CASE("a ROUTE between unequal types or to an eventOut is none") {
+  World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { }");
+  CHECK(!world.execution().add_route(world.scene(), route_of(world, "A", "translation", "B", "rotation")));
+  Route wrong = route_of(world, "T", "time", "T", "startTime");
+  wrong.event_in = wrong.event_out;
+  CHECK(!world.execution().add_route(world.scene(), wrong));
+}
+
+TEST_CASE("events pass through the interface of a PROTO instance both ways (4.8.2)") {
+  World world(R"(
+PROTO P [ eventIn SFVec3f move exposedField SFFloat shine 0.5 eventOut SFVec3f moved field SFInt32 fixed 1 ] {
+  DEF Inner Transform { set_translation IS move translation_changed IS moved
+    children Shape { appearance Appearance { material DEF Paint Material { shininess IS shine } } } } }
+DEF I P { } DEF Copy Transform { } DEF M Material { }
+ROUTE I.moved TO Copy.translation  ROUTE I.shine_changed TO M.set_shininess)");
+  world.start();
+  world.send("I.move", kFar);
+  CHECK(world.take() == Lines{"0 Inner.translation 1 2 3", "0 I.moved 1 2 3", "0 Copy.translation 1 2 3"});
+  world.send("I.set_shine", SFFloat{0.25F});
+  CHECK(world.take() == Lines{"0 Paint.shininess 0.25", "0 I.shine 0.25", "0 M.shininess 0.25"});
+  CHECK(world.scene().get<SFFloat>(world.node("I"), "shine") == 0.25F);
+}
+
+TEST_CASE("IS leads through instances inside instances, to every node that names it") {
+  World world(R"(
+PROTO A [ exposedField SFVec3f at 0 0 0 ] { DEF One Transform { translation IS at } DEF Two Transform { scale IS at } }
+PROTO B [ exposedField SFVec3f at 0 0 0 ] { DEF Nested A { at IS at } }
+PROTO C [ exposedField SFVec3f at 0 0 0 eventIn SFVec3f to ] { B { at IS at } DEF Three Transform { set_center IS to } }
+DEF I C { } DEF Source Transform { } DEF Sink Transform { }
+ROUTE Source.translation TO I.at  ROUTE Source.translation TO I.to  ROUTE I.at TO Sink.translation)");
+  world.start();
+  world.send("Source.translation", kFar);
+  const Lines trace = world.take();
+  for (const char* line : {"0 One.translation 1 2 3", "0 Two.scale 1 2 3", "0 Nested.at 1 2 3", "0 I.at 1 2 3",
+                           "0 Sink.translation 1 2 3", "0 Three.center 1 2 3"})
+    CHECK(std::count(trace.begin(), trace.end(), line) == 1);
+}
+
+TEST_CASE("ROUTEs of a PROTO's body lead inside each instance, and an exposedField without IS keeps its value") {
+  World world(R"(
+PROTO P [ exposedField SFVec3f loose 0 0 0 eventIn SFVec3f in ] {
+  DEF A Transform { set_translation IS in } DEF B Transform { } ROUTE A.translation TO B.translation }
+DEF First P { } DEF Second P { })");
+  world.start();
+  world.send("Second.in", kFar);
+  CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 B.translation 1 2 3"});
+  world.send("First.loose", kFar);
+  CHECK(world.take() == Lines{"0 First.loose 1 2 3"});
+  const NodeId first = world.scene().node(world.node("First")).expansion[0];
+  CHECK(world.scene().get<SFVec3f>(first, "translation") == SFVec3f(0));
+}
+
+TEST_CASE("an EXTERNPROTO that gets its body later takes part from then on") {
+  World world(
+      "EXTERNPROTO E [ eventIn SFVec3f in ] \"e.wrl\" DEF I E { } DEF A Transform { } "
+      "ROUTE A.translation TO I.in");
+  world.start();
+  auto library = std::make_unique<SceneGraph>("e.wrl", world.scene().budget());
+  Diagnostics diagnostics;
+  (void)parse("#VRML V2.0 utf8\nPROTO E [ eventIn SFVec3f in ] { DEF T Transform { set_translation IS in } }", *library,
+              diagnostics);
+  const NodeType* body = find_prototype(*library, "E");
+  const auto& types = world.scene().types();
+  REQUIRE(resolve_external(world.scene(), *types.front(), *body));
+  world.scene().attach_library(std::move(library));
+  world.execution().attach();
+  world.send("A.translation", kFar);
+  CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 T.translation 1 2 3"});
+}
+
+TEST_CASE("children are added once and removed if they are there (4.6.5)") {
+  World world(
+      "DEF G Group { children DEF A Group { } } DEF B Group { } DEF H Group { } "
+      "ROUTE H.children TO G.addChildren");
+  world.start();
+  world.send("H.children", MFNode{world.node("A"), world.node("B"), world.node("B"), NodeId{}});
+  CHECK(world.take("G.") == Lines{"0 G.children [ A, B ]"});
+  world.step(1);
+  world.send("G.removeChildren", MFNode{world.node("A"), world.node("H")});
+  CHECK(world.take() == Lines{"1 G.children [ B ]"});
+  world.step(2);
+  world.send("G.removeChildren", MFNode{world.node("A")});
+  CHECK(world.take().empty());
+}
+
+TEST_CASE("set_x of a plain field replaces it and sends nothing (6.17, 6.23)") {
+  World world("DEF F IndexedFaceSet { } DEF G ElevationGrid { }");
+  world.start();
+  world.send("F.set_coordIndex", MFInt32{0, 1, 2, -1});
+  world.send("G.set_height", MFFloat{1, 2});
+  CHECK(world.take().empty());
+  CHECK(world.scene().get<MFInt32>(world.node("F"), "coordIndex").size() == 4);
+  CHECK(world.scene().get<MFFloat>(world.node("G"), "height") == MFFloat{1, 2});
+}
+
+TEST_CASE("large values travel without being copied") {
+  World world("DEF A Coordinate { } DEF B Coordinate { } ROUTE A.point TO B.point");
+  world.start();
+  MFVec3f points;
+  points.resize(100'000);
+  world.send("A.point", points);
+  CHECK(world.scene().get<MFVec3f>(world.node("B"), "point").shares_with(points));
+}
+
+TEST_CASE("each node that changed is told once, with its slots") {
+  World world("DEF A Transform { } DEF B Transform { } DEF T TimeSensor { } ROUTE A.translation TO B.translation");
+  world.start();
+  CHECK(world.execution().take_changes().empty());
+  world.send("A.translation", kFar);
+  world.step(1);
+  world.send("A.scale", kFar);
+  const auto changes = world.execution().take_changes();
+  REQUIRE(changes.size() == 2);
+  CHECK(changes[0].node == world.node("A"));
+  const NodeType& type = *built_in_node_type("Transform");
+  CHECK(changes[0].slots ==
+        (std::uint64_t{1} << type.find("translation")->slot | std::uint64_t{1} << type.find("scale")->slot));
+  CHECK(changes[1].node == world.node("B"));
+  CHECK(world.execution().take_changes().empty());
+}
+
+TEST_CASE("the behaviours of the node table name interfaces that their types have") {
+  for (const auto& type : built_in_node_types()) {
+    if (!type->behaviour) continue;
+    INFO(type->name);
+    for (const std::string_view name : type->behaviour->events)
+      if (!name.empty() && name != "bindTime") CHECK(type->find(name));
+  }
+}
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,91 @@
+#include "tests/vrml/events/trace.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <limits>
+#include <string>
+
+namespace gs::vrml::traces {
+namespace {
+
+glm::dmat4 viewer_at(double x, double y, double z) { return glm::translate(glm::dmat4(1), {x, y, z}); }
+
+}  // namespace
+
+TEST_CASE("a ProximitySensor tells when the viewer enters, moves and leaves (6.38)") {
+  World world(
+      "Transform { translation 100 0 0 scale 2 2 2 children DEF P ProximitySensor { size 2 2 2 } } "
+      "DEF Zero ProximitySensor { center 0 0 10 }");
+  world.start();
+  CHECK(world.take().empty());  // the viewer stands at 0 0 10
+  world.execution().set_viewer(viewer_at(101, 0, 0));
+  world.step(1);
+  CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1001", "1 P.position_changed 0.5 0 0",
+                              "1 P.orientation_changed 0 0 1 0"});
+  world.step(2);
+  CHECK(world.take().empty());
+  world.execution().set_viewer(viewer_at(102, 1, 0));
+  world.step(3);
+  CHECK(world.take() == Lines{"3 P.position_changed 1 0.5 0"});
+  world.execution().set_viewer(viewer_at(103, 0, 0));
+  world.step(4);
+  CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1004"});
+}
+
+TEST_CASE("the viewer goes with the bound Viewpoint, into a ProximitySensor and with its Transform") {
+  World world(
+      "Viewpoint { } DEF T Transform { rotation 0 1 0 1.5707963 children DEF V Viewpoint { position 1 0 0 } } "
+      "DEF P ProximitySensor { size 8 8 8 }");
+  world.start();
+  (void)world.take();
+  world.step(1);
+  world.send("V.set_bind", true);
+  world.step(2);
+  const Lines entered = world.take("P.");
+  REQUIRE(entered.size() == 4);
+  CHECK(entered[0] == "2 P.isActive TRUE");
+  CHECK(entered[3].find("P.orientation_changed 0 1 0 1.570796") != std::string::npos);
+  CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation") == SFVec3f(0));
+  world.send("T.translation", SFVec3f(0, 0, 100));
+  world.step(3);
+  CHECK(world.take("isActive") == Lines{"3 P.isActive FALSE"});
+}
+
+TEST_CASE("a ProximitySensor in several places, switched off, and with sizes of no sense") {
+  World world(
+      "Transform { translation 50 0 0 children DEF P ProximitySensor { size 2 2 2 } } "
+      "Transform { translation -50 0 0 children USE P } DEF N ProximitySensor { size 1 1 1 }");
+  world.start();
+  world.execution().set_viewer(viewer_at(-50, 0, 0));
+  world.step(1);
+  CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
+  world.step(2);
+  world.send("P.enabled", false);
+  CHECK(world.take() == Lines{"2 P.enabled FALSE", "2 P.isActive FALSE", "2 P.exitTime 1002"});
+  world.step(3);
+  CHECK(world.take().empty());
+  world.send("P.enabled", true);
+  CHECK(world.take("P.isActive") == Lines{"3 P.isActive TRUE"});
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  world.send("N.size", SFVec3f(nan, 1, std::numeric_limits<float>::infinity()));
+  world.send("P.center", SFVec3f(nan, nan, nan));
+  world.step(4);
+  CHECK(world.take("isActive") == Lines{"4 P.isActive FALSE"});
+}
+
+TEST_CASE("a hierarchy in cycles, or of more places than anybody counts, does no harm") {
+  std::string text = "DEF G Group { children DEF P ProximitySensor { size 1 1 1 } } DEF H0 Group { children USE G }";
+  for (int i = 1; i < 40; ++i)
+    text += " DEF H" + std::to_string(i) + " Group { children [ USE H" + std::to_string(i - 1) + " USE H" +
+            std::to_string(i - 1) + " ] }";
+  Limits limits;
+  limits.visits = 100'000;
+  World world(text, limits);
+  world.start();
+  world.send("G.addChildren", MFNode{world.node("G"), world.node("H3")});
+  world.execution().set_viewer(viewer_at(0, 0, 0));
+  world.step(1);
+  CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
+}
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,188 @@
+#include "tests/vrml/events/trace.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace gs::vrml::traces {
+
+// World::kStart is 1000; times in traces are since then, SFTime values are not.
+
+TEST_CASE("with its defaults a TimeSensor sends nothing (4.6.9)") {
+  World world(
+      "TimeSensor { } DEF Past TimeSensor { startTime 100 cycleInterval 800 } "
+      "DEF Stopped TimeSensor { loop TRUE startTime 100 stopTime 900 }");
+  world.start();
+  for (int i = 1; i < 10; ++i) world.step(i);
+  CHECK(world.take().empty());
+}
+
+TEST_CASE("a TimeSensor with loop TRUE is active when the world begins (4.6.9, 6.50)") {
+  World world("DEF T TimeSensor { loop TRUE cycleInterval 4 }");
+  world.start();
+  // 1000 is the end of a cycle: the fraction is 1 and not 0.
+  CHECK(world.take() == Lines{"0 T.isActive TRUE", "0 T.cycleTime 1000", "0 T.fraction_changed 1", "0 T.time 1000"});
+  world.step(1);
+  CHECK(world.take() == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001"});
+  world.step(4);
+  CHECK(world.take() == Lines{"4 T.cycleTime 1004", "4 T.fraction_changed 1", "4 T.time 1004"});
+}
+
+TEST_CASE("one cycle: isActive, cycleTime, fractions up to 1 (6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 }");
+  world.start();
+  world.step(0.5);
+  CHECK(world.take().empty());
+  world.step(1);
+  CHECK(world.take() == Lines{"1 T.isActive TRUE", "1 T.cycleTime 1001", "1 T.fraction_changed 0", "1 T.time 1001"});
+  world.step(2);
+  CHECK(world.take() == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002"});
+  world.step(3.5);
+  CHECK(world.take() == Lines{"3.5 T.fraction_changed 1", "3.5 T.time 1003.5", "3.5 T.isActive FALSE"});
+  world.step(4);
+  CHECK(world.take().empty());
+}
+
+TEST_CASE("several cycles within one step give one cycleTime, of the cycle that runs (6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  world.step(1);
+  (void)world.take();
+  world.step(8.5);
+  CHECK(world.take() == Lines{"8.5 T.cycleTime 1007", "8.5 T.fraction_changed 0.75", "8.5 T.time 1008.5"});
+}
+
+TEST_CASE("an activity that is shorter than a step is not passed over (6.50)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001.25 cycleInterval 0.5 } "
+      "DEF U TimeSensor { startTime 1001.25 stopTime 1001.5 cycleInterval 1 loop TRUE }");
+  world.start();
+  world.step(1);
+  world.step(2);
+  CHECK(world.take() == Lines{"2 T.isActive TRUE", "2 T.cycleTime 1001.25", "2 T.fraction_changed 1", "2 T.time 1002",
+                              "2 U.isActive TRUE", "2 U.cycleTime 1001.25", "2 U.fraction_changed 0.25",
+                              "2 U.time 1002"});
+  world.step(3);
+  CHECK(world.take("isActive") == Lines{"3 T.isActive FALSE", "3 U.isActive FALSE"});
+  world.step(4);
+  CHECK(world.take().empty());
+}
+
+TEST_CASE("stopTime ends an activity only if it is after startTime (4.6.9)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 stopTime 1002.5 cycleInterval 2 loop TRUE } "
+      "DEF U TimeSensor { startTime 1001 stopTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  for (int i = 1; i < 10; ++i) world.step(i);
+  const Lines trace = world.take();
+  CHECK(std::count(trace.begin(), trace.end(), "3 T.isActive FALSE") == 1);
+  CHECK(std::count(trace.begin(), trace.end(), "3 T.fraction_changed 0.75") == 1);  // at stopTime
+  CHECK(std::count(trace.begin(), trace.end(), "9 U.time 1009") == 1);
+}
+
+TEST_CASE("while it is active set_cycleInterval, set_startTime and a stopTime before it are ignored (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  world.step(1);
+  (void)world.take();
+  world.send("T.cycleInterval", SFTime{20});
+  world.send("T.startTime", SFTime{1005});
+  world.send("T.stopTime", SFTime{1001});
+  CHECK(world.take().empty());
+  world.send("T.stopTime", SFTime{1002});
+  CHECK(world.take() == Lines{"1 T.stopTime 1002"});
+  world.step(2);
+  CHECK(world.take() == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002", "2 T.isActive FALSE"});
+  world.send("T.cycleInterval", SFTime{20});
+  world.send("T.startTime", SFTime{1005});
+  CHECK(world.take() == Lines{"2 T.cycleInterval 20", "2 T.startTime 1005"});
+}
+
+TEST_CASE("loop FALSE ends it with the cycle that runs (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  world.step(1);
+  world.step(4);
+  world.send("T.loop", SFBool{false});
+  (void)world.take();
+  world.step(4.5);
+  CHECK(world.take() == Lines{"4.5 T.fraction_changed 0.75", "4.5 T.time 1004.5"});
+  world.step(6);
+  CHECK(world.take() == Lines{"6 T.fraction_changed 1", "6 T.time 1006", "6 T.isActive FALSE"});
+}
+
+TEST_CASE("enabled FALSE stops it at once, TRUE lets it start where startTime and loop say so (6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  world.step(1);
+  world.step(2);
+  (void)world.take();
+  world.step(2.5);
+  world.send("T.enabled", SFBool{false});
+  CHECK(world.take() ==
+        Lines{"2.5 T.fraction_changed 0.75", "2.5 T.time 1002.5", "2.5 T.enabled FALSE", "2.5 T.isActive FALSE"});
+  world.step(3);
+  CHECK(world.take().empty());
+  world.step(3.5);
+  world.send("T.enabled", SFBool{true});
+  CHECK(world.take() == Lines{"3.5 T.enabled TRUE", "3.5 T.isActive TRUE", "3.5 T.cycleTime 1003",
+                              "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
+}
+
+TEST_CASE("stopTime and startTime set at one time start it anew (4.6.9)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 cycleInterval 10 } DEF S TimeSensor { } "
+      "ROUTE S.startTime TO T.startTime ROUTE S.startTime TO T.stopTime");
+  world.start();
+  world.step(1);
+  world.step(3);
+  (void)world.take();
+  world.send("S.startTime", SFTime{1003});
+  CHECK(world.take("T.") == Lines{"3 T.stopTime 1003", "3 T.isActive FALSE", "3 T.startTime 1003"});
+  world.step(4);
+  CHECK(world.take("T.") ==
+        Lines{"4 T.isActive TRUE", "4 T.cycleTime 1003", "4 T.fraction_changed 0.1", "4 T.time 1004"});
+}
+
+TEST_CASE("a TimeSensor starts in the cascade that sets its startTime (4.10.3)") {
+  World world(
+      "DEF A TimeSensor { startTime 1001 cycleInterval 2 } DEF B TimeSensor { cycleInterval 4 } "
+      "DEF P ScalarInterpolator { key [ 0 1 ] keyValue [ 5 9 ] } "
+      "ROUTE A.cycleTime TO B.startTime ROUTE B.fraction_changed TO P.set_fraction");
+  world.start();
+  world.step(1);
+  CHECK(world.take() == Lines{"1 A.isActive TRUE", "1 A.cycleTime 1001", "1 A.fraction_changed 0", "1 A.time 1001",
+                              "1 B.startTime 1001", "1 B.isActive TRUE", "1 B.cycleTime 1001", "1 B.fraction_changed 0",
+                              "1 B.time 1001", "1 P.value_changed 5"});
+  world.step(2);
+  CHECK(world.take("P.") == Lines{"2 P.value_changed 6"});
+}
+
+TEST_CASE("times of no sense do no harm") {
+  World world(
+      "DEF T TimeSensor { loop TRUE cycleInterval 0 } DEF U TimeSensor { loop TRUE cycleInterval 1e-300 }"
+      "DEF V TimeSensor { loop TRUE cycleInterval -3 startTime 1e300 } DEF W TimeSensor { startTime 1001 }");
+  world.start();
+  world.send("W.startTime", SFTime{std::numeric_limits<double>::quiet_NaN()});
+  world.send("W.stopTime", SFTime{std::numeric_limits<double>::infinity()});
+  world.send("W.startTime", SFTime{-std::numeric_limits<double>::infinity()});
+  for (int i = 1; i < 100; ++i) {
+    world.step(i);
+    world.send("V.startTime", SFTime{1e300 + i * 1e285});
+    world.send("W.startTime", SFTime{1e9 + i});
+  }
+  CHECK(world.scene().get<SFTime>(world.node("W"), "startTime") == 1e9 + 99);
+}
+
+TEST_CASE("time never goes back (4.11)") {
+  World world("DEF T TimeSensor { loop TRUE }");
+  world.start();
+  world.step(2.5);
+  (void)world.take();
+  world.step(1);
+  world.step(2.5);
+  CHECK(world.take().empty());
+  CHECK(world.execution().now() == 1002.5);
+}
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "vrml/events/execution.h"
+#include "vrml/events/node_names.h"
+#include "vrml/parser.h"
+#include "vrml/printer.h"
+
+#include <catch2/catch.hpp>
+
+#include <charconv>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::vrml::traces {
+
+/// A world in which events flow, and the trace of them: "time node.event value", the time in seconds since kStart.
+class World {
+ public:
+  static constexpr double kStart = 1000;
+
+  explicit World(const std::string& body, const Limits& limits = {})
+      : scene_(std::make_unique<SceneGraph>("text.wrl", limits)) {
+    Diagnostics diagnostics;
+    (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+    CHECK(diagnostics.errors() == 0);
+    execution_ = std::make_unique<Execution>(*scene_);
+    names_ = std::make_unique<NodeNames>(*scene_);
+    execution_->observe([this](const SentEvent& event) {
+      std::string line =
+          time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
+      print_value(line, *event.value, *event.scene);
+      lines_.push_back(line);
+    });
+  }
+
+  /// The trace since the last call.
+  std::vector<std::string> take() { return std::exchange(lines_, {}); }
+  /// The lines among them in which `part` stands.
+  std::vector<std::string> take(std::string_view part) {
+    std::vector<std::string> some;
+    for (const std::string& line : take())
+      if (line.find(part) != std::string::npos) some.push_back(line);
+    return some;
+  }
+  void start(double at = 0) { execution_->start(kStart + at); }
+  void step(double at) { execution_->step(kStart + at); }
+  /// An event for "name.eventIn"; times are since kStart.
+  template <class T>
+  void send(std::string_view target, T value) {
+    const std::size_t point = target.rfind('.');
+    const NodeId node = names_->find(target.substr(0, point));
+    REQUIRE(node);
+    const InterfaceDeclaration* event = scene_->node(node).type->find_event_in(target.substr(point + 1));
+    REQUIRE(event);
+    CHECK(execution_->send(*scene_, node, *event, FieldValue(std::move(value))));
+  }
+  SceneGraph& scene() { return *scene_; }
+  Execution& execution() { return *execution_; }
+  NodeId node(std::string_view name) { return names_->find(name); }
+
+ private:
+  static std::string time_text(double time) {
+    char digits[64];
+    return {digits, std::to_chars(digits, digits + sizeof digits, time).ptr};
+  }
+
+  std::unique_ptr<SceneGraph> scene_;
+  std::unique_ptr<Execution> execution_;
+  std::unique_ptr<NodeNames> names_;
+  std::vector<std::string> lines_;
+};
+
+using Lines = std::vector<std::string>;
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "vrml/field_value.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace gs::vrml {
+
+class Execution;
+struct Node;
+/// A node that takes part in events: its place in Execution. 0 is none.
+using EventNode = std::uint32_t;
+
+/// What the nodes of one built-in type do on an event and as time goes: a column of the node table. What no function
+/// handles has the common meaning: an exposedField takes the value and sends it (VRML97 4.7), `set_x` of a plain field
+/// x replaces that (6.17, 6.18, 6.23, 6.24).
+struct Behaviour {
+  static constexpr std::size_t kMostEvents = 12;
+  /// Names of the interfaces that the functions handle, read or send, "" behind the last one; functions call them by
+  /// their places in this list.
+  std::array<std::string_view, kMostEvents> events{};
+  /// Called once, when the node is found in the world; null where the node takes part only if something is routed.
+  void (*initialize)(Execution& execution, EventNode node) = nullptr;
+  /// An event for events[event]. False: the event was dealt with, or is ignored. True: it has its common meaning, too.
+  bool (*on_event)(Execution& execution, EventNode node, int event, const FieldValue& value) = nullptr;
+  /// The time is Execution::now(): in each step while the node runs, at times it asked for, and after events for it
+  /// where on_event asked for it.
+  void (*on_time)(Execution& execution, EventNode node) = nullptr;
+  /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
+  glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
+};
+
+// The rows' behaviours.
+extern const Behaviour kTransformBehaviour;
+extern const Behaviour kViewpointBehaviour;
+extern const Behaviour kProximitySensorBehaviour;
+extern const Behaviour kGroupBehaviour;     // addChildren, removeChildren (4.6.5)
+extern const Behaviour kBindableBehaviour;  // 4.6.10
+inline constexpr int kSetBind = 0;          // of its events
+extern const Behaviour kTimeSensorBehaviour;
+extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
+    kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour;
+
+}  // namespace gs::vrml

@@ -1,0 +1,44 @@
+#include "vrml/events/execution.h"
+#include "vrml/events/placement.h"
+
+namespace gs::vrml {
+namespace {
+
+struct BindableEvents {
+  enum : int { set_bind = kSetBind, is_bound, bind_time };
+};
+
+void tell_bound(Execution& execution, EventNode node, bool bound) {
+  execution.send(node, BindableEvents::is_bound, SFBool{bound});
+  // A Viewpoint tells the time of both (6.53).
+  execution.send(node, BindableEvents::bind_time, SFTime{execution.now()});
+}
+
+// 4.6.10: TRUE moves the node to the top of its stack, FALSE takes it off; whoever comes to the top, or leaves it, says
+// so with the same timestamp. Where nothing changes nothing is sent.
+bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event != BindableEvents::set_bind) return true;
+  const NodeType& type = execution.type_of(node);
+  const EventNode before = execution.top_of(type);
+  const bool to_top = std::get<SFBool>(value);
+  if (to_top && before == node) return false;
+  execution.bind(node, to_top);
+  const EventNode after = execution.top_of(type);
+  if (before == after) return false;
+  if (before != 0) tell_bound(execution, before, false);
+  if (after != 0) tell_bound(execution, after, true);
+  return false;
+}
+
+glm::dmat4 viewer_of(const Node& node) {
+  static const int position = node.type->find_field("position")->slot;
+  static const int orientation = node.type->find_field("orientation")->slot;
+  return viewer_matrix(std::get<SFVec3f>(node.values[position]), std::get<SFRotation>(node.values[orientation]));
+}
+
+}  // namespace
+
+const Behaviour kViewpointBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr, viewer_of};
+const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr};
+
+}  // namespace gs::vrml

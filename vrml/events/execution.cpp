@@ -1,0 +1,314 @@
+#include "vrml/events/execution.h"
+
+#include "vrml/events/states.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+// Of one timestamp: what a delivery and an element of an array count, and how much there may be. About 4 million
+// deliveries, some tenths of a second.
+constexpr std::size_t kDelivery = 16;
+constexpr std::size_t kMostWork = std::size_t{1} << 26;
+constexpr std::size_t kFewAlarms = 1024;
+constexpr int kLastChangeBit = 63;
+
+}  // namespace
+
+Execution::~Execution() = default;
+
+// ---- Values and what behaviours ask for
+
+FieldValue& Execution::stored(const Member& at, const EventSchema::Interface& interface) {
+  return interface.out >= 0 ? out_values_[at.first_out + static_cast<std::uint32_t>(interface.out)]
+                            : at.node->values[interface.slot];
+}
+
+const FieldValue& Execution::value_of(EventNode node, int event) const {
+  const Member& at = nodes_[node];
+  const EventSchema::Interface& interface = at.schema->interfaces[at.schema->events[static_cast<std::size_t>(event)]];
+  return interface.out >= 0 ? out_values_[at.first_out + static_cast<std::uint32_t>(interface.out)]
+                            : at.node->values[interface.slot];
+}
+
+bool Execution::has_event(EventNode node, int event) const {
+  return nodes_[node].schema->events[static_cast<std::size_t>(event)] != EventSchema::kNone;
+}
+
+bool Execution::has_sent(EventNode node, int event) const {
+  const Member& at = nodes_[node];
+  return slots_[at.first_slot + at.schema->events[static_cast<std::size_t>(event)]].sent == stamp_;
+}
+
+FieldValue* Execution::place_to_send(EventNode node, int event) {
+  const Member& at = nodes_[node];
+  const std::uint32_t place = at.schema->events[static_cast<std::size_t>(event)];
+  if (place == EventSchema::kNone) return nullptr;
+  const EventSchema::Interface& interface = at.schema->interfaces[place];
+  // The value of an exposedField changes, whether that can be told or not.
+  if (interface.out >= 0 && slots_[at.first_slot + place].sent == stamp_) return nullptr;
+  if (interface.out < 0) mark_changed(node, interface.slot);
+  queue(node, place);
+  return &stored(at, interface);
+}
+
+void Execution::mark_changed(EventNode node, std::int32_t slot) {
+  Member& at = nodes_[node];
+  if (at.change == 0) {
+    changes_.push_back({at.scene, at.id, 0});
+    changed_.push_back(node);
+    at.change = static_cast<std::uint32_t>(changes_.size());
+  }
+  if (std::holds_alternative<MFNode>(at.node->values[slot])) placement_.forget();
+  changes_[at.change - 1].slots |= std::uint64_t{1} << std::min(slot, kLastChangeBit);
+}
+
+std::span<const NodeChange> Execution::take_changes() {
+  for (const EventNode node : changed_) nodes_[node].change = 0;
+  changed_.clear();
+  std::swap(changes_, taken_changes_);
+  changes_.clear();
+  return taken_changes_;
+}
+
+bool Execution::spend(std::size_t elements) {
+  if (elements < kMostWork && work_ + elements <= kMostWork) {
+    work_ += elements;
+    return true;
+  }
+  if (problem_.empty()) problem_ = "events of one moment make more work than may be done; the rest of them is left out";
+  return false;
+}
+
+bool Execution::afford(std::size_t bytes) {
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // drawn at a time
+  if (afforded_ + bytes > share_.amount() && !share_.grow(std::max(bytes, kStep)) && !share_.grow(bytes)) {
+    if (problem_.empty()) problem_ = "events take " + root_.budget()->refusal(Resource::nodes);
+    return false;
+  }
+  afforded_ += bytes;
+  return true;
+}
+
+void Execution::run(EventNode node, bool running) {
+  Member& at = nodes_[node];
+  at.running = running;
+  if (running && !std::exchange(at.listed, true)) running_.push_back(node);
+}
+
+void Execution::look_again(EventNode node) {
+  if (!std::exchange(nodes_[node].looking, true)) looking_.push_back(node);
+}
+
+void Execution::call_at(EventNode node, double time) {
+  if (std::isnan(time)) return;
+  if (alarms_.size() > kFewAlarms && alarms_.size() > 2 * live_alarms_) {
+    std::erase_if(alarms_, [&](const Alarm& alarm) { return nodes_[alarm.node].alarm != alarm.number; });
+    std::make_heap(alarms_.begin(), alarms_.end(), std::greater<>());
+  }
+  live_alarms_ += nodes_[node].alarm == 0 ? 1 : 0;
+  if (++alarm_number_ == 0) ++alarm_number_;
+  nodes_[node].alarm = alarm_number_;
+  alarms_.push_back({time, node, alarm_number_});
+  std::push_heap(alarms_.begin(), alarms_.end(), std::greater<>());
+}
+
+// ---- Bindable nodes (4.6.10): a stack a type, as a list through its nodes, so that any of them can leave it at once.
+
+Execution::Stack& Execution::stack_of(const NodeType& type) {
+  for (Stack& stack : stacks_)
+    if (stack.type == &type) return stack;
+  return stacks_.emplace_back(Stack{&type});
+}
+
+EventNode Execution::top_of(const NodeType& type) const {
+  for (const Stack& stack : stacks_)
+    if (stack.type == &type) return stack.top;
+  return 0;
+}
+
+NodeChange Execution::bound(const NodeType& type) const {
+  const EventNode top = top_of(type);
+  return top == 0 ? NodeChange{} : NodeChange{nodes_[top].scene, nodes_[top].id, 0};
+}
+
+void Execution::bind(EventNode node, bool to_top) {
+  Stack& stack = stack_of(type_of(node));
+  Member& at = nodes_[node];
+  if (at.on_stack) {
+    if (at.bound_above != 0) nodes_[at.bound_above].bound_below = at.bound_below;
+    if (at.bound_below != 0) nodes_[at.bound_below].bound_above = at.bound_above;
+    if (stack.top == node) stack.top = at.bound_below;
+  }
+  at.on_stack = to_top;
+  at.bound_above = 0;
+  at.bound_below = to_top ? stack.top : 0;
+  if (!to_top) return;
+  if (stack.top != 0) nodes_[stack.top].bound_above = node;
+  stack.top = node;
+}
+
+glm::dmat4 Execution::viewer() {
+  if (told_viewer_) return *told_viewer_;
+  for (const Stack& stack : stacks_) {
+    if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
+    glm::dmat4 matrix = stack.type->behaviour->parent_from_local(node_of(stack.top));
+    if (const auto places = places_of(stack.top); !places.empty()) matrix = places.front() * matrix;
+    return matrix;
+  }
+  return viewer_matrix({0, 0, 10}, {});
+}
+
+// ---- Cascades (4.10.3, 4.10.4)
+
+void Execution::begin(double now) {
+  if (!(now > now_)) return;  // timestamps never decrease (4.11)
+  previous_ = now_;
+  now_ = now;
+  ++stamp_;
+  work_ = 0;
+}
+
+void Execution::step(double now) {
+  begin(now);
+  while (!alarms_.empty() && alarms_.front().time <= now_) {
+    const Alarm alarm = alarms_.front();
+    std::pop_heap(alarms_.begin(), alarms_.end(), std::greater<>());
+    alarms_.pop_back();
+    if (nodes_[alarm.node].alarm != alarm.number) continue;
+    nodes_[alarm.node].alarm = 0;
+    --live_alarms_;
+    look_again(alarm.node);
+  }
+  // Those that begin to run meanwhile stand behind the others, and have had their turn.
+  const std::size_t count = running_.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const EventNode node = running_[i];
+    if (nodes_[node].running) nodes_[node].schema->behaviour->on_time(*this, node);
+    nodes_[node].listed = nodes_[node].running;
+    if (nodes_[node].running) running_[kept++] = node;
+  }
+  running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(kept),
+                 running_.begin() + static_cast<std::ptrdiff_t>(count));
+  drain();
+}
+
+bool Execution::send(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in,
+                     const FieldValue& value) {
+  if (!scene.contains(id) || vrml::type_of(value) != event_in.type) return false;
+  const auto place = scene_places_.find(&scene);
+  const EventNode node = place == scene_places_.end() ? 0 : member(scenes_[place->second], id);
+  if (node == 0) return false;
+  const std::uint32_t interface = nodes_[node].schema->find(event_in);
+  if (interface == EventSchema::kNone ||
+      (event_in.access != AccessType::eventIn && event_in.access != AccessType::exposedField))
+    return false;
+  const FieldValue kept = value;
+  receive(node, interface, kept);
+  drain();
+  return true;
+}
+
+void Execution::queue(EventNode node, std::uint32_t interface) {
+  Slot& slot = slots_[nodes_[node].first_slot + interface];
+  if (slot.sent == stamp_) return;
+  slot.sent = stamp_;
+  if (slot.first != 0 || observer_) queue_.push_back({node, interface});
+}
+
+void Execution::drain() {
+  do {
+    while (queue_next_ < queue_.size()) deliver(queue_[queue_next_++]);
+    queue_.clear();
+    queue_next_ = 0;
+    // What they send goes on in this cascade; each eventOut can be the cause of no more than one look.
+    for (std::size_t i = 0; i < looking_.size(); ++i) {
+      const EventNode node = looking_[i];
+      nodes_[node].looking = false;
+      nodes_[node].schema->behaviour->on_time(*this, node);
+    }
+    looking_.clear();
+  } while (!queue_.empty());
+  free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
+  removed_connections_.clear();
+}
+
+void Execution::deliver(Sent sent) {
+  const Member& at = nodes_[sent.node];
+  const EventSchema::Interface& interface = at.schema->interfaces[sent.interface];
+  const FieldValue& value = stored(at, interface);
+  if (observer_) observer_({now_, at.scene, at.id, interface.declaration, &value});
+  walk(slots_[at.first_slot + sent.interface].first, value);
+}
+
+// All that one event leads to directly: a list of connections, and, where these enter PROTO instances, the lists of
+// those. The standing places are kept on a path of our own, since files choose how deep instances nest.
+void Execution::walk(std::uint32_t first, const FieldValue& value) {
+  assert(path_.empty());
+  if (first != 0) path_.push_back(first);
+  while (!path_.empty()) {
+    const Connection connection = connections_[path_.back()];
+    if (connection.next != 0) {
+      path_.back() = connection.next;
+    } else {
+      path_.pop_back();
+    }
+    if (connection.way == Way::removed) continue;
+    if (!spend(kDelivery)) {
+      path_.clear();
+      return;
+    }
+    if (connection.way == Way::up) {
+      pass_up(connection.to, connection.event_in, value);
+      continue;
+    }
+    const Member& to = nodes_[connection.to];
+    if (to.schema->instance) {
+      const std::size_t ways_down = to.first_slot + to.schema->interfaces.size() + connection.event_in;
+      if (slots_[ways_down].first != 0) {
+        path_.push_back(slots_[ways_down].first);
+        continue;
+      }
+    }
+    receive(connection.to, connection.event_in, value);
+  }
+}
+
+void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& value) {
+  const Member& at = nodes_[node];
+  const EventSchema& schema = *at.schema;
+  const EventSchema::Interface& interface = schema.interfaces[place];
+  if (schema.instance) {
+    const std::size_t ways_down = at.first_slot + schema.interfaces.size() + place;
+    if (slots_[ways_down].first != 0) {  // only from outside: walk goes there by itself
+      walk(slots_[ways_down].first, value);
+      return;
+    }
+  }
+  if (interface.event >= 0 && schema.behaviour->on_event &&
+      !schema.behaviour->on_event(*this, node, interface.event, value))
+    return;
+  if (interface.slot < 0) return;
+  FieldValue& field = at.node->values[interface.slot];
+  if (&field != &value) field = value;
+  mark_changed(node, interface.slot);
+  if (interface.declaration->access == AccessType::exposedField) queue(node, place);
+}
+
+// IS of an eventOut: it goes on as an event of the instance (4.8.2).
+void Execution::pass_up(EventNode node, std::uint32_t place, const FieldValue& value) {
+  const Member& at = nodes_[node];
+  const EventSchema::Interface& interface = at.schema->interfaces[place];
+  if (slots_[at.first_slot + place].sent == stamp_ || (interface.out < 0 && interface.slot < 0)) return;
+  FieldValue& kept = stored(at, interface);
+  if (&kept != &value) kept = value;
+  if (interface.slot >= 0) mark_changed(node, interface.slot);
+  queue(node, place);
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,244 @@
+#pragma once
+
+#include "vrml/events/event_schema.h"
+#include "vrml/events/placement.h"
+#include "vrml/scene_graph.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::vrml {
+
+/// An event that an eventOut or exposedField has sent.
+struct SentEvent {
+  double time = 0;  // its timestamp: seconds since 1970-01-01 00:00 GMT (VRML97 4.11)
+  const SceneGraph* scene = nullptr;
+  NodeId node;                                  // of `scene`; of a PROTO instance, its own and those of its body
+  const InterfaceDeclaration* event = nullptr;  // of the node's type
+  const FieldValue* value = nullptr;
+};
+
+/// A node whose fields have changed.
+struct NodeChange {
+  SceneGraph* scene = nullptr;
+  NodeId node;
+  std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all others
+};
+
+/// The execution model of VRML97 (4.10, 4.11): ROUTEs, cascades of events, and what nodes do as time goes, for a world
+/// and all Inlines attached to it.
+///
+/// A cascade has one timestamp, and each eventOut sends at most one event in it (4.10.4), so that loops end. Events of
+/// one timestamp are delivered in the order in which they were sent, to ROUTEs in the order in which these were made.
+/// Work for a step follows what happens in it. Memory is drawn from the scene's budget; what finds no room has no
+/// events, and `problem` says so. A cascade of too much work is cut short. One thread, that of the scene; the scene
+/// must outlive this.
+class Execution {
+ public:
+  using Observer = std::function<void(const SentEvent&)>;
+
+  explicit Execution(SceneGraph& root);
+  ~Execution();
+  Execution(const Execution&) = delete;
+  Execution& operator=(const Execution&) = delete;
+
+  /// Takes in what the root and its Inlines have got since the last call: nodes, ROUTEs, bodies of EXTERNPROTOs.
+  void attach();
+  /// Begins at `now`, with the first cascade: the first bindable node of each type that is not in an Inline is bound
+  /// (4.6.10), and time-dependent nodes that are active at that time begin (4.6.9). Call once.
+  void start(double now);
+  /// Lets time go on to `now`: what time-dependent nodes send, and all that follows from it. Time never goes back.
+  void step(double now);
+  /// An event from outside, with the present timestamp, and all that follows from it. The value's type must be that
+  /// of `event_in`, an eventIn or exposedField of the node's type; false where it is not, where the scene is not
+  /// part of the world, or where there is no room.
+  bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
+
+  /// False where there is such a ROUTE already (they count once), where it is none between nodes of one scene with
+  /// equal types, or where there is no room. Not added to SceneGraph::routes.
+  bool add_route(SceneGraph& scene, const Route& route);
+  /// False where there is none.
+  bool remove_route(SceneGraph& scene, const Route& route);
+
+  [[nodiscard]] double now() const { return now_; }
+  /// Sees each event when it is delivered, also where no ROUTE leads on. Not for work on this object.
+  void observe(Observer observer) { observer_ = std::move(observer); }
+  /// The nodes that changed since the last call, each once. Valid until the next step.
+  [[nodiscard]] std::span<const NodeChange> take_changes();
+  /// The bound node of a bindable type (4.6.10); a null scene: there is none.
+  [[nodiscard]] NodeChange bound(const NodeType& type) const;
+  /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
+  void set_viewer(const glm::dmat4& world_from_viewer) { told_viewer_ = world_from_viewer; }
+  /// What limits kept out; empty: nothing.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+  // For the behaviours of node types. `event` is a place in Behaviour::events.
+
+  template <class T>
+  [[nodiscard]] const T& get(EventNode node, int event) const {
+    return *std::get_if<T>(&value_of(node, event));
+  }
+  [[nodiscard]] const FieldValue& value_of(EventNode node, int event) const;
+  /// Whether the type of the node has the interface.
+  [[nodiscard]] bool has_event(EventNode node, int event) const;
+  /// Whether an event was sent already with the present timestamp.
+  [[nodiscard]] bool has_sent(EventNode node, int event) const;
+  /// Sends an event from an eventOut, or sets an exposedField and sends that.
+  template <class T>
+  void send(EventNode node, int event, T value) {
+    if (FieldValue* place = place_to_send(node, event)) *place = std::move(value);
+  }
+  /// The same for a value that is made in its place: null where nothing may be sent with this timestamp any more.
+  [[nodiscard]] FieldValue* place_to_send(EventNode node, int event);
+  [[nodiscard]] const NodeType& type_of(EventNode node) const { return *nodes_[node].schema->type; }
+  [[nodiscard]] const SceneGraph& scene_of(EventNode node) const { return *nodes_[node].scene; }
+  [[nodiscard]] Node& node_of(EventNode node) { return *nodes_[node].node; }
+  /// A number of the node's own, for its behaviour: 0 at first.
+  [[nodiscard]] std::uint32_t& state_of(EventNode node) { return nodes_[node].state; }
+  /// on_time is called in each step, or no more.
+  void run(EventNode node, bool running);
+  /// on_time is called once more before this timestamp is over.
+  void look_again(EventNode node);
+  /// on_time is called in the first step that is not before `time`, and later than the present one. One at a time: a
+  /// new one takes the place of the old one.
+  void call_at(EventNode node, double time);
+  /// The time of the step before this one; the same as now() in the first one.
+  [[nodiscard]] double previous() const { return previous_; }
+  /// Counts work whose amount a file chooses, in elements. False: too much for one timestamp; leave it.
+  [[nodiscard]] bool spend(std::size_t elements);
+  /// Draws memory from the world's budget.
+  [[nodiscard]] bool afford(std::size_t bytes);
+  /// The node goes to the top of the stack of its type, or off it (4.6.10).
+  void bind(EventNode node, bool to_top);
+  /// The bound node of a type; 0: none.
+  [[nodiscard]] EventNode top_of(const NodeType& type) const;
+
+  /// world_from_viewer: as it was told, else of the bound Viewpoint, else 10 units from the origin along z.
+  [[nodiscard]] glm::dmat4 viewer();
+  /// See Placement. Valid until this or viewer() is called again.
+  [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node) {
+    return placement_.places_of(*nodes_[node].scene, nodes_[node].id);
+  }
+
+  /// State of behaviours, by number; see state_of.
+  struct States;
+  [[nodiscard]] States& states() { return *states_; }
+
+ private:
+  struct Slot {
+    std::uint32_t first = 0, last = 0;  // connections; 0: none
+    std::uint64_t sent = 0;             // stamp_ of the last event
+  };
+  enum class Way : std::uint8_t {
+    route,    // to an eventIn
+    down,     // of a PROTO instance's eventIn, to that of a node of its body (4.8.2)
+    up,       // of an eventOut of a node of the body, to that of the instance
+    removed,  // while the cascade lasts that may stand on it
+  };
+  struct Connection {
+    std::uint32_t next = 0, previous = 0;
+    std::uint32_t from = 0;  // slot
+    EventNode to = 0;
+    std::uint32_t event_in = 0;  // place in the target's interfaces
+    Way way = Way::route;
+  };
+  struct Member {
+    SceneGraph* scene = nullptr;
+    Node* node = nullptr;
+    NodeId id;
+    const EventSchema* schema = nullptr;
+    std::uint32_t first_slot = 0;  // by interface; of PROTO instances the ways down follow
+    std::uint32_t first_out = 0;   // of out_values_
+    std::uint32_t state = 0;
+    std::uint32_t bound_below = 0, bound_above = 0;  // bindable nodes: the stack of the type
+    std::uint32_t change = 0;                        // of changes_, from 1
+    std::uint32_t alarm = 0;                         // number of the call_at that counts; 0: none
+    bool on_stack = false, running = false, listed = false, looking = false;
+  };
+  struct Sent {
+    EventNode node;
+    std::uint32_t interface;
+  };
+  struct Alarm {
+    double time;
+    EventNode node;
+    std::uint32_t number;
+    friend bool operator>(const Alarm& a, const Alarm& b) {
+      return a.time != b.time ? a.time > b.time : a.node != b.node ? a.node > b.node : a.number > b.number;
+    }
+  };
+  struct SceneState {
+    SceneGraph* scene;
+    std::vector<EventNode> members;  // by node index
+    std::size_t nodes_seen = 1, routes_seen = 0;
+    std::vector<NodeId> waiting;  // instances without content
+    bool main = false;
+  };
+  struct Stack {
+    const NodeType* type;
+    EventNode top = 0;
+  };
+
+  // execution_attach.cpp
+  std::size_t scene_state(SceneGraph& scene);
+  void attach_scene(std::size_t index);
+  bool attach_instance(SceneState& state, NodeId id);
+  EventNode member(SceneState& state, NodeId id);
+  const EventSchema& schema_of(const NodeType& type);
+  std::uint32_t connect(std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
+  void bind_first_nodes();
+  struct Ends;
+  bool find_ends(SceneGraph& scene, const Route& route, Ends& ends);
+
+  // execution.cpp
+  void begin(double now);
+  void drain();
+  void deliver(Sent sent);
+  void walk(std::uint32_t first, const FieldValue& value);
+  void receive(EventNode node, std::uint32_t interface, const FieldValue& value);
+  void pass_up(EventNode node, std::uint32_t interface, const FieldValue& value);
+  void queue(EventNode node, std::uint32_t interface);
+  [[nodiscard]] FieldValue& stored(const Member& at, const EventSchema::Interface& interface);
+  void mark_changed(EventNode node, std::int32_t slot);
+  Stack& stack_of(const NodeType& type);
+
+  SceneGraph& root_;
+  Share share_;
+  std::size_t afforded_ = 0;
+  std::string problem_;
+  Observer observer_;
+  double now_ = 0, previous_ = 0;
+  std::uint64_t stamp_ = 1;
+  std::size_t work_ = 0;
+  bool overloaded_ = false;
+  std::vector<Member> nodes_;  // [0] is unused
+  std::vector<Slot> slots_;
+  std::vector<Connection> connections_;  // [0] is unused
+  std::vector<std::uint32_t> free_connections_, removed_connections_;
+  std::deque<FieldValue> out_values_;
+  std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to
+  std::unordered_map<const NodeType*, std::unique_ptr<EventSchema>> schemas_;
+  std::deque<SceneState> scenes_;
+  std::unordered_map<const SceneGraph*, std::size_t> scene_places_;
+  std::vector<Sent> queue_;
+  std::size_t queue_next_ = 0;
+  std::vector<std::uint32_t> path_;  // of walk
+  std::vector<EventNode> running_, looking_;
+  std::vector<Alarm> alarms_;  // a heap, the earliest first
+  std::size_t live_alarms_ = 0;
+  std::uint32_t alarm_number_ = 0;
+  std::vector<Stack> stacks_;
+  Placement placement_;
+  std::optional<glm::dmat4> told_viewer_;
+  std::vector<NodeChange> changes_, taken_changes_;
+  std::vector<EventNode> changed_;
+  std::unique_ptr<States> states_;
+};
+
+}  // namespace gs::vrml

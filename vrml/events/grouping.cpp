@@ -1,0 +1,57 @@
+#include "vrml/events/execution.h"
+#include "vrml/events/placement.h"
+
+#include <unordered_set>
+
+namespace gs::vrml {
+namespace {
+
+struct GroupingEvents {
+  enum : int { add_children, remove_children, children };
+};
+
+// 4.6.5: children that are there already are not added again; those that are not there are not removed.
+bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event == GroupingEvents::children) return true;
+  const MFNode given = std::get<MFNode>(value);
+  const MFNode old = execution.get<MFNode>(node, GroupingEvents::children);
+  if (given.empty() || !execution.spend(old.size() + given.size())) return false;
+  const bool add = event == GroupingEvents::add_children;
+  std::unordered_set<std::uint32_t> named;
+  for (const NodeId child : add ? old : given) named.insert(child.index);
+  MFNode made;
+  if (add) {
+    made = old;
+    for (const NodeId child : given)
+      if (child && named.insert(child.index).second) made.push_back(child);
+  } else {
+    for (const NodeId child : old)
+      if (!named.contains(child.index)) made.push_back(child);
+  }
+  if (made.size() == old.size()) return false;
+  if (made.size() > old.size() && !execution.afford((made.size() - old.size()) * sizeof(NodeId))) return false;
+  execution.send(node, GroupingEvents::children, std::move(made));
+  return false;
+}
+
+glm::dmat4 transform_of(const Node& node) {
+  struct Slots {
+    int translation, center, rotation, scale, scale_orientation;
+  };
+  static const Slots slots = [&] {
+    const auto slot = [&](std::string_view name) { return node.type->find_field(name)->slot; };
+    return Slots{slot("translation"), slot("center"), slot("rotation"), slot("scale"), slot("scaleOrientation")};
+  }();
+  return transform_matrix(
+      std::get<SFVec3f>(node.values[slots.translation]), std::get<SFVec3f>(node.values[slots.center]),
+      std::get<SFRotation>(node.values[slots.rotation]), std::get<SFVec3f>(node.values[slots.scale]),
+      std::get<SFRotation>(node.values[slots.scale_orientation]));
+}
+
+}  // namespace
+
+const Behaviour kTransformBehaviour = {
+    {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};
+const Behaviour kGroupBehaviour = {{"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr};
+
+}  // namespace gs::vrml

@@ -1,0 +1,78 @@
+#include "vrml/events/execution.h"
+#include "vrml/events/interpolation.h"
+#include "vrml/events/states.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+struct InterpolatorEvents {
+  enum : int { set_fraction, key_value, value_changed, key };
+};
+
+// Interpolators of one value (6.10, 6.32, 6.37, 6.39).
+template <class T, T (*between)(const T&, const T&, float)>
+bool set_fraction(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event != InterpolatorEvents::set_fraction) return true;
+  const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
+  const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
+  const std::size_t count = std::min(keys.size(), values.size());
+  if (count == 0) return false;
+  const KeyPlace place = find_key(keys.span().first(count), std::get<SFFloat>(value));
+  execution.send(
+      node, InterpolatorEvents::value_changed,
+      place.part == 0 ? values[place.first] : between(values[place.first], values[place.second], place.part));
+  return false;
+}
+
+// Interpolators of as many values as there are for each key (6.13, 6.31). Two arrays take turns: the one that was sent
+// last may be shared with the fields that it was sent to, the one before no longer.
+template <SFVec3f (*between)(const SFVec3f&, const SFVec3f&, float)>
+bool set_fraction_of_list(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event != InterpolatorEvents::set_fraction) return true;
+  const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
+  const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
+  const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
+  if (count == 0 || !execution.spend(count) || execution.has_sent(node, InterpolatorEvents::value_changed))
+    return false;
+  const KeyPlace place = find_key(keys.span(), std::get<SFFloat>(value));
+  std::uint32_t& state = execution.state_of(node);
+  auto& spares = execution.states().spares;
+  if (state == 0) {
+    state = static_cast<std::uint32_t>(spares.size());
+    spares.emplace_back();
+  }
+  MFVec3f& spare = spares[state];
+  if (spare.capacity() < count && !execution.afford(2 * (count - spare.capacity()) * sizeof(SFVec3f))) return false;
+  if (spare.shared()) spare = {};
+  spare.resize(count);
+  SFVec3f* to = spare.mutable_data();
+  const SFVec3f* first = values.data() + place.first * count;
+  const SFVec3f* second = values.data() + place.second * count;
+  for (std::size_t i = 0; i < count; ++i) to[i] = place.part == 0 ? first[i] : between(first[i], second[i], place.part);
+  if (FieldValue* out = execution.place_to_send(node, InterpolatorEvents::value_changed))
+    std::swap(*std::get_if<MFVec3f>(out), spare);
+  return false;
+}
+
+constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEvents = {"set_fraction", "keyValue",
+                                                                                      "value_changed", "key"};
+
+}  // namespace
+
+const Behaviour kColorInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFColor, between_colors>,
+                                               nullptr};
+const Behaviour kCoordinateInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction_of_list<between_points>,
+                                                    nullptr};
+const Behaviour kNormalInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction_of_list<between_normals>,
+                                                nullptr};
+const Behaviour kOrientationInterpolatorBehaviour = {kInterpolatorEvents, nullptr,
+                                                     set_fraction<SFRotation, between_rotations>, nullptr};
+const Behaviour kPositionInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFVec3f, between_points>,
+                                                  nullptr};
+const Behaviour kScalarInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFFloat, between_numbers>,
+                                                nullptr};
+
+}  // namespace gs::vrml

@@ -1,0 +1,118 @@
+#include "vrml/events/placement.h"
+
+#include "vrml/events/behaviour.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cmath>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kDeepest = 100'000;
+
+SFVec3f usable(const SFVec3f& v, float otherwise) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? v : SFVec3f(otherwise);
+}
+
+glm::dmat4 rotation_about(const SFRotation& r) {
+  const glm::dvec3 axis(r.x, r.y, r.z);
+  const double length = glm::length(axis);
+  if (r.angle == 0 || !std::isfinite(r.angle) || !std::isfinite(length) || length == 0) return glm::dmat4(1);
+  return glm::rotate(glm::dmat4(1), double{r.angle}, axis / length);
+}
+
+}  // namespace
+
+glm::dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation) {
+  return glm::translate(glm::dmat4(1), glm::dvec3(usable(position, 0))) * rotation_about(orientation);
+}
+
+glm::dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const SFRotation& rotation,
+                            const SFVec3f& scale, const SFRotation& scale_orientation) {
+  const glm::dvec3 middle(usable(center, 0));
+  const glm::dmat4 turned = rotation_about(scale_orientation);
+  glm::dmat4 matrix = glm::translate(glm::dmat4(1), glm::dvec3(usable(translation, 0)) + middle);
+  matrix = matrix * rotation_about(rotation) * turned;
+  matrix = glm::scale(matrix, glm::dvec3(usable(scale, 1)));
+  return glm::translate(matrix * glm::transpose(turned), -middle);
+}
+
+// Through all children, also those that are not shown: what is inside a Switch or LOD goes on sending events
+// (6.26, 6.46).
+void Placement::search() {
+  known_ = true;
+  for (auto& [node, paths] : paths_) paths.clear();
+  struct Open {
+    const SceneGraph* scene;
+    std::vector<bool>* on_path;
+    NodeId node;        // that is open; null: the roots of a scene
+    int slot;           // of its children
+    std::size_t child;  // the next one
+    bool mover;
+  };
+  std::unordered_map<const SceneGraph*, std::vector<bool>> on_paths;
+  const auto on_path_of = [&](const SceneGraph& scene) {
+    std::vector<bool>& flags = on_paths[&scene];
+    flags.resize(scene.node_count() + 1);
+    return &flags;
+  };
+  Path movers;
+  std::vector<Open> path{{&root_, on_path_of(root_), {}, 0, 0, false}};
+  std::size_t visits = 0;
+  while (!path.empty() && visits <= root_.limits().visits) {
+    Open& top = path.back();
+    const MFNode* children = nullptr;
+    if (!top.node) {
+      children = top.slot == 0 ? &top.scene->roots() : nullptr;
+    } else {
+      const Node& node = top.scene->node(top.node);
+      const auto slots = static_cast<int>(node.type->defaults.size());
+      while (top.slot < slots && !std::holds_alternative<MFNode>(node.values[top.slot])) ++top.slot;
+      if (top.slot < slots) children = std::get_if<MFNode>(&node.values[top.slot]);
+    }
+    if (!children) {
+      if (top.node) (*top.on_path)[top.node.index] = false;
+      if (top.mover) movers.pop_back();
+      path.pop_back();
+      continue;
+    }
+    if (top.child >= children->size()) {
+      ++top.slot;
+      top.child = 0;
+      continue;
+    }
+    ++visits;
+    const SceneGraph& scene = *top.scene;
+    const NodeId id = scene.resolve((*children)[top.child++]);
+    if (!id || (*top.on_path)[id.index] || path.size() >= kDeepest) continue;
+    const Node& node = scene.node(id);
+    if (const auto wanted = paths_.find(&node); wanted != paths_.end() && wanted->second.size() < kMostPlaces)
+      wanted->second.push_back(movers);
+    if (!has(node.type->role, Role::grouping)) continue;
+    const bool mover = node.type->behaviour && node.type->behaviour->parent_from_local;
+    if (mover) movers.push_back({&scene, id});
+    std::vector<bool>* const on_path = top.on_path;
+    (*on_path)[id.index] = true;
+    path.push_back({&scene, on_path, id, 0, 0, mover});
+    if (const SceneGraph* inlined = scene.inlined(id)) path.push_back({inlined, on_path_of(*inlined), {}, 0, 0, false});
+  }
+}
+
+std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node) {
+  const auto [paths, fresh] = paths_.try_emplace(&scene.node(node));
+  if (fresh || !known_) search();
+  places_.clear();
+  for (const Path& path : paths->second) {
+    glm::dmat4 matrix(1);
+    for (const NodePlace& mover : path) {
+      const Node& moving = mover.scene->node(mover.node);
+      matrix *= moving.type->behaviour->parent_from_local(moving);
+    }
+    places_.push_back(matrix);
+  }
+  return places_;
+}
+
+}  // namespace gs::vrml

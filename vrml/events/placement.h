@@ -1,0 +1,53 @@
+#pragma once
+
+#include "vrml/scene_graph.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::vrml {
+
+/// A node of a scene of the world.
+struct NodePlace {
+  const SceneGraph* scene = nullptr;
+  NodeId node;
+};
+
+/// Where single nodes stand in the transformation hierarchy (VRML97 4.4.4) of a world and its Inlines: for sensors and
+/// for the bound Viewpoint. The hierarchy is searched when somebody asks after it has changed; what that visits is
+/// bounded by Limits::visits. Billboards count as if they did not turn. One thread.
+class Placement {
+ public:
+  explicit Placement(const SceneGraph& root) : root_(root) {}
+
+  /// The hierarchy has changed.
+  void forget() { known_ = false; }
+  /// world_from_local of each place of the node, one for each USE that leads to it, at most kMostPlaces; none for a
+  /// node that is not in the hierarchy. Valid until the next call.
+  [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node);
+
+  static constexpr std::size_t kMostPlaces = 64;
+
+ private:
+  using Path = std::vector<NodePlace>;  // the nodes that move what is below them, the outermost first
+  void search();
+
+  const SceneGraph& root_;
+  bool known_ = false;
+  std::unordered_map<const Node*, std::vector<Path>> paths_;  // of the nodes that were asked for
+  std::vector<glm::dmat4> places_;
+};
+
+/// parent_from_local of a Transform: T * C * R * SR * S * -SR * -C (VRML97 6.52). Values that are no finite numbers
+/// count as the defaults.
+[[nodiscard]] glm::dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const SFRotation& rotation,
+                                          const SFVec3f& scale, const SFRotation& scale_orientation);
+
+/// parent_from_viewer of a Viewpoint (6.53).
+[[nodiscard]] glm::dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation);
+
+}  // namespace gs::vrml

@@ -1,0 +1,143 @@
+#include "vrml/events/execution.h"
+#include "vrml/events/states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gs::vrml {
+namespace {
+
+struct Clock {
+  enum : int { cycle_interval, enabled, loop, start_time, stop_time, cycle_time, fraction_changed, is_active, time };
+};
+
+TimeState& state_of_sensor(Execution& execution, EventNode node) {
+  return execution.states().times[execution.state_of(node)];
+}
+
+struct TimeFields {
+  double interval, start, stop;
+  bool loop, enabled;
+};
+
+TimeFields fields_of(const Execution& execution, EventNode node) {
+  TimeFields f{execution.get<SFTime>(node, Clock::cycle_interval), execution.get<SFTime>(node, Clock::start_time),
+               execution.get<SFTime>(node, Clock::stop_time), execution.get<SFBool>(node, Clock::loop),
+               execution.get<SFBool>(node, Clock::enabled)};
+  // Against the standard, which wants (0,inf): as by default.
+  if (!(f.interval > 0) || !std::isfinite(f.interval)) f.interval = 1;
+  return f;
+}
+
+// What the sensor sends at a time while it is active (6.50). `last`: the cycle that ends then is the last one.
+void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at, bool last) {
+  const double cycles = (at - f.start) / f.interval;
+  double cycle = std::floor(cycles), fraction = cycles - cycle;
+  if (!std::isfinite(cycles)) cycle = fraction = 0;
+  const bool end_of_cycle = fraction == 0 && at > f.start;
+  if (!last && (!state.cycle_sent || cycle != state.cycle)) {
+    state.cycle_sent = true;
+    state.cycle = cycle;
+    execution.send(node, Clock::cycle_time, SFTime{f.start + cycle * f.interval});
+  }
+  execution.send(node, Clock::fraction_changed, end_of_cycle ? SFFloat{1} : static_cast<SFFloat>(fraction));
+  execution.send(node, Clock::time, SFTime{execution.now()});
+}
+
+void stop(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at) {
+  send_outputs(execution, node, state, f, at, true);
+  execution.send(node, Clock::is_active, SFBool{false});
+  state.active = false;
+  execution.run(node, false);
+  // Stopped and started anew at one time: the stop counts first (4.6.9).
+  if (state.new_start_at == execution.now()) {
+    execution.send(node, Clock::start_time, SFTime{state.new_start});
+    execution.call_at(node, execution.now());  // isActive was sent with this timestamp; it starts in the next step
+  }
+}
+
+void start_if_due(Execution& execution, EventNode node, TimeState& state, const TimeFields& f) {
+  const double now = execution.now();
+  if (!f.enabled) return;
+  if (f.start > now) {
+    execution.call_at(node, f.start);
+    return;
+  }
+  const bool stopped = f.stop > f.start && now >= f.stop, over = !f.loop && now >= f.start + f.interval;
+  // Steps may be longer than the whole of its activity: it is not passed over for that.
+  const bool since_last_step = f.start > execution.previous();
+  if (!(f.start <= now) || ((stopped || over) && !since_last_step)) return;
+  if (execution.has_sent(node, Clock::is_active)) {
+    execution.call_at(node, now);
+    return;
+  }
+  state.active = true;
+  state.cycle_sent = false;
+  execution.send(node, Clock::is_active, SFBool{true});
+  if (over) {  // the end of its only cycle
+    state.cycle_sent = true;
+    state.cycle = 0;
+    execution.send(node, Clock::cycle_time, SFTime{f.start});
+  }
+  const double end = over ? f.start + f.interval : now;
+  send_outputs(execution, node, state, f, stopped ? std::min(f.stop, end) : end, over);
+  execution.run(node, true);
+}
+
+void time_sensor_time(Execution& execution, EventNode node) {
+  TimeState& state = state_of_sensor(execution, node);
+  const TimeFields f = fields_of(execution, node);
+  if (!state.active) {
+    start_if_due(execution, node, state, f);
+    return;
+  }
+  const double now = execution.now();
+  double end = f.stop > f.start ? f.stop : std::numeric_limits<double>::infinity();
+  if (!f.loop) end = std::min(end, f.start + (state.cycle + 1) * f.interval);
+  if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
+    execution.run(node, true);  // it has begun with this timestamp, and ends with the next one
+    return;
+  }
+  if (now >= end) {
+    stop(execution, node, state, f, end);
+  } else if (!f.enabled) {
+    stop(execution, node, state, f, now);
+  } else {
+    send_outputs(execution, node, state, f, now, false);
+  }
+}
+
+// 4.6.9: while active, set_startTime and set_cycleInterval are ignored, and set_stopTime to what is not after
+// startTime.
+bool time_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  TimeState& state = state_of_sensor(execution, node);
+  execution.look_again(node);
+  if (!state.active) return true;
+  if (event == Clock::cycle_interval) return false;
+  if (event == Clock::stop_time) return std::get<SFTime>(value) > execution.get<SFTime>(node, Clock::start_time);
+  if (event == Clock::start_time) {
+    state.new_start = std::get<SFTime>(value);
+    state.new_start_at = execution.now();
+    return false;
+  }
+  return true;
+}
+
+void time_sensor_begin(Execution& execution, EventNode node) {
+  auto& times = execution.states().times;
+  if (!execution.afford(sizeof(TimeState))) return;
+  execution.state_of(node) = static_cast<std::uint32_t>(times.size());
+  times.emplace_back();
+  execution.look_again(node);
+}
+
+}  // namespace
+
+const Behaviour kTimeSensorBehaviour = {
+    {"cycleInterval", "enabled", "loop", "startTime", "stopTime", "cycleTime", "fraction_changed", "isActive", "time"},
+    time_sensor_begin,
+    time_sensor_event,
+    time_sensor_time};
+
+}  // namespace gs::vrml
