@@ -148,6 +148,8 @@ struct Navigation {
 [[nodiscard]] std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints);
 /// What to call it: its description, else its DEF name, else its number.
 [[nodiscard]] std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t index);
+/// For messages: "the world has 1 'Front', 2 'Back'".
+[[nodiscard]] std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints);
 /// The Viewpoint with this description or DEF name, else with this number, counted from 1.
 [[nodiscard]] std::optional<std::size_t> find_viewpoint(const std::vector<render::ViewpointState>& viewpoints,
                                                         std::string_view name);

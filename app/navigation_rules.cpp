@@ -85,6 +85,14 @@ std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t
   return "Viewpoint " + std::to_string(index + 1);
 }
 
+std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {
+  if (viewpoints.empty()) return "the world has none";
+  std::string text = "the world has";
+  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i)
+    text += (i ? ", " : " ") + std::to_string(i + 1) + " '" + viewpoint_label(viewpoints[i], i) + "'";
+  return text;
+}
+
 std::optional<std::size_t> find_viewpoint(const std::vector<render::ViewpointState>& viewpoints,
                                           std::string_view name) {
   for (std::size_t i = 0; i < viewpoints.size(); ++i)

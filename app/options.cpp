@@ -99,6 +99,19 @@ Problem set_background(Options& options, const std::string& value) {
   return {};
 }
 
+// Simulated time; a day of it is more than five million steps.
+Problem set_seconds(double& seconds, const std::string& value) {
+  constexpr double kLongest = 86400;
+  return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
+}
+
+Problem set_until(Options& options, const std::string& value) {
+  double seconds = 0;
+  const Problem problem = set_seconds(seconds, value);
+  options.until = seconds;
+  return problem;
+}
+
 Problem set_splats(Options& options, const std::string& value) {
   if (value != "auto" && value != "gl" && value != "cpu") return "expected auto, gl or cpu";
   options.splats = value;
@@ -275,6 +288,19 @@ constexpr OptionRow kOptions[] = {
        return Problem{};
      }},
     {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open ", set_size},
+    {"--time", "SECONDS", "0",
+     "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "
+     "which is 2000-01-01T00:00:00Z",
+     "open ", [](Options& o, const std::string& v) { return set_seconds(o.time, v); }},
+    {"--until", "SECONDS", "", "end after so much simulated time", "trace ", set_until},
+    {"--input", "FILE", "",
+     "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
+     "binds a Viewpoint, and {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event",
+     "open trace ",
+     [](Options& o, const std::string& v) {
+       o.input = v;
+       return Problem{};
+     }},
     {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},
     {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)", "open ",
      [](Options& o, const std::string& v) {
@@ -293,7 +319,7 @@ constexpr OptionRow kOptions[] = {
      set_loss},
     {"--max-bytes", "N", "",
      "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
-     "open check info encode fetch ", set_max_bytes},
+     "open check info encode fetch trace ", set_max_bytes},
     {"--vectors", "N", "", "about so many vectors", "encode export ", set_vectors},
     {"--fraction", "F", "", "this part of a volume's voxels, of a cloud's vectors, of a surface's triangles (0 to 1)",
      "encode ", set_fraction},
@@ -344,13 +370,13 @@ constexpr OptionRow kOptions[] = {
     {"--timeout", "SECONDS", "30",
      "for loading; what has not come by then is left out. Drawing a snapshot may take as long again. A window "
      "waits for ever unless this is given",
-     "open check print info encode export fetch ", set_timeout},
+     "open check print info encode export fetch trace ", set_timeout},
     {"--memory", "SIZE", "2G",
      "about so much memory may be taken for one world (bytes, or with K, M or G behind the number); what would take "
      "more "
      "is left out, and a message names the limit",
-     "open check print info encode export fetch ", set_memory},
-    {"--offline", "", "", "read nothing over the network", "open check print info encode export ",
+     "open check print info encode export fetch trace ", set_memory},
+    {"--offline", "", "", "read nothing over the network", "open check print info encode export trace ",
      [](Options& o, const std::string&) {
        o.offline = true;
        return Problem{};
@@ -358,11 +384,11 @@ constexpr OptionRow kOptions[] = {
     {"--allow", "FOLDER", "",
      "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
      "several times",
-     "open check print info encode export fetch ", set_allowed, true},
+     "open check print info encode export fetch trace ", set_allowed, true},
     {"--confine", "FOLDER", "",
      "for files of strangers: the kernel lets it read nothing but FOLDER and the system's libraries, write nothing but "
      "into the folder of OUT, and open no connection (Landlock and seccomp, where the kernel has them)",
-     "open check print info encode export ",
+     "open check print info encode export trace ",
      [](Options& o, const std::string& v) {
        o.confine = v;
        o.offline = true;
@@ -432,6 +458,8 @@ constexpr CommandRow kCommands[] = {
     {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny,
      run_check},
     {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},
+    {"trace", "FILE", "print the events of simulated time, a line each: TIME NODE.eventOut VALUE", 1, 1, run_trace,
+     check_trace},
     {"info", "FILE", "tell what is inside a file", 1, 1, run_info},
     {"encode", "IN OUT.qnv",
      "turn a world, mesh, volume or splats into a QNV stream; with --outlines polygons into a world of outline groups",
@@ -546,6 +574,8 @@ int parse_and_run(int count, char** arguments) {
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
     if (!options.snapshot.empty() && options.files.size() > 1)
       throw CLI::ValidationError("--snapshot", "expected one file");
+    if ((options.time > 0 || !options.input.empty()) && chosen == &kCommands[0] && options.snapshot.empty())
+      throw CLI::ValidationError("--time and --input", "expected with --snapshot");
     if (!options.confine.empty() && chosen == &kCommands[0] && options.snapshot.empty())
       throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
     if (chosen->check)

@@ -24,6 +24,9 @@ struct Options {
   std::string snapshot;  // picture to write; empty: open a window
   int width = 1024, height = 768, samples = 4;
   std::string viewpoint;
+  double time = 0;              // simulated seconds before a picture is drawn
+  std::optional<double> until;  // of a trace
+  std::string input;            // file of what somebody does meanwhile; empty: none
   std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   std::string backend = "auto";

@@ -50,8 +50,8 @@ vrml::Bounds transformed(const vrml::Bounds& bounds, const dmat4& matrix) {
 class Collector {
  public:
   Collector(const Images& images, MeshCache& meshes, const glm::vec3& viewer, const Clouds& clouds,
-            std::shared_ptr<vrml::Budget> budget)
-      : images_(images), meshes_(meshes), viewer_(viewer), clouds_(clouds), budget_(std::move(budget)) {}
+            const BoundNodes* bound, std::shared_ptr<vrml::Budget> budget)
+      : images_(images), meshes_(meshes), viewer_(viewer), clouds_(clouds), bound_(bound), budget_(std::move(budget)) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -75,7 +75,7 @@ class Collector {
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
   void add_light(const NodeView& light, const dmat4& world_from_local, bool directional);
-  void add_bindable(const NodeView& view, const Frame& parent);
+  void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, const NodeView& shape);
   void add_splats(const Frame& parent, const DrawItem& shape, const std::shared_ptr<const qnv::Cloud>& cloud,
                   float detail);
@@ -95,6 +95,7 @@ class Collector {
   MeshCache& meshes_;
   dvec3 viewer_;
   const Clouds& clouds_;
+  const BoundNodes* bound_;
   Schemas schemas_;
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
@@ -224,7 +225,7 @@ void Collector::visit(const Frame& parent, vrml::NodeId id) {
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
-      add_bindable(view, parent);
+      add_bindable(view, id, parent);
       break;
     default:
       break;  // DirectionalLights were seen by enter()
@@ -237,18 +238,25 @@ void Collector::add_light(const NodeView& light, const dmat4& world_from_local, 
   list_.lights.push_back(world_light(light, world_from_local));
 }
 
-void Collector::add_bindable(const NodeView& view, const Frame& parent) {
+void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
   if (view.kind() == NodeKind::viewpoint) {
     auto& viewpoints = parent.main ? list_.viewpoints : inlined_viewpoints_;
-    if (viewpoints.size() < kMaxViewpoints) viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+    if (viewpoints.size() < kMaxViewpoints) {
+      viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+      viewpoints.back().scene = parent.scene;
+      viewpoints.back().node = id;
+    }
     return;
   }
+  const bool background = view.kind() == NodeKind::background;
   // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
-  if (!parent.main) return;
-  if (view.kind() == NodeKind::background && !std::exchange(have_background_, true))
+  const bool counts = bound_ ? view.node == (background ? bound_->background : bound_->navigation_info) : parent.main;
+  if (!counts || std::exchange(background ? have_background_ : have_navigation_, true)) return;
+  if (background) {
     list_.background = world_background(view, parent.world_from_local);
-  if (view.kind() == NodeKind::navigation_info && !std::exchange(have_navigation_, true))
+  } else {
     list_.navigation = navigation_state(view);
+  }
 }
 
 void Collector::add_shape(const Frame& parent, const NodeView& shape) {
@@ -445,9 +453,9 @@ void Collector::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene
 }  // namespace
 
 RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes, const glm::vec3& viewer,
-                   const Clouds& clouds) {
+                   const Clouds& clouds, const BoundNodes* bound) {
   const bool usable = std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z);
-  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10), clouds, scene.budget()).collect(scene);
+  return Collector(images, meshes, usable ? viewer : glm::vec3(0, 0, 10), clouds, bound, scene.budget()).collect(scene);
 }
 
 }  // namespace gs::render

@@ -74,6 +74,8 @@ struct Background {
 /// A Viewpoint in world space (6.53).
 struct ViewpointState {
   std::string description, name;  // `description` field, DEF name
+  const vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;  // of `scene`
   glm::mat4 world_from_camera{1.0f};
   float field_of_view = 0.785398f;
 };
@@ -84,6 +86,11 @@ struct NavigationState {
   std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
   float speed = 1, visibility_limit = 0;
   bool headlight = true;
+};
+
+/// The bindable nodes that are bound (4.6.10), of the root or of Inlines. Null: none of the type is.
+struct BoundNodes {
+  const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr;
 };
 
 /// What limits kept out of a picture, for one reason.
@@ -136,8 +143,10 @@ struct MeshCache {
 /// Safe for any graph a file can describe: cycles are cut; depth, items, triangles and the memory of meshes are bounded
 /// by the scene's budget, and `left_out` tells what did not fit. Many primitives are cut more coarsely. Ends early
 /// where the budget says so. `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in
-/// `clouds` become splats.
+/// `clouds` become splats. `bound` says which NavigationInfo and Background count; null: the first ones that are not in
+/// an Inline.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
-                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {});
+                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {},
+                                 const BoundNodes* bound = nullptr);
 
 }  // namespace gs::render

@@ -12,6 +12,8 @@
 
 namespace gs::app {
 
+class Simulation;
+
 // The commands of the table in options.cpp, a file each. They print and return the exit status.
 int run_open(const Options& options);
 int run_check(const Options& options);
@@ -25,9 +27,14 @@ int encode_outlines(const Options& options);
 int run_export(const Options& options);
 int run_serve(const Options& options);
 int run_fetch(const Options& options);
+int run_trace(const Options& options);
 std::optional<std::string> check_encode(const Options& options);
 std::optional<std::string> check_export(const Options& options);
 std::optional<std::string> check_fetch(const Options& options);
+std::optional<std::string> check_trace(const Options& options);
+
+/// Reads the file of `--input`, if there is one, into what `simulation` does; prints what is wrong with it.
+[[nodiscard]] bool plan_input(const Options& options, Simulation& simulation);
 
 /// Which path draws vectors, by the value of `--splats`.
 [[nodiscard]] render::SplatPath splat_path(const std::string& name);

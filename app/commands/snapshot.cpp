@@ -1,6 +1,8 @@
 #include "app/commands/commands.h"
+#include "app/console.h"
 #include "app/left_out.h"
 #include "app/navigation.h"
+#include "app/simulation.h"
 #include "app/world_loader.h"
 #include "net/file.h"
 #include "render/camera.h"
@@ -41,14 +43,6 @@ bool may_write(const std::string& path, const std::string& world) {
   return file->bytes().empty() || (file->bytes().size() >= 4 && std::memcmp(file->bytes().data(), kPng, 4) == 0);
 }
 
-std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {
-  if (viewpoints.empty()) return "the world has none";
-  std::string text = "the world has";
-  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i)
-    text += (i ? ", " : " ") + std::to_string(i + 1) + " '" + viewpoint_label(viewpoints[i], i) + "'";
-  return text;
-}
-
 // How many different colours a picture has; tells a blank one.
 std::size_t count_colors(const render::Image& image) {
   constexpr std::size_t kEnough = 65536;
@@ -83,7 +77,7 @@ struct SnapshotView {
   bool headlight = true;
 };
 
-std::optional<SnapshotView> choose_view(const Options& options, const render::RenderList& list, std::string& error) {
+SnapshotView choose_view(const Options& options, const render::RenderList& list, const render::BoundNodes& bound) {
   SnapshotView view;
   view.headlight = options.headlight.value_or(list.navigation.headlight);
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
@@ -95,19 +89,14 @@ std::optional<SnapshotView> choose_view(const Options& options, const render::Re
     view.headlight = options.headlight.value_or(true);
     return view;
   }
-  std::optional<std::size_t> viewpoint;
-  if (!options.viewpoint.empty()) {
-    viewpoint = find_viewpoint(list.viewpoints, options.viewpoint);
-    if (!viewpoint) {
-      error = "no Viewpoint '" + options.viewpoint + "'; " + viewpoint_list(list.viewpoints);
-      return std::nullopt;
-    }
-  } else if (!list.viewpoints.empty()) {
-    viewpoint = 0;
-  }
-  if (viewpoint) {
-    view.camera.world_from_camera = list.viewpoints[*viewpoint].world_from_camera;
-    view.camera.field_of_view = list.viewpoints[*viewpoint].field_of_view;
+  // One that is bound may not be shown, inside a Switch for example.
+  auto viewpoint = std::find_if(list.viewpoints.begin(), list.viewpoints.end(), [&](const auto& candidate) {
+    return &candidate.scene->node(candidate.node) == bound.viewpoint;
+  });
+  if (viewpoint == list.viewpoints.end()) viewpoint = list.viewpoints.begin();
+  if (viewpoint != list.viewpoints.end()) {
+    view.camera.world_from_camera = viewpoint->world_from_camera;
+    view.camera.field_of_view = viewpoint->field_of_view;
   } else {
     view.camera = render::first_camera(list.bounds, kFieldOfView, width, height);
   }
@@ -118,10 +107,15 @@ std::optional<SnapshotView> choose_view(const Options& options, const render::Re
 
 int run_snapshot(const Options& options, const std::string& file) {
   const Clock::time_point start = Clock::now();
-  const OpenedWorld world = load_world(file, load_options(options));
+  OpenedWorld world = load_world(file, load_options(options));
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
+  render::MeshCache meshes;
+  Simulation simulation(world, &meshes);
+  if (!options.viewpoint.empty() && !options.orbit)
+    if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
+  if (!plan_input(options, simulation)) return kFailed;
   if (!may_write(options.snapshot, file))
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
 
@@ -137,32 +131,34 @@ int run_snapshot(const Options& options, const std::string& file) {
   render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
 
   limit_drawing(options.timeout_seconds);
-  render::MeshCache meshes;
+  simulation.run(options.time);
+  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
+    complain("%s: warning: %s", file.c_str(), problem.c_str());
+  if (!simulation.execution().take_changes().empty()) meshes.clear();
+  const render::BoundNodes bound = simulation.bound();
   const glm::vec3 start_point(0, 0, 10);
-  render::RenderList list = render::collect(*world.scene, world.images, meshes, start_point, world.clouds);
-  std::string error;
-  auto view = choose_view(options, list, error);
-  if (!view) return fail(error);
+  render::RenderList list = render::collect(*world.scene, world.images, meshes, start_point, world.clouds, &bound);
+  SnapshotView view = choose_view(options, list, bound);
   // Levels of detail and billboards follow the viewer, who is only known now.
-  list =
-      render::collect(*world.scene, world.images, meshes, glm::vec3(view->camera.world_from_camera[3]), world.clouds);
+  list = render::collect(*world.scene, world.images, meshes, glm::vec3(view.camera.world_from_camera[3]), world.clouds,
+                         &bound);
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);
-  view->camera = render::fit_depth(view->camera, list.bounds);
+  view.camera = render::fit_depth(view.camera, list.bounds);
   if (list.navigation.visibility_limit > 0 && !options.orbit)
-    view->camera.far_plane = std::max(list.navigation.visibility_limit, view->camera.near_plane * 2);
+    view.camera.far_plane = std::max(list.navigation.visibility_limit, view.camera.near_plane * 2);
 
   render::DrawOptions draw;
   draw.width = options.width;
   draw.height = options.height;
   draw.samples = options.samples;
-  draw.headlight = view->headlight;
+  draw.headlight = view.headlight;
   draw.background = options.background;
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
-  auto picture = renderer.draw_to_image(list, view->camera, draw, &statistics);
+  auto picture = renderer.draw_to_image(list, view.camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
   limit_drawing(0);
   const render::Image& image = std::get<render::Image>(picture);
@@ -172,7 +168,7 @@ int run_snapshot(const Options& options, const std::string& file) {
 
   if (!options.stats.empty()) {
     const Clock::time_point again = Clock::now();
-    (void)renderer.draw_to_image(list, view->camera, draw);
+    (void)renderer.draw_to_image(list, view.camera, draw);
     const nlohmann::json stats = {{"bytes", world.bytes},
                                   {"load_s", load_seconds},
                                   {"first_image_s", first_image_seconds},

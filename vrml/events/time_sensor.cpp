@@ -30,13 +30,17 @@ TimeFields fields_of(const Execution& execution, EventNode node) {
   return f;
 }
 
-// What the sensor sends at a time while it is active (6.50). `last`: the cycle that ends then is the last one.
-void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at, bool last) {
+// What ends at the time of outputs: nothing, the activity inside a cycle, or with its last cycle.
+enum class Ending : std::uint8_t { none, inside_cycle, cycle };
+
+// What the sensor sends at a time while it is active (6.50). That the last cycle ends is not left to rounding.
+void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at,
+                  Ending ending) {
   const double cycles = (at - f.start) / f.interval;
   double cycle = std::floor(cycles), fraction = cycles - cycle;
   if (!std::isfinite(cycles)) cycle = fraction = 0;
-  const bool end_of_cycle = fraction == 0 && at > f.start;
-  if (!last && (!state.cycle_sent || cycle != state.cycle)) {
+  const bool end_of_cycle = ending == Ending::cycle || (fraction == 0 && at > f.start);
+  if (ending == Ending::none && (!state.cycle_sent || cycle != state.cycle)) {
     state.cycle_sent = true;
     state.cycle = cycle;
     execution.send(node, Clock::cycle_time, SFTime{f.start + cycle * f.interval});
@@ -45,8 +49,8 @@ void send_outputs(Execution& execution, EventNode node, TimeState& state, const 
   execution.send(node, Clock::time, SFTime{execution.now()});
 }
 
-void stop(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at) {
-  send_outputs(execution, node, state, f, at, true);
+void stop(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at, Ending ending) {
+  send_outputs(execution, node, state, f, at, ending);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
   execution.run(node, false);
@@ -81,7 +85,11 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
     execution.send(node, Clock::cycle_time, SFTime{f.start});
   }
   const double end = over ? f.start + f.interval : now;
-  send_outputs(execution, node, state, f, stopped ? std::min(f.stop, end) : end, over);
+  if (stopped && f.stop < end) {
+    send_outputs(execution, node, state, f, f.stop, over ? Ending::inside_cycle : Ending::none);
+  } else {
+    send_outputs(execution, node, state, f, end, over ? Ending::cycle : Ending::none);
+  }
   execution.run(node, true);
 }
 
@@ -93,18 +101,20 @@ void time_sensor_time(Execution& execution, EventNode node) {
     return;
   }
   const double now = execution.now();
-  double end = f.stop > f.start ? f.stop : std::numeric_limits<double>::infinity();
-  if (!f.loop) end = std::min(end, f.start + (state.cycle + 1) * f.interval);
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double stop_time = f.stop > f.start ? f.stop : kNever;
+  const double cycle_end = f.loop ? kNever : f.start + (state.cycle + 1) * f.interval;
+  const double end = std::min(stop_time, cycle_end);
   if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
     execution.run(node, true);  // it has begun with this timestamp, and ends with the next one
     return;
   }
   if (now >= end) {
-    stop(execution, node, state, f, end);
+    stop(execution, node, state, f, end, cycle_end <= stop_time ? Ending::cycle : Ending::inside_cycle);
   } else if (!f.enabled) {
-    stop(execution, node, state, f, now);
+    stop(execution, node, state, f, now, Ending::inside_cycle);
   } else {
-    send_outputs(execution, node, state, f, now, false);
+    send_outputs(execution, node, state, f, now, Ending::none);
   }
 }
 

@@ -43,6 +43,17 @@ TEST_CASE("one cycle: isActive, cycleTime, fractions up to 1 (6.50)") {
   CHECK(world.take().empty());
 }
 
+TEST_CASE("the last cycle ends with fraction 1 also where times of our days are rounded (6.50)") {
+  World world("DEF T TimeSensor { cycleInterval 0.1 }");
+  constexpr double kNow = 946684800;
+  world.start(kNow - World::kStart);
+  world.send("T.startTime", SFTime{kNow + 0.05});
+  for (int i = 1; i < 20; ++i) world.step(kNow - World::kStart + i / 60.0);
+  const Lines fractions = world.take("fraction_changed");
+  REQUIRE(!fractions.empty());
+  CHECK(fractions.back().find("fraction_changed 1") != std::string::npos);
+}
+
 TEST_CASE("several cycles within one step give one cycleTime, of the cycle that runs (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();

@@ -1,0 +1,56 @@
+#include "app/commands/commands.h"
+#include "app/console.h"
+#include "app/simulation.h"
+#include "app/world_loader.h"
+#include "net/file.h"
+#include "vrml/printer.h"
+
+#include <charconv>
+
+namespace gs::app {
+
+std::optional<std::string> check_trace(const Options& options) {
+  return options.until ? std::optional<std::string>() : "expected --until SECONDS";
+}
+
+bool plan_input(const Options& options, Simulation& simulation) {
+  if (options.input.empty()) return true;
+  const auto opened = net::map_file(options.input);
+  if (const auto* problem = std::get_if<net::FileError>(&opened)) {
+    (void)fail(problem->message);
+    return false;
+  }
+  const auto bytes = std::get<net::MappedFile>(opened).bytes();
+  vrml::Diagnostics diagnostics;
+  const auto rows =
+      read_input_rows({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, options.input, diagnostics);
+  (void)simulation.plan(rows, options.input, diagnostics);
+  print_diagnostics(diagnostics);
+  return diagnostics.errors() == 0;
+}
+
+int run_trace(const Options& options) {
+  OpenedWorld world = load_world(options.files.front(), load_options(options));
+  print_diagnostics(world.diagnostics);
+  if (!world.scene) return kFailed;
+  Simulation simulation(world);
+  if (!plan_input(options, simulation)) return kFailed;
+  vrml::NodeNames names(*world.scene);
+  std::string line;
+  simulation.execution().observe([&](const vrml::SentEvent& event) {
+    char digits[64];
+    line.assign(digits, std::to_chars(digits, digits + sizeof digits, event.time).ptr);
+    line += ' ' + names.of(*event.scene, event.node) + '.' + event.event->name;
+    if (event.event->access == vrml::AccessType::exposedField) line += "_changed";  // VRML97 4.7
+    line += ' ';
+    vrml::print_value(line, *event.value, *event.scene);
+    line += '\n';
+    print_text(line);
+  });
+  simulation.run(*options.until, [] { return !output_failed(); });
+  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
+    complain("%s: warning: %s", options.files.front().c_str(), problem.c_str());
+  return world.truncated ? kFailed : kDone;
+}
+
+}  // namespace gs::app
