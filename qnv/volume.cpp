@@ -97,8 +97,15 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
   if (!finite(layout.origin)) return VolumeError{"the origin of the volume is not finite"};
-  for (const glm::vec3& axis : layout.axes)
+  constexpr float kLeastStep = 1e-15f, kMostStep = 1e15f, kFarthest = 1e18f;  // beyond, areas are no finite floats
+  if (glm::length(glm::dvec3(layout.origin)) > kFarthest)
+    return VolumeError{"the origin of the volume is farther than 1e18 from that of the world"};
+  for (const glm::vec3& axis : layout.axes) {
     if (!finite(axis)) return VolumeError{"an axis of the volume is not finite"};
+    const double step = glm::length(glm::dvec3(axis));
+    if (step < kLeastStep || step > kMostStep)
+      return VolumeError{"a voxel of the volume is not between 1e-15 and 1e15 long"};
+  }
   const glm::dmat3 axes(layout.axes[0], layout.axes[1], layout.axes[2]);
   const double lengths = glm::length(axes[0]) * glm::length(axes[1]) * glm::length(axes[2]);
   constexpr double least = 1e-6;  // of a cuboid's volume; flatter ones have no gradients to speak of

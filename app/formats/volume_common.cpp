@@ -206,6 +206,9 @@ void mend(qnv::VolumeLayout& layout) {
   space.dimensions = {1, 1, 1};
   space.axes = layout.axes;
   if (qnv::check(space)) layout.axes = qnv::VolumeLayout{}.axes;
+  space.axes = layout.axes;
+  space.origin = layout.origin;
+  if (qnv::check(space)) layout.origin = glm::vec3(0);
 }
 
 std::vector<double> numbers_of(std::string_view text, std::size_t most) {

@@ -109,6 +109,15 @@ TEST_CASE("Layouts that cannot be worked with are refused") {
   CHECK(broken([](VolumeLayout& l) { l.axes[2] = glm::vec3(0); }));
   CHECK(broken([](VolumeLayout& l) { l.axes[2].y = std::nanf(""); }));
   CHECK(broken([](VolumeLayout& l) { l.origin.x = INFINITY; }));
+  // What would make areas that are no finite floats.
+  CHECK(broken([](VolumeLayout& l) { l.axes[1].y = -1.7e38f; }));
+  CHECK(broken([](VolumeLayout& l) {
+    for (glm::vec3& axis : l.axes) axis *= 1e-20f;
+  }));
+  CHECK(broken([](VolumeLayout& l) { l.origin.z = 3e38f; }));
+  CHECK_FALSE(broken([](VolumeLayout& l) {
+    for (glm::vec3& axis : l.axes) axis *= 1e-9f;
+  }));
   CHECK(broken([](VolumeLayout& l) { l.slope = std::nan(""); }));
   CHECK(broken([](VolumeLayout& l) { l.type = static_cast<VoxelType>(200); }));
   CHECK_FALSE(broken([](VolumeLayout& l) { l.axes = gs::test::oblique(1, 1, 1).axes; }));
