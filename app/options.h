@@ -94,10 +94,4 @@ struct CommandRow {
 };
 [[nodiscard]] std::span<const CommandRow> command_rows();
 
-/// The manual page (roff, section 1) and the same facts in Markdown.
-[[nodiscard]] std::string manual_page();
-
-/// Parses a command line and runs its command. Prints usage errors; returns the exit status.
-int run_command_line(int count, char** arguments);
-
 }  // namespace gs::app

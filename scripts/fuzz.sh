@@ -46,8 +46,8 @@ echo "${#targets[@]} targets, $seconds seconds each, $jobs at once"
 # Fuzzes one target until its time is over; what it finds ends a run of libFuzzer, and another begins.
 run_target() {
   local room=$1 name=$2 most=$3
-  local work=$fuzz/work/$room/$name found=$fuzz/findings/$room/$name log=$results/$room.$name.log
-  local seeds=("$corpora/$room/$name") dictionary=$fuzz/work/$room.$name.dict
+  local work=$fuzz/inputs/$room/$name found=$fuzz/findings/$room/$name log=$results/$room.$name.log
+  local seeds=("$corpora/$room/$name") dictionary=$fuzz/inputs/$room.$name.dict
   mkdir -p "$work" "$found"
   [ "$room" != vrml ] || seeds+=("$root/tests/vrml/good" "$root/tests/vrml/bad")
   {

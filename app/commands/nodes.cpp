@@ -1,3 +1,4 @@
+#include "app/command_line.h"
 #include "app/commands/commands.h"
 #include "app/console.h"
 #include "vrml/node_type.h"

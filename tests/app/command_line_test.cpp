@@ -1,3 +1,4 @@
+#include "app/command_line.h"
 #include "app/options.h"
 
 #include "app/archive.h"

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace gs::app {
+
+/// The manual page (roff, section 1), made of the tables of options and commands.
+[[nodiscard]] std::string manual_page();
+
+/// Parses a command line and runs its command. Prints usage errors; returns the exit status.
+int run_command_line(int count, char** arguments);
+
+}  // namespace gs::app
