@@ -1,6 +1,6 @@
 // contact_sheet COLUMNS OUT.png PICTURE.png...: pictures of one size side by side, row by row.
-#include "net/file.h"
-#include "render/image.h"
+#include "net/base/file.h"
+#include "render/image/image.h"
 
 #include <algorithm>
 #include <cstdio>

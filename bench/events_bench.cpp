@@ -1,7 +1,7 @@
 // How long a step of the execution model takes: `events_bench FILE...` prints, for each world, the ROUTEs, the time to
 // connect them, and the median and the longest of 600 steps of 1/60 s, in milliseconds of one core.
 #include "vrml/events/execution.h"
-#include "vrml/parser.h"
+#include "vrml/syntax/parser.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "bench/mesh_files.h"
 
-#include "app/surface_triangles.h"
+#include "app/encode/surface_triangles.h"
 
 #include <zlib.h>
 

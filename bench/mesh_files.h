@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/render_list.h"
+#include "render/scene/render_list.h"
 
 #include <optional>
 #include <string>

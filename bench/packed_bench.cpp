@@ -5,10 +5,10 @@
 // Prints a Markdown table. "At once" is the same set of finest voxels coded without any coarser picture: the octree's
 // occupancy at its empirical entropy a level, normals and offsets as differences from the voxel before in Morton order,
 // with the same static models and clusters of the same size.
-#include "app/surface_triangles.h"
-#include "app/world_loader.h"
-#include "qnv/packed_layout.h"
-#include "qnv/packed_quantize.h"
+#include "app/encode/surface_triangles.h"
+#include "app/world/world_loader.h"
+#include "qnv/packed/packed_layout.h"
+#include "qnv/packed/packed_quantize.h"
 
 #include <algorithm>
 #include <array>

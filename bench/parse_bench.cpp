@@ -5,9 +5,9 @@
 // reads the file into memory and parses it whole, `streamed` reads and parses it 64 KiB at a time.
 
 #include "bench/bare_loop.h"
-#include "vrml/diagnostic.h"
-#include "vrml/parser.h"
-#include "vrml/scene_graph.h"
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/scene_graph.h"
+#include "vrml/syntax/parser.h"
 
 #include <algorithm>
 #include <chrono>

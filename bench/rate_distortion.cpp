@@ -5,13 +5,13 @@
 // Prints a Markdown table a model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
 // sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file; a mesh needs a file of its own for each,
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
-#include "app/surface_triangles.h"
-#include "app/world_loader.h"
+#include "app/encode/surface_triangles.h"
+#include "app/world/world_loader.h"
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
-#include "qnv/decoder.h"
-#include "qnv/encode_surface.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_surface.h"
 
 #include <meshoptimizer.h>
 

@@ -7,13 +7,13 @@
 // minima, as a Markdown table: discs a second of all discs, and of those that lie in view. One round before is not
 // counted: it uploads, and compiles the programs.
 
-#include "qnv/parallel.h"
-#include "qnv/record.h"
-#include "render/context.h"
-#include "render/gl.h"
-#include "render/splat_gl.h"
-#include "render/splat_kernel.h"
-#include "render/splat_raster.h"
+#include "qnv/base/parallel.h"
+#include "qnv/records/record.h"
+#include "render/gl/context.h"
+#include "render/gl/gl.h"
+#include "render/splat/splat_gl.h"
+#include "render/splat/splat_kernel.h"
+#include "render/splat/splat_raster.h"
 
 #include <glm/geometric.hpp>
 

@@ -6,17 +6,17 @@
 // second: all of the cloud, in view or not, over the median time of R runs; of the oracle, one run. Prints a
 // Markdown table.
 
-#include "qnv/encode_surface.h"
-#include "qnv/lod.h"
-#include "qnv/record.h"
-#include "render/camera.h"
-#include "render/context.h"
-#include "render/gl.h"
-#include "render/raycast.h"
-#include "render/renderer.h"
-#include "render/splat_gl.h"
-#include "render/splat_pieces.h"
-#include "render/splat_raster.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/lod/lod.h"
+#include "qnv/records/record.h"
+#include "render/draw/renderer.h"
+#include "render/gl/context.h"
+#include "render/gl/gl.h"
+#include "render/rays/raycast.h"
+#include "render/scene/camera.h"
+#include "render/splat/splat_gl.h"
+#include "render/splat/splat_pieces.h"
+#include "render/splat/splat_raster.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>

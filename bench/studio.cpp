@@ -1,6 +1,6 @@
 #include "bench/studio.h"
 
-#include "render/camera.h"
+#include "render/scene/camera.h"
 
 #include <glm/trigonometric.hpp>
 

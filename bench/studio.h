@@ -1,10 +1,10 @@
 #pragma once
 
 #include "bench/picture_error.h"
-#include "qnv/cloud.h"
-#include "render/context.h"
-#include "render/render_list.h"
-#include "render/renderer.h"
+#include "qnv/base/cloud.h"
+#include "render/draw/renderer.h"
+#include "render/gl/context.h"
+#include "render/scene/render_list.h"
 
 #include <memory>
 #include <span>

@@ -1,6 +1,6 @@
 #include "bench/transfer_tables.h"
-#include "net/file.h"
-#include "qnv/decoder.h"
+#include "net/base/file.h"
+#include "qnv/decode/decoder.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,13 +1,13 @@
 #include "bench/transfer_model.h"
 
-#include "app/outline_model.h"
-#include "app/surface_triangles.h"
-#include "app/world_loader.h"
+#include "app/encode/outline_model.h"
+#include "app/encode/surface_triangles.h"
+#include "app/world/world_loader.h"
 #include "bench/mesh_files.h"
-#include "net/file.h"
-#include "qnv/decoder.h"
-#include "qnv/encode_surface.h"
-#include "qnv/outline_stream.h"
+#include "net/base/file.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/outline/outline_stream.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "bench/studio.h"
-#include "qnv/cloud.h"
-#include "render/image.h"
+#include "qnv/base/cloud.h"
+#include "render/image/image.h"
 
 #include <array>
 #include <cstdint>

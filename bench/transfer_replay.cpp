@@ -1,11 +1,11 @@
-#include "app/content_types.h"
-#include "app/outline_scene.h"
+#include "app/formats/content_types.h"
+#include "app/world/outline_scene.h"
 #include "bench/studio.h"
 #include "bench/transfer_run.h"
-#include "net/range_set.h"
-#include "qnv/container.h"
-#include "qnv/decoder.h"
-#include "qnv/records_payload.h"
+#include "net/base/range_set.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/records/records_payload.h"
+#include "qnv/stream/container.h"
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 #include "bench/transfer_run.h"
 
-#include "net/cell_driver.h"
-#include "net/loader.h"
+#include "net/cells/cell_driver.h"
+#include "net/load/loader.h"
 
 #include <algorithm>
 #include <condition_variable>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "bench/link_emulator.h"
-#include "net/cell_receiver.h"
-#include "qnv/cloud.h"
-#include "render/render_list.h"
+#include "net/cells/cell_receiver.h"
+#include "qnv/base/cloud.h"
+#include "render/scene/render_list.h"
 
 #include <cstdint>
 #include <optional>

@@ -11,13 +11,18 @@ for room in vrml qnv net render; do
   report "$room/ includes a room that it must not know:" \
     "$(sources $room | xargs -r grep -nE '#include "(app|vrml|qnv|net|render)/' | grep -vE "#include \"($allowed)/")"
 done
-report "GLFW belongs in app/window.cpp:" "$(sources app render vrml qnv net | grep -v '^app/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
-report "Dear ImGui belongs in app/ui_*.cpp:" "$(sources app render vrml qnv net | grep -v '^app/ui_' | xargs -r grep -ln '#include [<"]imgui')"
+# Inside the rooms, too, arrows between folders hold one way.
+for room in app vrml qnv net render; do
+  report "$room/ has folders that include each other:" "$(sources $room | xargs -r grep -oE '#include "'$room'/[^"]+"' |
+    sed -E 's|/[^/]+:#include "| |; s|/[^/]+"$||' | awk '$1 != $2' | sort -u | tsort 2>&1 >/dev/null)"
+done
+report "GLFW belongs in app/window/window.cpp:" "$(sources app render vrml qnv net | grep -v '^app/window/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
+report "Dear ImGui belongs in app/interface/:" "$(sources app render vrml qnv net | grep -v '^app/interface/' | xargs -r grep -ln '#include [<"]imgui')"
 report "GL headers belong in render/:" "$(sources app vrml qnv net | xargs -r grep -lnE '#include <GL/')"
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"
-report "What is printed goes through app/console.cpp, which keeps controls off the terminal:" \
-  "$(sources app | grep -v '^app/console.cpp$' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
+report "What is printed goes through app/base/console.cpp, which keeps controls off the terminal:" \
+  "$(sources app | grep -v '^app/base/console.cpp$' | xargs -r grep -nE 'std::(cout|cerr|clog)|[^a-z_](printf|fprintf|vfprintf|puts|fputs|fwrite|perror)\(')"
 report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render | grep '\.h$' | xargs -r grep -L '#pragma once')"

@@ -1,6 +1,6 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
-#include "app/console.h"
-#include "app/world_loader.h"
+#include "app/world/world_loader.h"
 
 #include <nlohmann/json.hpp>
 

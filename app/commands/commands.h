@@ -1,9 +1,9 @@
 #pragma once
 
-#include "app/opened_world.h"
-#include "app/options.h"
-#include "app/world_loader.h"
-#include "render/renderer.h"
+#include "app/commands/options.h"
+#include "app/world/opened_world.h"
+#include "app/world/world_loader.h"
+#include "render/draw/renderer.h"
 
 #include <cstddef>
 #include <optional>

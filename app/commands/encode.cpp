@@ -1,9 +1,9 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
-#include "app/console.h"
-#include "net/file.h"
-#include "qnv/container.h"
+#include "net/base/file.h"
+#include "qnv/stream/container.h"
 
 #include <nlohmann/json.hpp>
 

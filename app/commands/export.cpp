@@ -1,13 +1,13 @@
-#include "app/formats/export.h"
+#include "app/formats/export/export.h"
+#include "app/base/console.h"
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
-#include "app/console.h"
-#include "app/formats/outline_text.h"
-#include "net/file.h"
-#include "net/url.h"
-#include "qnv/container.h"
-#include "qnv/order.h"
+#include "app/formats/export/outline_text.h"
+#include "net/base/file.h"
+#include "net/base/url.h"
+#include "qnv/order/order.h"
+#include "qnv/stream/container.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,10 +1,10 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
-#include "app/console.h"
-#include "app/stream_feed.h"
-#include "app/world_loading.h"
-#include "net/schemes.h"
-#include "net/url.h"
+#include "app/world/stream_feed.h"
+#include "app/world/world_loading.h"
+#include "net/base/schemes.h"
+#include "net/base/url.h"
 
 #include <nlohmann/json.hpp>
 

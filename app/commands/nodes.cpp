@@ -1,8 +1,8 @@
-#include "app/command_line.h"
+#include "app/base/console.h"
+#include "app/commands/command_line.h"
 #include "app/commands/commands.h"
-#include "app/console.h"
-#include "vrml/node_type.h"
-#include "vrml/printer.h"
+#include "vrml/scene/node_type.h"
+#include "vrml/syntax/printer.h"
 
 #include <string>
 

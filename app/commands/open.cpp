@@ -1,7 +1,7 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
-#include "app/console.h"
-#include "app/viewer.h"
-#include "app/world_loader.h"
+#include "app/viewer/viewer.h"
+#include "app/world/world_loader.h"
 
 #include <atomic>
 

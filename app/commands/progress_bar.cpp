@@ -1,6 +1,6 @@
 #include "app/commands/progress_bar.h"
 
-#include "app/console.h"
+#include "app/base/console.h"
 
 #include <algorithm>
 #include <chrono>

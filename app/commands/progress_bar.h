@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/parallel.h"
+#include "qnv/base/parallel.h"
 
 #include <thread>
 

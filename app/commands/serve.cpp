@@ -1,8 +1,8 @@
 #include "app/commands/serve.h"
 
+#include "app/base/confinement.h"
+#include "app/base/console.h"
 #include "app/commands/commands.h"
-#include "app/confinement.h"
-#include "app/console.h"
 
 #include <atomic>
 #include <csignal>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/archive.h"
+#include "app/serve/archive.h"
 
 namespace gs::app {
 

@@ -1,8 +1,8 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
-#include "app/console.h"
-#include "app/content_types.h"
-#include "app/formats/export.h"
-#include "net/file.h"
+#include "app/formats/content_types.h"
+#include "app/formats/export/export.h"
+#include "net/base/file.h"
 
 #include <sys/resource.h>
 #include <nlohmann/json.hpp>

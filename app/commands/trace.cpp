@@ -1,9 +1,9 @@
+#include "app/base/console.h"
 #include "app/commands/commands.h"
-#include "app/console.h"
-#include "app/simulation.h"
-#include "app/world_loader.h"
-#include "net/file.h"
-#include "vrml/printer.h"
+#include "app/session/simulation.h"
+#include "app/world/world_loader.h"
+#include "net/base/file.h"
+#include "vrml/syntax/printer.h"
 
 #include <charconv>
 

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "app/commands/options.h"
 #include "app/commands/progress_bar.h"
-#include "app/opened_world.h"
-#include "app/options.h"
-#include "app/outline_model.h"
-#include "qnv/encode_surface.h"
-#include "qnv/volume.h"
-#include "render/render_list.h"
+#include "app/encode/outline_model.h"
+#include "app/world/opened_world.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/volume/volume.h"
+#include "render/scene/render_list.h"
 
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/splats.h"
+#include "app/formats/splats/splats.h"
 
 #include "tests/app/formats_helpers.h"
 #include "tests/watched.h"

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "vrml/diagnostic.h"
-#include "vrml/mesh.h"
-#include "vrml/scene_graph.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <catch2/catch.hpp>
 

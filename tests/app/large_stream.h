@@ -1,7 +1,7 @@
 #pragma once
 
-#include "net/file.h"
-#include "qnv/encode_surface.h"
+#include "net/base/file.h"
+#include "qnv/encode/encode_surface.h"
 
 #include <catch2/catch.hpp>
 

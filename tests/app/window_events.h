@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/window.h"
+#include "app/window/window.h"
 
 namespace gs::app {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/world_loader.h"
-#include "vrml/node_type.h"
-#include "vrml/scene_graph.h"
+#include "app/world/world_loader.h"
+#include "vrml/scene/node_type.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,16 +1,16 @@
 // A target for every row of the tables of contents and of volumes, and the gzip layer.
-#include "app/cloud_reader.h"
-#include "app/content_types.h"
-#include "app/formats/volume_common.h"
-#include "app/gunzip.h"
-#include "app/local_file.h"
-#include "qnv/encode_volume.h"
-#include "qnv/lod.h"
-#include "render/render_list.h"
+#include "app/base/gunzip.h"
+#include "app/base/local_file.h"
+#include "app/formats/content_types.h"
+#include "app/formats/volume/volume_common.h"
+#include "app/world/cloud_reader.h"
+#include "qnv/encode/encode_volume.h"
+#include "qnv/lod/lod.h"
+#include "render/scene/render_list.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "vrml/mesh.h"
-#include "vrml/parser.h"
-#include "vrml/printer.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
 
 #include <chrono>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Any datagrams, in any order, must be taken by a server and by a client of cells without harm. The input is a row of
 // datagrams, each behind two bytes of length (the high bit of which sends it to the server instead of the client).
-#include "net/cell_receiver.h"
-#include "net/cell_sender.h"
+#include "net/cells/cell_receiver.h"
+#include "net/cells/cell_sender.h"
 
 #include "tests/fuzz/net_targets.h"
 

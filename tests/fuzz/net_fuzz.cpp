@@ -1,11 +1,11 @@
 // What comes from servers and documents: urls, headers, records of the cache, cells of a line.
-#include "net/access_log.h"
-#include "net/cache_entry.h"
-#include "net/cell_framing.h"
-#include "net/http_range.h"
-#include "net/schemes.h"
-#include "net/transport.h"
-#include "net/url.h"
+#include "net/base/schemes.h"
+#include "net/base/url.h"
+#include "net/cells/cell_framing.h"
+#include "net/http/cache_entry.h"
+#include "net/load/transport.h"
+#include "net/serve/access_log.h"
+#include "net/serve/http_range.h"
 #include "tests/fuzz/net_targets.h"
 
 using namespace gs::net;

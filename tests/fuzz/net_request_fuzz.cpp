@@ -1,5 +1,5 @@
 // Requests to a served folder: nothing beside it is ever opened, and no answer has a header that is none.
-#include "net/http_site.h"
+#include "net/serve/http_site.h"
 #include "tests/fuzz/net_targets.h"
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // A target for every row of the table of images.
-#include "render/image_codecs.h"
+#include "render/image/image_codecs.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <zlib.h>

@@ -2,9 +2,9 @@
 // events.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/events/execution.h"
-#include "vrml/mesh.h"
-#include "vrml/parser.h"
-#include "vrml/printer.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
 
 #include <algorithm>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "net/cell_receiver.h"
-#include "net/cell_sender.h"
+#include "net/cells/cell_receiver.h"
+#include "net/cells/cell_sender.h"
 #include "tests/net/link.h"
 
 #include <algorithm>

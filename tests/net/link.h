@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/token_bucket.h"
+#include "net/base/token_bucket.h"
 
 #include <cstddef>
 #include <cstdint>

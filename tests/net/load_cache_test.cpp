@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "load_helpers.h"
+#include "tests/net/load_helpers.h"
 
 /// The loader with its cache, by the memory transport.
 namespace {

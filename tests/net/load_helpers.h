@@ -12,9 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "net/load_engine.h"
-#include "net/loader.h"
-#include "net/transport_memory.h"
+#include "net/load/load_engine.h"
+#include "net/load/loader.h"
+#include "net/load/transport_memory.h"
 
 /// What the tests of the loader share.
 namespace gs::net::test {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/http_server.h"
+#include "net/serve/http_server.h"
 #include "tests/net/http_client.h"
 
 #include <atomic>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/lod.h"
+#include "qnv/lod/lod.h"
 #include "tests/qnv/surface_shapes.h"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/outline_stream.h"
+#include "qnv/outline/outline_stream.h"
 
 #include <catch2/catch.hpp>
 

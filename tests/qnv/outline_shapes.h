@@ -1,7 +1,7 @@
 #pragma once
 
-#include "qnv/outline_groups.h"
-#include "qnv/outline_header.h"
+#include "qnv/outline/outline_groups.h"
+#include "qnv/stream/outline_header.h"
 
 #include <glm/geometric.hpp>
 

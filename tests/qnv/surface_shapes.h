@@ -1,8 +1,8 @@
 #pragma once
 
-#include "qnv/encode_surface.h"
-#include "qnv/triangles.h"
-#include "qnv/voxels.h"
+#include "qnv/base/triangles.h"
+#include "qnv/base/voxels.h"
+#include "qnv/encode/encode_surface.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

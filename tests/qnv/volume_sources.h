@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/volume.h"
+#include "qnv/volume/volume.h"
 
 #include <cstddef>
 #include <cstring>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "qnv/cloud.h"
-#include "render/splat_raster.h"
+#include "qnv/base/cloud.h"
+#include "render/splat/splat_raster.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>

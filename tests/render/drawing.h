@@ -2,7 +2,7 @@
 
 // What the tests that draw have in common: small meshes, an OSMesa renderer, pixels.
 
-#include "render/renderer.h"
+#include "render/draw/renderer.h"
 
 #include <catch2/catch.hpp>
 #include <glm/glm.hpp>

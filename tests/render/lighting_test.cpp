@@ -1,4 +1,4 @@
-#include "drawing.h"
+#include "tests/render/drawing.h"
 
 #include <algorithm>
 #include <cmath>

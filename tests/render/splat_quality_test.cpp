@@ -1,7 +1,7 @@
 // What a surface must look like whatever the cut and the path: closed, and steady while it turns.
 
-#include "drawing.h"
-#include "splat_scenes.h"
+#include "tests/render/drawing.h"
+#include "tests/render/splat_scenes.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -2,11 +2,11 @@
 
 // Clouds that the tests of the splatters share, and a bare context.
 
-#include "qnv/cloud.h"
-#include "qnv/decoder.h"
-#include "qnv/encode_surface.h"
-#include "qnv/lod.h"
-#include "render/gl.h"
+#include "qnv/base/cloud.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/lod/lod.h"
+#include "render/gl/gl.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

@@ -1,8 +1,8 @@
 // Clouds in worlds: pairs of worlds that must look alike, one with the feature and one without it, on both paths.
 
-#include "drawing.h"
-#include "splat_scenes.h"
-#include "vrml/parser.h"
+#include "tests/render/drawing.h"
+#include "tests/render/splat_scenes.h"
+#include "vrml/syntax/parser.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -2,9 +2,9 @@
 
 // What the tests of volumes have in common: several volumes at once, exactly; and a target to draw them into.
 
-#include "render/raycast.h"
-#include "render/volume_lens.h"
-#include "render/volume_pass.h"
+#include "render/rays/raycast.h"
+#include "render/volume/volume_lens.h"
+#include "render/volume/volume_pass.h"
 #include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/mesh.h"
+#include "vrml/mesh/mesh.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/events/behaviour.h"
-#include "vrml/node_type.h"
+#include "vrml/scene/node_type.h"
 
 #include <array>
 #include <cstdint>

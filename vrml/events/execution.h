@@ -2,7 +2,7 @@
 
 #include "vrml/events/event_schema.h"
 #include "vrml/events/placement.h"
-#include "vrml/scene_graph.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene_graph.h"
+#include "vrml/scene/scene_graph.h"
 
 #include <glm/mat4x4.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vrml/field_value.h"
-#include "vrml/mesh.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/scene/field_value.h"
 
 #include <cstddef>
 #include <cstdint>

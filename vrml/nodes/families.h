@@ -1,12 +1,12 @@
 #pragma once
 
-#include "vrml/node_type.h"
+#include "vrml/scene/node_type.h"
 
 #include <span>
 
 namespace gs::vrml {
 
-// The rows of the node table, one function a family; vrml/node_type_table.cpp joins them.
+// The rows of the node table, one function a family; vrml/nodes/node_type_table.cpp joins them.
 [[nodiscard]] std::span<const NodeRow> grouping_rows();
 [[nodiscard]] std::span<const NodeRow> geometry_rows();
 [[nodiscard]] std::span<const NodeRow> geometric_properties_rows();

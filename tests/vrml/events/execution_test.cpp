@@ -1,7 +1,7 @@
 #include "vrml/events/execution.h"
 
 #include "tests/vrml/events/trace.h"
-#include "vrml/prototype.h"
+#include "vrml/scene/prototype.h"
 
 #include <algorithm>
 #include <string>

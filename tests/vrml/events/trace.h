@@ -2,8 +2,8 @@
 
 #include "vrml/events/execution.h"
 #include "vrml/events/node_names.h"
-#include "vrml/parser.h"
-#include "vrml/printer.h"
+#include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
 
 #include <catch2/catch.hpp>
 

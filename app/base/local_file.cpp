@@ -1,0 +1,86 @@
+#include "app/base/local_file.h"
+#include "app/base/text.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The path of an existing file that differs from `path` in upper and lower case only; empty for none.
+std::string find_ignoring_case(const fs::path& path) {
+  std::error_code error;
+  fs::path found = path.is_absolute() ? path.root_path() : fs::path(".");
+  for (const fs::path& part : path.relative_path()) {
+    fs::path next = found / part;
+    if (!fs::exists(next, error)) {
+      const std::string wanted = lower_case(part.string());
+      next.clear();
+      for (fs::directory_iterator entry(found, error), end; !error && entry != end; entry.increment(error))
+        if (lower_case(entry->path().filename().string()) == wanted) next = entry->path();
+      if (next.empty()) return {};
+    }
+    found = next;
+  }
+  return found.string();
+}
+
+}  // namespace
+
+LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& policy, const net::Origin& from,
+                          const std::string& given) {
+  LocalFile result;
+  result.path = given.empty() ? net::path_of_url(url) : given;
+  // False: it is not there.
+  const auto open = [&](const std::string& path) {
+    if (const auto refused = policy.refuse_file(from, path)) {
+      result.problem = path + ": " + refused->message;
+      result.folder = refused->folder;
+      return true;
+    }
+    auto opened = net::map_file(path);
+    if (auto* file = std::get_if<net::MappedFile>(&opened)) {
+      result.file = std::move(*file);
+      return true;
+    }
+    if (result.problem.empty()) result.problem = std::get<net::FileError>(opened).message;
+    return false;
+  };
+  if (result.path.empty() || open(result.path) || !given.empty()) return result;
+  std::string other = find_ignoring_case(result.path);
+  if (!other.empty() && open(other)) result.path = std::move(other);
+  return result;
+}
+
+net::ReferencePolicy policy_of_world(const std::string& path, const std::vector<std::string>& allowed) {
+  net::ReferencePolicy policy;
+  std::error_code error;
+  policy.allow(fs::absolute(path, error).parent_path().string());
+  for (const std::string& one : allowed) policy.allow(one);
+  return policy;
+}
+
+ReadFile reader_beside(const std::string& path, const std::vector<std::string>& allowed) {
+  const net::Url base = net::url_of_path(path);
+  return [base, from = net::Origin{base.text()},
+          policy = policy_of_world(path, allowed)](const std::string& reference) -> BytesResult {
+    const net::Url url = net::resolve(base, net::parse_url(reference));
+    if (const auto refused = policy.refuse(from, url)) return reference + ": " + refused->message;
+    if (url.scheme != "file") return reference + ": only files are read here";
+    LocalFile found = open_local_file(url, policy, from);
+    if (!found.file) return found.problem;
+    return shared_bytes(std::move(*found.file));
+  };
+}
+
+SharedBytes shared_bytes(net::MappedFile file) {
+  auto owner = std::make_shared<const net::MappedFile>(std::move(file));
+  return {owner, owner->bytes(), owner.get()};
+}
+
+}  // namespace gs::app

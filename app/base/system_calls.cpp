@@ -1,0 +1,267 @@
+#include "app/base/system_calls.h"
+
+#include <fcntl.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/sched.h>
+#include <linux/seccomp.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+#if defined(__x86_64__)
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
+#elif defined(__aarch64__)
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
+#elif defined(__riscv) && __riscv_xlen == 64
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
+#else
+constexpr std::uint32_t kArchitecture = 0;  // numbers of others have not been looked at
+#endif
+
+// Newer than the headers of Debian 12; the same numbers on all architectures.
+constexpr long kFchmodat2 = 452, kSetxattrat = 463, kRemovexattrat = 466, kOpenTreeAttr = 467, kFileSetattr = 469;
+
+// A list of what is refused, and not of what is allowed: libraries of C, OpenGL and LLVM change what they call from
+// version to version, and files are Landlock's matter. Here is what reaches beyond files, and what Landlock does not
+// cover of them (attributes, in any version; truncating, before version 3).
+constexpr long kRefused[] = {
+    // The network, and other ways to other processes
+    SYS_socket,
+    SYS_socketpair,
+    SYS_connect,
+    SYS_bind,
+    SYS_listen,
+    SYS_accept,
+    SYS_accept4,
+    SYS_sendto,
+    SYS_sendmsg,
+    SYS_sendmmsg,
+    SYS_recvfrom,
+    SYS_recvmsg,
+    SYS_recvmmsg,
+    SYS_setsockopt,
+    SYS_io_uring_setup,
+    SYS_io_uring_enter,
+    SYS_io_uring_register,
+    SYS_shmget,
+    SYS_shmat,
+    SYS_shmctl,
+    SYS_msgget,
+    SYS_msgsnd,
+    SYS_msgrcv,
+    SYS_semget,
+    SYS_mq_open,
+    SYS_mq_unlink,
+    // Other programs and processes
+    SYS_execve,
+    SYS_execveat,
+    SYS_ptrace,
+    SYS_process_vm_readv,
+    SYS_process_vm_writev,
+    SYS_process_madvise,
+    SYS_kcmp,
+    SYS_pidfd_open,
+    SYS_pidfd_getfd,
+    SYS_pidfd_send_signal,
+    SYS_tkill,
+    SYS_rt_sigqueueinfo,
+    SYS_rt_tgsigqueueinfo,
+    SYS_setpgid,
+    SYS_setsid,
+    SYS_setpriority,
+    SYS_ioprio_set,
+#ifdef SYS_fork
+    SYS_fork,
+    SYS_vfork,
+#endif
+    // Attributes of files and their names by other ways
+    SYS_fchmod,
+    SYS_fchmodat,
+    SYS_fchown,
+    SYS_fchownat,
+    SYS_utimensat,
+    SYS_setxattr,
+    SYS_lsetxattr,
+    SYS_fsetxattr,
+    SYS_removexattr,
+    SYS_lremovexattr,
+    SYS_fremovexattr,
+    SYS_truncate,
+    SYS_openat2,
+    SYS_open_by_handle_at,
+    SYS_name_to_handle_at,
+    SYS_fanotify_init,
+    kFchmodat2,
+    kSetxattrat,
+    kRemovexattrat,
+    kOpenTreeAttr,
+    kFileSetattr,
+#ifdef SYS_chmod
+    SYS_chmod,
+    SYS_chown,
+    SYS_lchown,
+    SYS_utime,
+    SYS_utimes,
+    SYS_futimesat,
+#endif
+    // The machine
+    SYS_mount,
+    SYS_umount2,
+    SYS_pivot_root,
+    SYS_chroot,
+    SYS_move_mount,
+    SYS_open_tree,
+    SYS_fsopen,
+    SYS_fsmount,
+    SYS_fspick,
+    SYS_fsconfig,
+    SYS_mount_setattr,
+    SYS_setns,
+    SYS_unshare,
+    SYS_bpf,
+    SYS_perf_event_open,
+    SYS_userfaultfd,
+    SYS_add_key,
+    SYS_request_key,
+    SYS_keyctl,
+    SYS_init_module,
+    SYS_finit_module,
+    SYS_delete_module,
+    SYS_kexec_load,
+    SYS_reboot,
+    SYS_swapon,
+    SYS_swapoff,
+    SYS_acct,
+    SYS_quotactl,
+    SYS_syslog,
+    SYS_personality,
+    SYS_settimeofday,
+    SYS_clock_settime,
+    SYS_clock_adjtime,
+    SYS_adjtimex,
+    SYS_sethostname,
+    SYS_setdomainname,
+    SYS_setrlimit,
+    SYS_vhangup,
+#ifdef SYS_iopl
+    SYS_iopl,
+    SYS_ioperm,
+    SYS_modify_ldt,
+#endif
+};
+
+// A program of BPF that is read from top to bottom: each rule ends it or lets it go on.
+class Filter {
+ public:
+  Filter() {
+    load(offsetof(seccomp_data, arch));
+    jump(BPF_JEQ, kArchitecture, 1, 0);
+    finish(SECCOMP_RET_KILL_PROCESS);
+    load(offsetof(seccomp_data, nr));
+#ifdef __x86_64__
+    constexpr std::uint32_t kX32 = 0x40000000;  // the same calls by other numbers
+    jump(BPF_JGE, kX32, 0, 1);
+    finish(kRefuse);
+#endif
+  }
+  void refuse(long call, std::uint32_t answer = kRefuse) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, 1);
+    finish(answer);
+  }
+  /// Where an argument has all of these bits and, of `mask`, none but them.
+  void refuse_bits(long call, unsigned argument, std::uint32_t mask, std::uint32_t bits) {
+    begin(call, 5);
+    load(low_word(argument));
+    step(BPF_ALU | BPF_AND | BPF_K, mask);
+    jump(BPF_JEQ, bits, 0, 1);
+    finish(kRefuse);
+    load(offsetof(seccomp_data, nr));
+  }
+  /// Where an argument has not all of these bits.
+  void require_bits(long call, unsigned argument, std::uint32_t bits) {
+    begin(call, 5);
+    load(low_word(argument));
+    step(BPF_ALU | BPF_AND | BPF_K, bits);
+    jump(BPF_JEQ, bits, 1, 0);
+    finish(kRefuse);
+    load(offsetof(seccomp_data, nr));
+  }
+  /// Where the argument is another number.
+  void require(long call, unsigned argument, std::uint32_t number) {
+    begin(call, 6);
+    load(low_word(argument));
+    jump(BPF_JEQ, number, 0, 2);
+    load(high_word(argument));
+    jump(BPF_JEQ, 0, 1, 0);
+    finish(kRefuse);
+    load(offsetof(seccomp_data, nr));
+  }
+  [[nodiscard]] bool apply() {
+    finish(SECCOMP_RET_ALLOW);
+    sock_fprog program{static_cast<unsigned short>(steps_.size()), steps_.data()};
+    return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &program) == 0;
+  }
+
+  static constexpr std::uint32_t kRefuse = SECCOMP_RET_ERRNO | EPERM, kUnknown = SECCOMP_RET_ERRNO | ENOSYS;
+
+ private:
+  void step(unsigned code, std::uint32_t value, unsigned yes = 0, unsigned no = 0) {
+    steps_.push_back(
+        {static_cast<std::uint16_t>(code), static_cast<std::uint8_t>(yes), static_cast<std::uint8_t>(no), value});
+  }
+  void load(std::size_t offset) { step(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset)); }
+  void jump(unsigned test, std::uint32_t value, unsigned yes, unsigned no) {
+    step(BPF_JMP | test | BPF_K, value, yes, no);
+  }
+  void finish(std::uint32_t answer) { step(BPF_RET | BPF_K, answer); }
+  // The rule for a call, so many steps long; other calls go on behind it.
+  void begin(long call, unsigned length) { jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, length); }
+  static std::size_t word(unsigned argument, bool high) {
+    const bool second = high == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+    return offsetof(seccomp_data, args) + argument * sizeof(std::uint64_t) + (second ? sizeof(std::uint32_t) : 0);
+  }
+  static std::size_t low_word(unsigned argument) { return word(argument, false); }
+  static std::size_t high_word(unsigned argument) { return word(argument, true); }
+
+  std::vector<sock_filter> steps_;
+};
+
+}  // namespace
+
+bool can_refuse_calls() {
+  std::uint32_t action = SECCOMP_RET_KILL_PROCESS;
+  return kArchitecture != 0 && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
+}
+
+bool refuse_calls() {
+  Filter filter;
+  for (const long call : kRefused) filter.refuse(call);
+  // Threads, but no processes. The flags of clone3 lie where a filter cannot read; without it clone is used.
+  filter.refuse(SYS_clone3, Filter::kUnknown);
+  filter.require_bits(SYS_clone, 0, CLONE_THREAD);
+  // Signals only to itself, limits only to be read.
+  const auto self = static_cast<std::uint32_t>(::getpid());
+  filter.require(SYS_kill, 0, self);
+  filter.require(SYS_tgkill, 0, self);
+  filter.require(SYS_prlimit64, 2, 0);
+  // Before version 3 of Landlock what may be read may be emptied so.
+  filter.refuse_bits(SYS_openat, 2, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
+#ifdef SYS_open
+  filter.refuse_bits(SYS_open, 1, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
+#endif
+  // Memory that no limit of a process counts.
+  filter.refuse(SYS_memfd_create);
+  filter.refuse_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, MAP_SHARED | MAP_ANONYMOUS);
+  return filter.apply();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,46 @@
+#include "app/base/temporary_file.h"
+
+#include "net/base/file.h"
+
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kTemporaryFolders = "ghostspace-temporary";
+
+std::string file_name_part(const std::string& name) {
+  std::string result;
+  for (const char c : name.substr(0, 100))
+    result += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ? c : '_';
+  return result;
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(const std::string& name, std::span<const std::byte> bytes) {
+  std::error_code error;
+  const fs::path base = fs::temp_directory_path(error);
+  auto folder = net::LockedFolder::make(base.string(), kTemporaryFolders);
+  if (const auto* problem = std::get_if<std::string>(&folder)) {
+    problem_ = *problem;
+    return;
+  }
+  folder_ = std::move(std::get<net::LockedFolder>(folder));
+  path_ = folder_.path() + "/x" + file_name_part(name);
+  if (const auto failed = net::write_file_atomically(path_, bytes)) problem_ = failed->message;
+}
+
+void remove_abandoned_files() {
+  std::error_code error;
+  const fs::path base = fs::temp_directory_path(error);
+  if (!error) (void)net::remove_abandoned_folders(base.string(), kTemporaryFolders);
+}
+
+}  // namespace gs::app

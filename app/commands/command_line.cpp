@@ -1,0 +1,182 @@
+#include "app/commands/command_line.h"
+
+#include "app/base/confinement.h"
+#include "app/base/console.h"
+#include "app/base/temporary_file.h"
+#include "app/commands/commands.h"
+#include "app/commands/options.h"
+#include "app/formats/content_types.h"
+
+#include <CLI/CLI.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <new>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+namespace gs::app {
+namespace {
+
+bool applies(const OptionRow& option, const CommandRow& command) {
+  return option.commands.find(std::string(command.name) + ' ') != std::string_view::npos;
+}
+
+void add_options(CLI::App& parser, const CommandRow& command, Options& options) {
+  for (const OptionRow& row : option_rows()) {
+    if (!applies(row, command)) continue;
+    const auto take = [&options, &row](const std::string& value) {
+      if (const auto problem = row.set(options, value))
+        throw CLI::ValidationError(std::string(row.name), *problem + ", not '" + value + "'");
+    };
+    std::string help(row.help);
+    if (!row.standard.empty()) help += " [" + std::string(row.standard) + "]";
+    if (row.argument.empty()) {
+      parser.add_flag_callback(
+          std::string(row.name), [take] { take(""); }, help);
+    } else {
+      parser.add_option_function<std::string>(std::string(row.name), take, help)
+          ->type_name(std::string(row.argument))
+          ->expected(1)
+          ->trigger_on_parse(row.repeats);
+    }
+  }
+  if (command.most_files > 0) parser.add_option("files", options.files, "")->type_name("")->group("");
+}
+
+// The file that a command writes; empty for none.
+std::string output_of(const Options& options, const CommandRow& command) {
+  if (!options.snapshot.empty()) return options.snapshot;
+  const bool writes = command.run == run_encode || command.run == run_export;
+  return writes ? options.files.back() : std::string();
+}
+
+std::string folder_of(const std::string& file) {
+  if (file.empty()) return {};
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "." : file.substr(0, slash + 1);
+}
+
+int parse_and_run(int count, char** arguments) {
+  Options options;
+  CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
+  parser.name("ghostspace");
+  parser.set_version_flag("--version", "ghostspace " GHOSTSPACE_VERSION);
+  parser.footer(
+      "Files, gzip'd or not: " + content_type_list() +
+      ".\n"
+      "Exit status: 0 done, 1 a file could not be read or drawn or has errors, 2 wrong usage, 3 what was made "
+      "could not be written.");
+  const CommandRow* chosen = &command_rows().front();
+  add_options(parser, command_rows().front(), options);
+  std::vector<std::pair<CLI::App*, const CommandRow*>> subcommands;
+  for (const CommandRow& command : command_rows().subspan(1)) {
+    CLI::App* sub = parser.add_subcommand(
+        std::string(command.name),
+        std::string(command.help) + (command.arguments.empty() ? "" : ": " + std::string(command.arguments)));
+    add_options(*sub, command, options);
+    subcommands.emplace_back(sub, &command);
+  }
+  try {
+    parser.parse(count, arguments);
+    for (const auto& [sub, command] : subcommands)
+      if (sub->parsed()) chosen = command;
+    if (options.files.size() < chosen->least_files || options.files.size() > chosen->most_files)
+      throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
+    if (!options.snapshot.empty() && options.files.size() > 1)
+      throw CLI::ValidationError("--snapshot", "expected one file");
+    if ((options.time > 0 || !options.input.empty()) && chosen == &command_rows().front() && options.snapshot.empty())
+      throw CLI::ValidationError("--time and --input", "expected with --snapshot");
+    if (!options.confine.empty() && chosen == &command_rows().front() && options.snapshot.empty())
+      throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
+    if (chosen->check)
+      if (const auto problem = chosen->check(options)) throw CLI::ValidationError(std::string(chosen->name), *problem);
+  } catch (const CLI::Success& help) {
+    std::ostringstream text;
+    const int status = parser.exit(help, text, text);
+    print_text(text.str());
+    return status;
+  } catch (const CLI::ParseError& problem) {
+    complain("ghostspace: %s", problem.what());
+    complain("See 'ghostspace --help'.");
+    return kUsage;
+  }
+  remove_abandoned_files();
+  if (!options.confine.empty())
+    if (const auto problem = confine({options.confine, folder_of(output_of(options, *chosen))})) return fail(*problem);
+  return chosen->run(options);
+}
+
+constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for this";
+
+// An exception that nobody took, of any thread: one line in the place of a crash where it is about what the system has.
+[[noreturn]] void end_at_exception() {
+  const std::exception_ptr exception = std::current_exception();
+  try {
+    if (exception) std::rethrow_exception(exception);
+  } catch (const std::bad_alloc&) {
+    (void)!::write(STDERR_FILENO, kNoMemory, sizeof kNoMemory - 1);
+    (void)!::write(STDERR_FILENO, "\n", 1);
+    ::_exit(kFailed);
+  } catch (const std::exception& problem) {
+    complain("ghostspace: error: %s", problem.what());
+  }
+  std::abort();
+}
+
+}  // namespace
+
+std::string manual_page() {
+  std::string out =
+      ".TH GHOSTSPACE 1\n.SH NAME\nghostspace \\- browser for VRML97 worlds and 3D models\n.SH SYNOPSIS\n";
+  for (const CommandRow& command : command_rows())
+    out += ".B ghostspace" + (command.name == "open" ? std::string() : " " + std::string(command.name)) +
+           "\n[options] " + std::string(command.arguments) + "\n.br\n";
+  for (const CommandRow& command : command_rows()) {
+    out += ".SH " + std::string(command.name) + "\n" + std::string(command.help) + ".\n";
+    for (const OptionRow& row : option_rows()) {
+      if (!applies(row, command)) continue;
+      std::string name(row.name);
+      for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
+      out += ".TP\n.B " + name + " " + std::string(row.argument) + "\n" + std::string(row.help);
+      if (!row.standard.empty()) out += " (" + std::string(row.standard) + ")";
+      out += ".\n";
+    }
+  }
+  out += ".SH FILES\nRead, gzip'd or not: " + content_type_list() +
+         ".\n.PP\nWritten by export: " + export_format_list() + ".\n";
+  out +=
+      ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage. 3: what "
+      "was made could not be "
+      "written, on a full disk for example.\n";
+  return out;
+}
+
+int run_command_line(int count, char** arguments) {
+  prepare_console();
+  // A file that may not become larger is an error of writing, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::set_terminate(end_at_exception);
+  int status = kFailed;
+  try {
+    status = parse_and_run(count, arguments);
+  } catch (const std::bad_alloc&) {
+    complain("%s", kNoMemory);
+  } catch (const std::length_error&) {  // of a vector that no memory could hold
+    complain("%s", kNoMemory);
+  } catch (const std::exception& problem) {
+    complain("ghostspace: error: %s", problem.what());
+  }
+  if (const auto problem = finish_output()) {
+    complain("ghostspace: error: %s", problem->c_str());
+    if (status == kDone) status = kNotWritten;
+  }
+  return status;
+}
+
+}  // namespace gs::app

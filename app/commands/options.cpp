@@ -1,0 +1,469 @@
+#include "app/commands/options.h"
+
+#include "app/commands/commands.h"
+#include "app/formats/content_types.h"
+#include "net/base/host_names.h"
+#include "render/gl/context.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using Problem = std::optional<std::string>;
+
+template <class Number>
+bool read(std::string_view text, Number& number) {
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size() && !text.empty();
+}
+
+// "a,b,c" as numbers.
+bool read_list(std::string_view text, char separator, std::span<double> numbers) {
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t end = i + 1 < numbers.size() ? text.find(separator) : text.size();
+    if (end == std::string_view::npos || !read(text.substr(0, end), numbers[i]) || !std::isfinite(numbers[i]))
+      return false;
+    text.remove_prefix(std::min(text.size(), end + 1));
+  }
+  return true;
+}
+
+Problem set_size(Options& options, const std::string& value) {
+  double size[2];
+  constexpr double kLargest = 16384;
+  if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kLargest || size[1] > kLargest)
+    return "expected WIDTHxHEIGHT, each from 1 to 16384";
+  options.width = static_cast<int>(size[0]);
+  options.height = static_cast<int>(size[1]);
+  return {};
+}
+
+Problem set_samples(Options& options, const std::string& value) {
+  return read(value, options.samples) && options.samples >= 1 && options.samples <= 64 ? Problem{} : "expected 1 to 64";
+}
+
+Problem set_orbit(Options& options, const std::string& value) {
+  double angles[2];
+  if (!read_list(value, ',', angles)) return "expected AZIMUTH,ELEVATION in degrees";
+  options.orbit = {angles[0], angles[1]};
+  return {};
+}
+
+Problem set_max_bytes(Options& options, const std::string& value) {
+  options.max_bytes_given = true;
+  return read(value, options.max_bytes) ? Problem{} : "expected a number of bytes";
+}
+
+Problem set_backend(Options& options, const std::string& value) {
+  const auto known = render::headless_backends();
+  if (value != "auto" && value != "glfw" && std::find(known.begin(), known.end(), value) == known.end()) {
+    std::string names = "expected auto, glfw";
+    for (const std::string_view name : known) names += ", " + std::string(name);
+    return names;
+  }
+  options.backend = value;
+  return {};
+}
+
+Problem set_headlight(Options& options, const std::string& value) {
+  if (value != "on" && value != "off") return "expected on or off";
+  options.headlight = value == "on";
+  return {};
+}
+
+Problem set_background(Options& options, const std::string& value) {
+  double rgb[3];
+  if (!read_list(value, ',', rgb) || std::any_of(rgb, rgb + 3, [](double c) { return c < 0 || c > 1; }))
+    return "expected RED,GREEN,BLUE, each from 0 to 1";
+  options.background = glm::vec3(rgb[0], rgb[1], rgb[2]);
+  return {};
+}
+
+// Simulated time; a day of it is more than five million steps.
+Problem set_seconds(double& seconds, const std::string& value) {
+  constexpr double kLongest = 86400;
+  return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
+}
+
+Problem set_until(Options& options, const std::string& value) {
+  double seconds = 0;
+  const Problem problem = set_seconds(seconds, value);
+  options.until = seconds;
+  return problem;
+}
+
+Problem set_splats(Options& options, const std::string& value) {
+  if (value != "auto" && value != "gl" && value != "cpu") return "expected auto, gl or cpu";
+  options.splats = value;
+  return {};
+}
+
+Problem set_budget(Options& options, const std::string& value) {
+  return read(value, options.budget) && options.budget > 0 ? Problem{} : "expected a number of vectors, more than 0";
+}
+
+Problem set_loss(Options& options, const std::string& value) {
+  const std::size_t colon = value.find(':');
+  const bool good = read(std::string_view(value).substr(0, colon), options.loss) && options.loss >= 0 &&
+                    options.loss <= 1 &&
+                    (colon == std::string::npos || read(std::string_view(value).substr(colon + 1), options.loss_seed));
+  return good ? Problem{} : "expected a share from 0 to 1, with :SEED behind it where it matters which";
+}
+
+Problem set_allowed(Options& options, const std::string& value) {
+  std::error_code error;
+  if (!std::filesystem::exists(value, error)) return "expected a folder that is there";
+  options.allowed.push_back(value);
+  return {};
+}
+
+Problem set_timeout(Options& options, const std::string& value) {
+  options.timeout_given = true;
+  return read(value, options.timeout_seconds) && options.timeout_seconds > 0 ? Problem{}
+                                                                             : "expected seconds, more than 0";
+}
+
+Problem set_memory(Options& options, const std::string& value) {
+  static constexpr std::pair<char, unsigned> kSizeUnits[] = {{'K', 10}, {'M', 20}, {'G', 30}};
+  std::string_view number(value);
+  unsigned shift = 0;
+  for (const auto& [unit, bits] : kSizeUnits)
+    if (number.ends_with(unit)) shift = bits;
+  if (shift > 0) number.remove_suffix(1);
+  constexpr std::size_t kLeast = std::size_t{16} << 20, kMost = std::size_t{1} << 46;
+  std::size_t bytes = 0;
+  if (!read(number, bytes) || bytes > kMost >> shift || bytes << shift < kLeast)
+    return "expected a number of bytes, or with K, M or G behind it, from 16M on";
+  options.limits.memory = bytes << shift;
+  return {};
+}
+
+Problem set_vectors(Options& options, const std::string& value) {
+  return read(value, options.vectors) && options.vectors > 0 ? Problem{} : "expected a number of vectors, more than 0";
+}
+
+Problem set_fraction(Options& options, const std::string& value) {
+  return read(value, options.fraction) && options.fraction > 0 && options.fraction <= 1
+             ? Problem{}
+             : "expected a number from 0 (without) to 1";
+}
+
+Problem set_isovalue(Options& options, const std::string& value) {
+  double isovalue = 0;
+  if (!read(value, isovalue) || !std::isfinite(isovalue)) return "expected a number";
+  options.isovalue = isovalue;
+  return {};
+}
+
+Problem set_seed(Options& options, const std::string& value) {
+  return read(value, options.seed) ? Problem{} : "expected a whole number";
+}
+
+Problem set_dimensions(Options& options, const std::string& value) {
+  return read_dimensions(value, options.raw) ? Problem{} : "expected WIDTHxHEIGHTxDEPTH in voxels";
+}
+
+Problem set_voxel_type(Options& options, const std::string& value) {
+  return read_voxel_type(value, options.raw) ? Problem{} : "expected " + std::string(kVoxelTypes);
+}
+
+Problem set_spacing(Options& options, const std::string& value) {
+  double spacing[3];
+  if (!read_list(value, ',', spacing) ||
+      std::any_of(spacing, spacing + 3, [](double s) { return !(s > 0) || !std::isfinite(static_cast<float>(s)); }))
+    return "expected X,Y,Z, each more than 0";
+  for (std::size_t i = 0; i < 3; ++i) options.raw.spacing[i] = static_cast<float>(spacing[i]);
+  return {};
+}
+
+Problem set_offset(Options& options, const std::string& value) {
+  return read(value, options.raw.offset) ? Problem{} : "expected a number of bytes";
+}
+
+Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
+  std::uint16_t number = 0;
+  if (!read(value, number)) return "expected a port, 0 (any free one) to 65535";
+  port = number;
+  return {};
+}
+
+Problem set_rate(Options& options, const std::string& value) {
+  return read(value, options.rate) && options.rate > 0 ? Problem{} : "expected bits a second, more than 0";
+}
+
+Problem set_congestion(Options& options, const std::string& value) {
+  std::string names;
+  for (const net::CongestionName& row : net::congestion_names()) {
+    if (row.name == value) {
+      options.congestion = row.response;
+      return {};
+    }
+    names += (names.empty() ? "expected " : ", ") + std::string(row.name);
+  }
+  return names;
+}
+
+// "a,b,c"; false when one of them is not taken.
+bool each_of(std::string_view list, const std::function<bool(const std::string&)>& take) {
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    if (!take(std::string(list.substr(begin, end - begin)))) return false;
+    begin = end + 1;
+  }
+  return true;
+}
+
+Problem set_host_names(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& name) {
+    options.host_names.push_back(name);
+    return net::host_of(name) || net::ip_address_of(name);
+  });
+  return good ? Problem{} : "expected names as they stand in URLs, parted by commas";
+}
+
+Problem set_origins(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& origin) {
+    options.origins.push_back(origin);
+    if (origin == "*") return true;
+    const std::size_t host = origin.find("://");
+    return host != std::string::npos && host > 0 && net::host_of(std::string_view(origin).substr(host + 3)).has_value();
+  });
+  return good ? Problem{} : "expected * or origins like https://example.org, parted by commas";
+}
+
+Problem set_proxies(Options& options, const std::string& value) {
+  const bool good = each_of(value, [&](const std::string& text) {
+    const auto block = net::address_block_of(text);
+    if (block) options.proxies.push_back(*block);
+    return block.has_value();
+  });
+  return good ? Problem{} : "expected addresses or blocks of them like 10.0.0.0/8, parted by commas";
+}
+
+Problem set_length(double& length, const std::string& value) {
+  return read(value, length) && std::isfinite(length) && length >= 0 ? Problem{} : "expected a length, at least 0";
+}
+
+Problem set_tolerance(Options& options, const std::string& value) {
+  double length = 0;
+  const Problem problem = set_length(length, value);
+  options.tolerance = length;
+  return problem;
+}
+
+Problem set_groups(Options& options, const std::string& value) {
+  return read(value, options.groups) && options.groups > 0 ? Problem{} : "expected a number of groups, more than 0";
+}
+
+Problem set_position_bits(Options& options, const std::string& value) {
+  return read(value, options.position_bits) && options.position_bits >= 8 && options.position_bits <= 30
+             ? Problem{}
+             : "expected 8 to 30";
+}
+
+constexpr OptionRow kOptions[] = {
+    {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
+     [](Options& o, const std::string& v) {
+       o.snapshot = v;
+       return Problem{};
+     }},
+    {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open ", set_size},
+    {"--time", "SECONDS", "0",
+     "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "
+     "which is 2000-01-01T00:00:00Z",
+     "open ", [](Options& o, const std::string& v) { return set_seconds(o.time, v); }},
+    {"--until", "SECONDS", "", "end after so much simulated time", "trace ", set_until},
+    {"--input", "FILE", "",
+     "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
+     "binds a Viewpoint, and {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event",
+     "open trace ",
+     [](Options& o, const std::string& v) {
+       o.input = v;
+       return Problem{};
+     }},
+    {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},
+    {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)", "open ",
+     [](Options& o, const std::string& v) {
+       o.viewpoint = v;
+       return Problem{};
+     }},
+    {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z",
+     "open ", set_orbit},
+    {"--headlight", "on|off", "", "in place of what the world says", "open ", set_headlight},
+    {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
+     set_background},
+    {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
+    {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open ", set_splats},
+    {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open ", set_budget},
+    {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open fetch ",
+     set_loss},
+    {"--max-bytes", "N", "",
+     "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
+     "open check info encode fetch trace ", set_max_bytes},
+    {"--vectors", "N", "", "about so many vectors", "encode export ", set_vectors},
+    {"--fraction", "F", "", "this part of a volume's voxels, of a cloud's vectors, of a surface's triangles (0 to 1)",
+     "encode ", set_fraction},
+    {"--isovalue", "V", "", "the surface of a volume where it has this value, in the place of its gradients",
+     "encode export ", set_isovalue},
+    {"--packed", "", "", "entropy-coded octree: fewest bytes, for surfaces (the default for them)", "encode ",
+     [](Options& o, const std::string&) {
+       o.packed = true;
+       return Problem{};
+     }},
+    {"--records", "", "", "records of 8 bytes (the default for volumes, splats and points)", "encode ",
+     [](Options& o, const std::string&) {
+       o.records = true;
+       return Problem{};
+     }},
+    {"--outlines", "", "",
+     "outline groups: polygons that each stand alone, outlines first; OUT may be .wrl, .wrz or .qnv", "encode ",
+     [](Options& o, const std::string&) {
+       o.outlines = true;
+       return Problem{};
+     }},
+    {"--tolerance", "LENGTH", "1/200 of the diagonal", "outlines: how far a group may lie from its plane", "encode ",
+     set_tolerance},
+    {"--groups", "N", "",
+     "outlines: join groups until so many are left, however far from their planes unless --tolerance is given",
+     "encode ", set_groups},
+    {"--merge", "LENGTH", "0", "outlines: polygons this near to a plane become one; 0: only what is coplanar",
+     "encode ", [](Options& o, const std::string& v) { return set_length(o.merge, v); }},
+    {"--position-bits", "N", "16", "outlines in a stream: bits of a coordinate along the longest side", "encode ",
+     set_position_bits},
+    {"--seed", "S", "1", "of the order of records; one seed, one stream", "encode ", set_seed},
+    {"--dims", "XxYxZ", "", "a volume without header: its voxels, x fastest", "encode export info ", set_dimensions},
+    {"--type", "TYPE", "u8",
+     "what its voxels are: u8, i8, u16, i16, u32, i32, f32 or f64, with be behind it if big-endian",
+     "encode export info ", set_voxel_type},
+    {"--spacing", "X,Y,Z", "1,1,1", "the distances of its voxels", "encode export info ", set_spacing},
+    {"--offset", "BYTES", "0", "how many bytes come before the first voxel", "encode export info ", set_offset},
+    {"--vrml97", "", "", "a world for any VRML97 browser, in which ours finds the stream", "export ",
+     [](Options& o, const std::string&) {
+       o.vrml97 = true;
+       return Problem{};
+     }},
+    {"--json", "", "", "machine-readable", "info encode fetch ",
+     [](Options& o, const std::string&) {
+       o.json = true;
+       return Problem{};
+     }},
+    {"--timeout", "SECONDS", "30",
+     "for loading; what has not come by then is left out. Drawing a snapshot may take as long again. A window "
+     "waits for ever unless this is given",
+     "open check print info encode export fetch trace ", set_timeout},
+    {"--memory", "SIZE", "2G",
+     "about so much memory may be taken for one world (bytes, or with K, M or G behind the number); what would take "
+     "more "
+     "is left out, and a message names the limit",
+     "open check print info encode export fetch trace ", set_memory},
+    {"--offline", "", "", "read nothing over the network", "open check print info encode export trace ",
+     [](Options& o, const std::string&) {
+       o.offline = true;
+       return Problem{};
+     }},
+    {"--allow", "FOLDER", "",
+     "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
+     "several times",
+     "open check print info encode export fetch trace ", set_allowed, true},
+    {"--confine", "FOLDER", "",
+     "for files of strangers: the kernel lets it read nothing but FOLDER and the system's libraries, write nothing but "
+     "into the folder of OUT, and open no connection (Landlock and seccomp, where the kernel has them)",
+     "open check print info encode export trace ",
+     [](Options& o, const std::string& v) {
+       o.confine = v;
+       o.offline = true;
+       return v.empty() ? Problem("expected a folder") : Problem{};
+     }},
+    {"--http", "PORT", "8080", "serve by HTTP on this port; 0: any free one. Not if only --cells is given", "serve ",
+     [](Options& o, const std::string& v) { return set_port(o.http_port, v); }},
+    {"--cells", "PORT", "", "serve streams as ATM cells in UDP on this port", "serve ",
+     [](Options& o, const std::string& v) { return set_port(o.cells_port, v); }},
+    {"--bind", "ADDRESS|*", "127.0.0.1", "which of this machine's addresses to listen at; *: all", "serve ",
+     [](Options& o, const std::string& v) {
+       o.bind = v;
+       return Problem{};
+     }},
+    {"--host", "NAME,...", "",
+     "names that the server goes by besides localhost and its address: listening at 127.0.0.1 or another address of "
+     "this "
+     "machine alone it answers for no others, lest pages of foreign sites read it (DNS rebinding)",
+     "serve ", set_host_names},
+    {"--cors", "ORIGIN,...|*", "none, all with --bind",
+     "pages of which sites may read what is served; all may where it is served to others than this machine", "serve ",
+     set_origins},
+    {"--proxies", "ADDRESS,...", "",
+     "proxies in front of the server, by addresses or blocks (10.0.0.0/8): their X-Forwarded-For is believed, so that "
+     "the "
+     "limits of one address are for their clients and not for them",
+     "serve ", set_proxies},
+    {"--rate", "BIT/S", "",
+     "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
+     "others",
+     "serve open fetch ", set_rate},
+    {"--congestion", "NAME", "equation",
+     "how cells answer to losses: equation (as TCP would), delay-aware (only losses that came with a queue count: for "
+     "links that lose by themselves) or reserved (none: for paths on which the rate is reserved)",
+     "serve ", set_congestion},
+    {"--cache", "FOLDER", "", "where thumbnails and streams that were made are kept", "serve ",
+     [](Options& o, const std::string& v) {
+       o.cache = v;
+       return Problem{};
+     }},
+    {"--log", "FILE", "-", "the access log; - is standard output", "serve ",
+     [](Options& o, const std::string& v) {
+       o.log = v;
+       return Problem{};
+     }},
+    {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
+     [](Options& o, const std::string& v) {
+       o.stats = v;
+       return Problem{};
+     }},
+    {"--markdown", "", "", "as Markdown tables", "nodes ",
+     [](Options& o, const std::string&) {
+       o.markdown = true;
+       return Problem{};
+     }},
+    {"--wrl", "", "", "as PROTO declarations (the default)", "nodes ",
+     [](Options& o, const std::string&) {
+       o.wrl = true;
+       return Problem{};
+     }},
+};
+
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr CommandRow kCommands[] = {
+    {"open", "[FILE|URL...]", "show worlds in a window, or draw one with --snapshot; without a file, the demo world", 0,
+     kAny, run_open},
+    {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny,
+     run_check},
+    {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},
+    {"trace", "FILE", "print the events of simulated time, a line each: TIME NODE.eventOut VALUE", 1, 1, run_trace,
+     check_trace},
+    {"info", "FILE", "tell what is inside a file", 1, 1, run_info},
+    {"encode", "IN OUT.qnv",
+     "turn a world, mesh, volume or splats into a QNV stream; with --outlines polygons into a world of outline groups",
+     2, 2, run_encode, check_encode},
+    {"export", "IN OUT", "write the vectors of a stream, volume, splats or mesh in another program's format", 2, 2,
+     run_export, check_export},
+    {"serve", "FOLDER", "serve an archive: worlds and streams, with an index, thumbnails and encoding on demand", 1, 1,
+     run_serve},
+    {"fetch", "URL", "read a world or stream and report: bytes, vectors, time to the first picture, what was lost", 1,
+     1, run_fetch, check_fetch},
+    {"nodes", "", "print the table of node types", 0, 0, run_nodes},
+    {"man", "", "print the manual page (roff)", 0, 0, run_man},
+};
+
+}  // namespace
+
+std::span<const OptionRow> option_rows() { return kOptions; }
+std::span<const CommandRow> command_rows() { return kCommands; }
+
+}  // namespace gs::app

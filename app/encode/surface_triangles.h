@@ -1,0 +1,35 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/base/triangles.h"
+#include "render/scene/render_list.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace gs::app {
+
+/// The triangles of everything that a render list draws, in world space, with the colour that a viewer would see
+/// under plain white light baked into the corners: material, vertex colours and textures (large textured triangles
+/// are divided so that the texture is not lost). Lines and points have no surface and are left out.
+/// False when the sink wanted no more. Deterministic; reads the list only.
+bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink);
+
+/// What for_each_triangle is about to give.
+struct SurfaceSummary {
+  qnv::Box box;               // of the corners that are used
+  std::size_t triangles = 0;  // before division
+  bool two_sided = false;     // some mesh is to be seen from behind too
+  bool textured = false;
+};
+[[nodiscard]] SurfaceSummary summarize_surface(const render::RenderList& list);
+
+/// Whether an item draws triangles.
+[[nodiscard]] bool has_surface(const render::DrawItem& item);
+/// 0..1 as 0..255, and a colour of such components, to the nearest.
+[[nodiscard]] std::uint8_t to_byte(float value);
+[[nodiscard]] qnv::Rgb8 to_rgb8(const glm::vec3& color);
+
+}  // namespace gs::app

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/text_cursor.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+[[nodiscard]] std::size_t size_of(PlyType type);
+[[nodiscard]] inline bool is_float(PlyType type) { return type == PlyType::float32 || type == PlyType::float64; }
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::float32;
+  bool is_list = false;
+  PlyType count_type = PlyType::uint8;
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  [[nodiscard]] bool has_lists() const;
+  /// Bytes of the smallest possible row of the binary form.
+  [[nodiscard]] std::size_t least_row_bytes() const;
+};
+
+enum class PlyFormat : std::uint8_t { ascii, little_endian, big_endian };
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::ascii;
+  std::vector<PlyElement> elements;
+  std::string texture_file;  // "comment TextureFile NAME", as MeshLab and others write it
+};
+
+/// Reads up to and with the end of the `end_header` line. Nothing, and an error reported, where it is broken.
+[[nodiscard]] std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& builder);
+
+}  // namespace gs::app

@@ -1,0 +1,158 @@
+#pragma once
+
+#include "app/formats/common/ply_header.h"
+#include "app/formats/common/text_cursor.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace gs::app {
+
+/// `value` of the file as a whole number that fits an index; kBadIndex for what does not.
+template <class T>
+[[nodiscard]] std::int32_t index_of(T value) {
+  if constexpr (std::is_integral_v<T>)
+    return std::in_range<std::int32_t>(value) && value >= 0 ? static_cast<std::int32_t>(value) : kBadIndex;
+  else
+    return value >= 0 && value < static_cast<T>(kBadIndex) ? static_cast<std::int32_t>(value) : kBadIndex;
+}
+
+template <class T, bool big>
+[[nodiscard]] T load(const std::byte* from) {
+  std::array<std::byte, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), from, sizeof(T));
+  if constexpr (big != (std::endian::native == std::endian::big))
+    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
+  return std::bit_cast<T>(bytes);
+}
+
+/// Calls `f` with a value of the C++ type of a property.
+template <class F>
+decltype(auto) with_type(PlyType type, F&& f) {
+  switch (type) {
+    case PlyType::int8:
+      return f(std::int8_t{});
+    case PlyType::uint8:
+      return f(std::uint8_t{});
+    case PlyType::int16:
+      return f(std::int16_t{});
+    case PlyType::uint16:
+      return f(std::uint16_t{});
+    case PlyType::int32:
+      return f(std::int32_t{});
+    case PlyType::uint32:
+      return f(std::uint32_t{});
+    case PlyType::float64:
+      return f(double{});
+    case PlyType::float32:
+      break;
+  }
+  return f(float{});
+}
+
+/// The data of an ascii PLY: numbers parted by white space.
+class PlyTextSource {
+ public:
+  static constexpr bool is_text = true;
+  PlyTextSource(TextCursor cursor, const char* file) : cursor_(cursor), lines_(file) {}
+
+  [[nodiscard]] bool read(PlyType, float& value) { return cursor_.skip_space() && cursor_.number(value); }
+  [[nodiscard]] bool read_index(PlyType, std::int32_t& value) {
+    if (!cursor_.skip_space()) return false;
+    std::int32_t whole = 0;
+    const auto result = std::from_chars(cursor_.next, cursor_.end, whole);
+    if (result.ec == std::errc() && (result.ptr == cursor_.end || TextCursor::is_space(*result.ptr))) {
+      cursor_.next = result.ptr;
+      value = whole >= 0 ? whole : kBadIndex;
+      return true;
+    }
+    double number = 0;
+    if (!cursor_.number(number)) return false;
+    value = index_of(number);
+    return true;
+  }
+  [[nodiscard]] bool read_indices(PlyType type, std::span<std::int32_t> values) {
+    for (std::int32_t& value : values)
+      if (!read_index(type, value)) return false;
+    return true;
+  }
+  [[nodiscard]] bool skip(PlyType) {
+    float ignored = 0;
+    return cursor_.skip_space() && cursor_.number(ignored);
+  }
+  /// True when what is left could hold this many values.
+  [[nodiscard]] bool may_hold(PlyType, std::uint64_t count) const { return count <= most_values(); }
+  [[nodiscard]] std::uint64_t most_rows(const PlyElement& element) const {
+    return element.properties.empty() ? 0 : most_values() / element.properties.size();
+  }
+  [[nodiscard]] vrml::SourceLocation location() { return lines_.location(cursor_.next); }
+
+ private:
+  [[nodiscard]] std::uint64_t most_values() const {
+    return (static_cast<std::uint64_t>(cursor_.end - cursor_.next) + 1) / 2;
+  }
+  TextCursor cursor_;
+  LineCounter lines_;
+};
+
+/// The data of a binary PLY.
+template <bool big>
+class PlyBinarySource {
+ public:
+  static constexpr bool is_text = false;
+  static constexpr bool is_big = big;
+  explicit PlyBinarySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  [[nodiscard]] bool read(PlyType type, float& value) {
+    return with_type(type, [&](auto kind) {
+      using T = decltype(kind);
+      if (bytes_.size() < sizeof(T)) return false;
+      value = static_cast<float>(load<T, big>(bytes_.data()));
+      bytes_ = bytes_.subspan(sizeof(T));
+      return true;
+    });
+  }
+  [[nodiscard]] bool read_index(PlyType type, std::int32_t& value) { return read_indices(type, {&value, 1}); }
+  [[nodiscard]] bool read_indices(PlyType type, std::span<std::int32_t> values) {
+    return with_type(type, [&](auto kind) {
+      using T = decltype(kind);
+      if (bytes_.size() / sizeof(T) < values.size()) return false;
+      const std::byte* from = bytes_.data();
+      for (std::int32_t& value : values) {
+        value = index_of(load<T, big>(from));
+        from += sizeof(T);
+      }
+      bytes_ = bytes_.subspan(values.size() * sizeof(T));
+      return true;
+    });
+  }
+  [[nodiscard]] bool skip(PlyType type) {
+    if (bytes_.size() < size_of(type)) return false;
+    bytes_ = bytes_.subspan(size_of(type));
+    return true;
+  }
+  [[nodiscard]] bool may_hold(PlyType type, std::uint64_t count) const {
+    return count <= bytes_.size() / size_of(type);
+  }
+  [[nodiscard]] std::uint64_t most_rows(const PlyElement& element) const {
+    const std::size_t row = element.least_row_bytes();
+    return row == 0 ? 0 : bytes_.size() / row;
+  }
+  [[nodiscard]] vrml::SourceLocation location() { return {}; }
+  [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+  void advance(std::size_t count) { bytes_ = bytes_.subspan(count); }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,138 @@
+#include "app/formats/common/ply_table.h"
+
+#include "app/formats/common/ply_source.h"
+
+#include <algorithm>
+
+namespace gs::app {
+namespace {
+
+/// What a header's reader reports, without a scene for it to go to.
+struct HeaderReading {
+  vrml::SceneGraph scene;
+  vrml::Diagnostics diagnostics{1};
+  std::optional<PlyHeader> header;
+
+  explicit HeaderReading(TextCursor& cursor) {
+    SceneBuilder builder(scene, diagnostics);
+    header = read_ply_header(cursor, builder);
+  }
+  [[nodiscard]] std::string problem() const {
+    return diagnostics.entries().empty() ? "broken PLY header" : diagnostics.entries().front().message;
+  }
+};
+
+/// Passes `rows` rows of a text; the number that were whole.
+std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::size_t rows, std::vector<float>* values) {
+  const std::size_t width = element.properties.size();
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t i = 0; i < width; ++i) {
+      float value = 0;
+      if (!source.read(element.properties[i].type, value)) {
+        if (values) values->resize(row * width);
+        return row;
+      }
+      if (values) values->push_back(value);
+    }
+  return rows;
+}
+
+template <bool big>
+void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<float>& values) {
+  if (table.rows == 0) return;  // there may be no data at all
+  const std::size_t stride = table.element.least_row_bytes();
+  const std::byte* from = table.data.data() + offset;
+  with_type(type, [&](auto kind) {
+    using T = decltype(kind);
+    for (std::size_t row = 0; row < table.rows; ++row)
+      values[row] = static_cast<float>(load<T, big>(from + row * stride));
+  });
+}
+
+/// Finds the element; the rows of those before it are in `before`.
+const PlyElement* find(const PlyHeader& header, std::string_view name, std::vector<const PlyElement*>& before) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == name) return &element;
+    before.push_back(&element);
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool PlyTable::has(std::string_view property) const {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [&](const PlyProperty& p) { return !p.is_list && p.name == property; });
+}
+
+std::vector<float> PlyTable::column(std::string_view property) const {
+  std::size_t offset = 0, index = 0;
+  for (const PlyProperty& p : element.properties) {
+    if (p.name != property) {
+      offset += size_of(p.type);
+      ++index;
+      continue;
+    }
+    std::vector<float> result(rows);
+    if (header.format == PlyFormat::little_endian)
+      read_binary<false>(*this, p.type, offset, result);
+    else if (header.format == PlyFormat::big_endian)
+      read_binary<true>(*this, p.type, offset, result);
+    else
+      for (std::size_t row = 0; row < rows; ++row) result[row] = values[row * element.properties.size() + index];
+    return result;
+  }
+  return {};
+}
+
+std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes) {
+  TextCursor cursor(bytes);
+  return HeaderReading(cursor).header;
+}
+
+std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> bytes, std::string_view name,
+                                                   const WorldBudget& budget) {
+  TextCursor cursor(bytes);
+  HeaderReading reading(cursor);
+  if (!reading.header) return reading.problem();
+  PlyTable table;
+  table.header = std::move(*reading.header);
+  std::vector<const PlyElement*> before;
+  const PlyElement* found = find(table.header, name, before);
+  if (!found || found->properties.empty()) return "no element '" + std::string(name) + "' in the PLY file";
+  table.element = *found;
+  before.push_back(found);
+  for (const PlyElement* element : before)
+    if (element->has_lists()) return "element '" + element->name + "' has lists; expected numbers only";
+  before.pop_back();
+
+  if (table.header.format == PlyFormat::ascii) {
+    // A digit and a blank become a float, in a list that doubles.
+    table.share = vrml::Share(budget, vrml::Resource::files);
+    if (!table.share.grow(4 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
+    PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));
+    for (const PlyElement* element : before) {
+      if (element->properties.empty()) continue;
+      const auto most = std::min(element->count, source.most_rows(*element) + 1);
+      if (read_text(source, *element, static_cast<std::size_t>(most), nullptr) < element->count) return table;
+    }
+    const auto most = std::min(table.element.count, source.most_rows(table.element));
+    table.rows = read_text(source, table.element, static_cast<std::size_t>(most), &table.values);
+    return table;
+  }
+  table.data = bytes.subspan(static_cast<std::size_t>(cursor.next - reinterpret_cast<const char*>(bytes.data())));
+  for (const PlyElement* element : before) {
+    const std::size_t row = element->least_row_bytes();
+    if (row == 0) continue;
+    if (element->count > table.data.size() / row) {
+      table.data = {};
+      return table;
+    }
+    table.data = table.data.subspan(static_cast<std::size_t>(element->count) * row);
+  }
+  table.rows = static_cast<std::size_t>(
+      std::min<std::uint64_t>(table.element.count, table.data.size() / table.element.least_row_bytes()));
+  return table;
+}
+
+}  // namespace gs::app

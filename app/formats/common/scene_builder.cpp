@@ -1,0 +1,146 @@
+#include "app/formats/common/scene_builder.h"
+
+#include "app/formats/common/geometry_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using vrml::NodeId;
+
+constexpr std::size_t kMaxNameBytes = 200;
+
+/// VRML97 Annex A: what an Id may hold. Bytes over 0x7f are parts of UTF-8 letters.
+bool allowed_in_id(char c) {
+  const auto byte = static_cast<unsigned char>(c);
+  constexpr std::string_view kForbidden = "\"#',.[\\]{}";
+  return byte > 0x20 && byte != 0x7f && kForbidden.find(c) == std::string_view::npos;
+}
+
+bool forbidden_at_start(char c) { return (c >= '0' && c <= '9') || c == '+' || c == '-'; }
+
+/// Words that stand for something else in the text (VRML97 Annex A).
+bool is_keyword(std::string_view id) {
+  constexpr std::string_view kKeywords[] = {"DEF",     "EXTERNPROTO", "FALSE",        "IS",   "NULL",
+                                            "PROTO",   "ROUTE",       "TO",           "TRUE", "USE",
+                                            "eventIn", "eventOut",    "exposedField", "field"};
+  return std::find(std::begin(kKeywords), std::end(kKeywords), id) != std::end(kKeywords);
+}
+
+}  // namespace
+
+Look glowing(Look look) {
+  look.emissive = look.diffuse;
+  look.diffuse = look.specular = {};
+  look.ambient_intensity = 0;
+  return look;
+}
+
+NodeId SceneBuilder::make(std::string_view type) {
+  const vrml::NodeType* found = vrml::built_in_node_type(type);
+  const NodeId node = found ? scene_.create(*found) : NodeId{};
+  if (!node && !full_) {
+    full_ = true;
+    fail("too many nodes: the rest is left out");
+  }
+  return node;
+}
+
+void SceneBuilder::name(NodeId node, std::string_view text) {
+  if (!node || text.empty()) return;
+  text = text.substr(0, kMaxNameBytes);
+  std::string id;
+  if (forbidden_at_start(text.front())) id += '_';
+  for (const char c : text) id += allowed_in_id(c) ? c : '_';
+  if (is_keyword(id)) id += '_';
+  // The count of names taken is a number that was not used with this name before, or nearly.
+  const std::string first = id + '_';
+  for (std::size_t number = names_.size(); !names_.insert(id).second; ++number) id = first + std::to_string(number);
+  scene_.set_name(node, id);
+}
+
+NodeId SceneBuilder::appearance(const Look& look) {
+  const NodeId appearance = make("Appearance");
+  if (look.lit) {
+    const NodeId material = make("Material");
+    set(material, "diffuseColor", look.diffuse);
+    set(material, "specularColor", look.specular);
+    set(material, "emissiveColor", look.emissive);
+    set(material, "ambientIntensity", look.ambient_intensity);
+    set(material, "shininess", look.shininess);
+    set(material, "transparency", look.transparency);
+    set(appearance, "material", material);
+  }
+  if (!look.texture_url.empty()) {
+    const NodeId texture = make("ImageTexture");
+    set(texture, "url", vrml::MFString{look.texture_url});
+    set(texture, "repeatS", look.repeat_s);
+    set(texture, "repeatT", look.repeat_t);
+    set(appearance, "texture", texture);
+  }
+  return appearance;
+}
+
+NodeId SceneBuilder::geometry(Geometry data) {
+  const GeometryLoss loss = drop_what_is_broken(data);
+  const char* what = data.kind == Geometry::Kind::faces   ? "faces"
+                     : data.kind == Geometry::Kind::lines ? "lines"
+                                                          : "points";
+  if (loss.bad_index > 0)
+    fail(std::to_string(loss.bad_index) + " " + what +
+         " left out: they use vertices that the file does not have; expected indices below " +
+         std::to_string(data.positions.size()));
+  if (loss.not_finite > 0)
+    warn(std::to_string(loss.not_finite) + " " + what + " left out: their coordinates are not finite numbers");
+  const bool has_index = data.kind != Geometry::Kind::points;
+  if (data.positions.empty() || (has_index && data.coord_index.empty())) return {};
+
+  const bool faces = data.kind == Geometry::Kind::faces;
+  const NodeId node = make(faces ? "IndexedFaceSet" : has_index ? "IndexedLineSet" : "PointSet");
+  const auto attach = [&](std::string_view field, std::string_view type, std::string_view inner, auto values) {
+    if (values.empty()) return;
+    const NodeId property = make(type);
+    set(property, inner, std::move(values));
+    set(node, field, property);
+  };
+  const bool has_colors = !data.colors.empty();
+  attach("coord", "Coordinate", "point", std::move(data.positions));
+  attach("color", "Color", "color", std::move(data.colors));
+  if (!has_index) return node;
+  if (has_colors) set(node, "colorPerVertex", data.color_per_vertex);
+  if (faces) {
+    const bool has_normals = !data.normals.empty(), has_texture = !data.texture_coordinates.empty();
+    attach("normal", "Normal", "vector", std::move(data.normals));
+    attach("texCoord", "TextureCoordinate", "point", std::move(data.texture_coordinates));
+    if (has_normals) set(node, "normalIndex", std::move(data.normal_index));
+    if (has_texture) set(node, "texCoordIndex", std::move(data.texture_index));
+    set(node, "solid", data.solid);
+    set(node, "convex", data.convex);
+    set(node, "creaseAngle", data.crease_angle);
+  }
+  set(node, "coordIndex", std::move(data.coord_index));
+  return node;
+}
+
+NodeId SceneBuilder::shape(NodeId geometry, NodeId appearance) {
+  if (!geometry) return {};
+  const NodeId shape = make("Shape");
+  set(shape, "geometry", geometry);
+  set(shape, "appearance", appearance);
+  return shape;
+}
+
+void SceneBuilder::report(vrml::Severity severity, std::string message, vrml::SourceLocation location) {
+  diagnostics_.add({severity, scene_.file_name(), location, std::move(message)});
+}
+
+float display_of_linear(float linear) {
+  if (!(linear > 0)) return 0;
+  if (linear >= 1) return 1;
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+}  // namespace gs::app

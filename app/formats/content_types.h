@@ -1,0 +1,65 @@
+#pragma once
+
+#include "app/base/read_file.h"
+#include "app/base/world_budget.h"
+#include "app/formats/splats/splats.h"
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+/// What a file holds, and so how it is read.
+enum class ContentClass : std::uint8_t {
+  vrml,    // read piece by piece, as it is unpacked
+  mesh,    // imported as nodes
+  stream,  // a QNV stream, decoded piece by piece
+  cloud,   // vectors of other programs, imported as a cloud
+  volume,  // opened by its path, slice by slice; its strongest gradients become a cloud
+};
+
+/// One kind of content that opens as a world. The table of them is the only place that knows them.
+struct ContentType {
+  std::string_view name;        // "VRML97"
+  std::string_view mime;        // "model/vrml"
+  std::string_view extensions;  // lower case, each with its point, a blank behind each: ".wrl .vrml "
+  bool (*sniff)(std::span<const std::byte> bytes);  // by the first bytes; null: only the name tells
+  ContentClass content = ContentClass::vrml;
+  /// ContentClass::mesh: bytes to nodes.
+  void (*import)(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+                 const ReadFile& read_file) = nullptr;
+  /// ContentClass::cloud: bytes to vectors.
+  ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
+  bool unpacks_itself = false;  // gzip is part of the format
+
+  /// True for types that become vectors in the place of nodes.
+  [[nodiscard]] bool is_cloud() const {
+    return content == ContentClass::stream || content == ContentClass::cloud || content == ContentClass::volume;
+  }
+};
+
+[[nodiscard]] std::span<const ContentType> content_types();
+
+/// The type of a file: by its first bytes (see `first_bytes`), else by its name (a `.gz` at its end does not count),
+/// else VRML97, whose parser says best what is wrong with anything else.
+[[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
+
+/// The type whose mark the first bytes bear; null for none.
+[[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);
+
+/// The first bytes of a file, behind its gzip wrapper if it has one: enough to tell its type.
+[[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);
+
+/// "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...": for help.
+[[nodiscard]] std::string content_type_list();
+
+/// Whether bytes begin like a QNV stream whose payload are outlines, polygons in place of vectors.
+[[nodiscard]] bool is_outline_stream(std::span<const std::byte> bytes);
+
+}  // namespace gs::app

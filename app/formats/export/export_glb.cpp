@@ -1,0 +1,142 @@
+#include "app/formats/common/byte_order.h"
+#include "app/formats/common/glb.h"
+#include "app/formats/common/ranges.h"
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/export/export.h"
+#include "app/formats/export/export_discs.h"
+#include "app/formats/splats/splats.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gs::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFloat = 5126, kUnsignedByte = 5121, kArrayBuffer = 34962, kPoints = 0;
+constexpr std::size_t kSplatBytes = 12 + 16 + 12 + 4 + 12 + 4;
+
+/// Fills the buffer attribute by attribute: each has a view and an accessor of its own.
+class Attributes {
+ public:
+  explicit Attributes(const std::vector<ExportSplat>& splats) : splats_(splats) {
+    bytes.reserve(splats.size() * kSplatBytes);
+  }
+
+  /// `put` appends one splat's values; their bytes a splat must be a multiple of four. The accessor.
+  template <class Put>
+  Json& add(const std::string& name, const char* type, int component_type, bool normalized, Put&& put) {
+    const std::size_t start = bytes.size();
+    for (const ExportSplat& splat : splats_) put(splat);
+    views.push_back(
+        {{"buffer", 0}, {"byteOffset", start}, {"byteLength", bytes.size() - start}, {"target", kArrayBuffer}});
+    Json accessor = {
+        {"bufferView", views.size() - 1}, {"componentType", component_type}, {"count", splats_.size()}, {"type", type}};
+    if (normalized) accessor["normalized"] = true;
+    attributes[name] = accessors.size();
+    accessors.push_back(std::move(accessor));
+    return accessors.back();
+  }
+  template <class Put>
+  Json& add_floats(const std::string& name, const char* type, Put&& put) {
+    return add(name, type, kFloat, false, put);
+  }
+
+  std::vector<std::byte> bytes;
+  Json views = Json::array(), accessors = Json::array(), attributes = Json::object();
+
+ private:
+  const std::vector<ExportSplat>& splats_;
+};
+
+/// Linear light for a display's colour (IEC 61966-2-1).
+float linear_of_display(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
+
+void add_bounds(const std::vector<ExportSplat>& splats, Json& accessor) {
+  qnv::Box box;
+  for (const ExportSplat& splat : splats) box.add(splat.position);
+  accessor["min"] = {box.lower.x, box.lower.y, box.lower.z};
+  accessor["max"] = {box.upper.x, box.upper.y, box.upper.z};
+}
+
+void add_all(const std::vector<ExportSplat>& splats, Attributes& to) {
+  const auto put_vector = [&](const glm::vec3& v) {
+    for (int k = 0; k < 3; ++k) put_little(to.bytes, v[k]);
+  };
+  add_bounds(splats, to.add_floats("POSITION", "VEC3", [&](const ExportSplat& s) { put_vector(s.position); }));
+  const std::string prefix = "KHR_gaussian_splatting:";
+  to.add_floats(prefix + "ROTATION", "VEC4", [&](const ExportSplat& s) {
+    for (int k = 0; k < 4; ++k) put_little(to.bytes, s.rotation[k]);
+  });
+  to.add_floats(prefix + "SCALE", "VEC3", [&](const ExportSplat& s) { put_vector(s.scale); });
+  to.add_floats(prefix + "OPACITY", "SCALAR", [&](const ExportSplat& s) { put_little(to.bytes, s.opacity); });
+  to.add_floats(prefix + "SH_DEGREE_0_COEF_0", "VEC3", [&](const ExportSplat& s) { put_vector(s.dc); });
+  to.add("COLOR_0", "VEC4", kUnsignedByte, true, [&](const ExportSplat& s) {
+    for (int k = 0; k < 3; ++k)
+      put_little(to.bytes, byte_of(linear_of_display(std::clamp(0.5f + kSphericalHarmonic0 * s.dc[k], 0.0f, 1.0f))));
+    put_little(to.bytes, byte_of(s.opacity));
+  });
+}
+
+Json document_of(const Attributes& attributes, const ExportOptions& options) {
+  Json document;
+  document["asset"] = {{"version", "2.0"}, {"generator", "GhostSpace"}};
+  document["scene"] = 0;
+  if (attributes.bytes.empty()) {
+    document["scenes"] = {Json::object()};  // arrays may not be empty: a scene without nodes
+    return document;
+  }
+  const char* const extension = "KHR_gaussian_splatting";
+  document["extensionsUsed"] = {extension};
+  document["scenes"] = {{{"nodes", {0}}}};
+  Json node = {{"mesh", 0}};
+  if (!options.title.empty()) node["name"] = options.title;
+  document["nodes"] = {std::move(node)};
+  Json primitive = {{"mode", kPoints}, {"attributes", attributes.attributes}};
+  primitive["extensions"][extension] = {{"kernel", "ellipse"},
+                                        {"colorSpace", "srgb_rec709_display"},
+                                        {"projection", "perspective"},
+                                        {"sortingMethod", "cameraDistance"}};
+  Json mesh;
+  mesh["primitives"] = Json::array({std::move(primitive)});
+  document["meshes"] = Json::array({std::move(mesh)});
+  document["buffers"] = {{{"byteLength", attributes.bytes.size()}}};
+  document["bufferViews"] = attributes.views;
+  document["accessors"] = attributes.accessors;
+  return document;
+}
+
+}  // namespace
+
+Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
+  constexpr std::size_t kHeaderRoom = 65536;
+  if (cloud.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / kSplatBytes)
+    return "a GLB file holds no more than 4 GiB: too many vectors (" + std::to_string(cloud.size()) + ")";
+  const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightUpBack);
+  Attributes attributes(splats);
+  if (!splats.empty()) add_all(splats, attributes);
+  std::string text = document_of(attributes, options).dump(-1, ' ', false, Json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+
+  std::vector<std::byte> bytes;
+  const std::size_t binary = attributes.bytes.empty() ? 0 : 8 + attributes.bytes.size();
+  const std::size_t total = 12 + 8 + text.size() + binary;
+  if (total > std::numeric_limits<std::uint32_t>::max()) return "a GLB file holds no more than 4 GiB";
+  bytes.reserve(total);
+  for (const std::size_t word : {std::size_t{kGlbMagic}, std::size_t{2}, total, text.size(), std::size_t{kJsonChunk}})
+    put_little(bytes, static_cast<std::uint32_t>(word));
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  bytes.insert(bytes.end(), first, first + text.size());
+  if (binary > 0) {
+    put_little(bytes, static_cast<std::uint32_t>(attributes.bytes.size()));
+    put_little(bytes, kBinaryChunk);
+    bytes.insert(bytes.end(), attributes.bytes.begin(), attributes.bytes.end());
+  }
+  return bytes;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,162 @@
+#include "app/formats/common/byte_order.h"
+#include "app/formats/export/export.h"
+#include "app/formats/export/export_discs.h"
+#include "app/formats/splats/splats.h"
+#include "app/formats/splats/spz.h"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace gs::app {
+namespace {
+
+using namespace spz;
+using PlaneBytes = std::vector<std::byte>;
+
+constexpr int kZstdLevel = 12;  // the reference writer's
+constexpr int kMostFractionBits = 23;
+constexpr std::int32_t kMostFixed = (1 << 23) - 1;
+
+std::byte quantized(float value) { return static_cast<std::byte>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
+
+/// As many bits behind the point as leave room for the largest coordinate in 24 bits with a sign.
+int fraction_bits_for(const std::vector<ExportSplat>& splats) {
+  float most = 0;
+  for (const ExportSplat& splat : splats)
+    for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(splat.position[k]));
+  int bits = kMostFractionBits;
+  while (bits > 0 && std::ldexp(most, bits) > static_cast<float>(kMostFixed)) --bits;
+  return bits;
+}
+
+/// The index of the largest component on top, then sign and nine bits of each other one.
+std::uint32_t packed_rotation(const glm::vec4& q) {
+  int largest = 0;
+  for (int k = 1; k < 4; ++k)
+    if (std::abs(q[k]) > std::abs(q[largest])) largest = k;
+  const bool negate = q[largest] < 0;
+  auto packed = static_cast<std::uint32_t>(largest);
+  for (int k = 0; k < 4; ++k) {
+    if (k == largest) continue;
+    const auto size = static_cast<std::uint32_t>(
+        std::lround(std::min(kQuaternionSteps * std::abs(q[k]) * std::numbers::sqrt2_v<float>, kQuaternionSteps)));
+    packed = packed << 10 | ((q[k] < 0) != negate ? 512u : 0u) | size;
+  }
+  return packed;
+}
+
+std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& splats, int fraction_bits) {
+  std::array<PlaneBytes, plane_count> planes;
+  const auto widths = plane_widths(4);
+  for (std::size_t plane = 0; plane < plane_count; ++plane) planes[plane].reserve(widths[plane] * splats.size());
+  for (const ExportSplat& splat : splats) {
+    for (int k = 0; k < 3; ++k) {
+      const double scaled = std::ldexp(static_cast<double>(splat.position[k]), fraction_bits);
+      const auto fixed = static_cast<std::int32_t>(
+          std::lround(std::clamp(scaled, -static_cast<double>(kMostFixed), static_cast<double>(kMostFixed))));
+      for (int shift = 0; shift < 24; shift += 8)
+        planes[positions].push_back(static_cast<std::byte>(static_cast<std::uint32_t>(fixed) >> shift & 255));
+      planes[colors].push_back(quantized((splat.dc[k] * kColorScale + 0.5f) * 255));
+      planes[scales].push_back(quantized((std::log(splat.scale[k]) - kLeastLogScale) * kLogScaleSteps));
+    }
+    planes[alphas].push_back(quantized(splat.opacity * 255));
+    put_little(planes[rotations], packed_rotation(splat.rotation));
+  }
+  return planes;
+}
+
+/// What versions 3 and 4 have in common: 16 bytes, the last of which is `streams` in version 4.
+void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t count, int fraction_bits,
+                std::uint8_t streams) {
+  put_little(to, kSpzMagic);
+  put_little(to, version);
+  put_little(to, static_cast<std::uint32_t>(count));
+  for (const int byte : {0, fraction_bits, 0, static_cast<int>(streams)}) to.push_back(static_cast<std::byte>(byte));
+}
+
+std::optional<std::vector<std::byte>> gzipped(const std::vector<std::byte>& data) {
+  z_stream stream{};
+  constexpr int kGzipWindow = 15 + 16, kMemory = 8;
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    return std::nullopt;
+  std::vector<std::byte> result, piece(std::size_t{256} << 10);
+  std::size_t next = 0;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    const std::size_t given = std::min<std::size_t>(data.size() - next, std::numeric_limits<uInt>::max());
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data() + next));
+    stream.avail_in = static_cast<uInt>(given);
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = static_cast<uInt>(piece.size());
+    status = deflate(&stream, next + given == data.size() ? Z_FINISH : Z_NO_FLUSH);
+    next += given - stream.avail_in;
+    result.insert(result.end(), piece.begin(), piece.end() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) return std::nullopt;
+  return result;
+}
+
+std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& data) {
+  std::vector<std::byte> result(ZSTD_compressBound(data.size()));
+  const std::size_t length = ZSTD_compress(result.data(), result.size(), data.data(), data.size(), kZstdLevel);
+  if (ZSTD_isError(length)) return std::nullopt;
+  result.resize(length);
+  return result;
+}
+
+/// The splats, or why there cannot be a file of them.
+Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
+  splats = splats_of(cloud, kFromRightUpBack);
+  if (splats.empty()) return "SPZ cannot hold a cloud without vectors that can be seen";
+  if (splats.size() > kMostSplats)
+    return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
+           std::to_string(kMostSplats);
+  return std::vector<std::byte>();
+}
+
+}  // namespace
+
+Exported export_spz(const qnv::Cloud& cloud, const ExportOptions&) {
+  std::vector<ExportSplat> splats;
+  Exported bytes = checked(cloud, splats);
+  if (std::holds_alternative<std::string>(bytes)) return bytes;
+  auto& file = std::get<std::vector<std::byte>>(bytes);
+  const int fraction_bits = fraction_bits_for(splats);
+  const auto planes = planes_of(splats, fraction_bits);
+  put_header(file, 4, splats.size(), fraction_bits, plane_count);
+  put_little(file, static_cast<std::uint32_t>(kSpzHeaderBytes4));  // where the table of streams stands
+  file.resize(kSpzHeaderBytes4);
+  std::vector<std::byte> streams;
+  for (const PlaneBytes& plane : planes) {
+    const auto packed = zstd_packed(plane);
+    if (!packed) return "zstd could not pack the data";
+    put_little(file, std::uint64_t{packed->size()});
+    put_little(file, std::uint64_t{plane.size()});
+    streams.insert(streams.end(), packed->begin(), packed->end());
+  }
+  file.insert(file.end(), streams.begin(), streams.end());
+  return bytes;
+}
+
+Exported export_spz3(const qnv::Cloud& cloud, const ExportOptions&) {
+  std::vector<ExportSplat> splats;
+  Exported bytes = checked(cloud, splats);
+  if (std::holds_alternative<std::string>(bytes)) return bytes;
+  auto& data = std::get<std::vector<std::byte>>(bytes);
+  const int fraction_bits = fraction_bits_for(splats);
+  put_header(data, 3, splats.size(), fraction_bits, 0);
+  for (const PlaneBytes& plane : planes_of(splats, fraction_bits)) data.insert(data.end(), plane.begin(), plane.end());
+  auto packed = gzipped(data);
+  if (!packed) return "zlib could not pack the data";
+  return std::move(*packed);
+}
+
+}  // namespace gs::app

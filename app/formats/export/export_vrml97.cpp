@@ -1,0 +1,162 @@
+#include "app/formats/export/export.h"
+#include "app/formats/export/export_discs.h"
+#include "app/formats/export/vrml_text.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+/// The interface of the QNV node, as our node table prints it; browsers without it get it from the PROTO.
+constexpr std::string_view kInterface =
+    "PROTO QNV [\n"
+    "  exposedField MFString url []\n"
+    "  exposedField SFFloat detail 1\n"
+    "  exposedField SFString profile \"SURFACE\"\n"
+    "  exposedField MFFloat transfer []\n"
+    "  field MFInt32 vectors []\n"
+    "  field SFVec3f bboxCenter 0 0 0\n"
+    "  field SFVec3f bboxSize -1 -1 -1\n"
+    "  eventOut SFFloat progress_changed\n"
+    "  eventOut SFTime loadTime\n"
+    "] {\n";
+
+// Towards the light that is baked into points: from above, behind the viewer.
+constexpr glm::vec3 kLight{0.27f, 0.53f, 0.80f};
+constexpr float kAmbient = 0.3f;
+
+class Vrml97Text {
+ public:
+  void add(std::string_view text) { out_ += text; }
+  void number(float value) { append_number(out_, value); }
+  void vector(const glm::vec3& v, char end = '\n') {
+    for (int k = 0; k < 3; ++k) {
+      number(v[k]);
+      out_ += k < 2 ? ' ' : end;
+    }
+  }
+  /// Three digits, which tell all 256 levels apart.
+  void color(const glm::vec3& rgb) {
+    vector({std::round(rgb.x * 1000) / 1000, std::round(rgb.y * 1000) / 1000, std::round(rgb.z * 1000) / 1000});
+  }
+  void quoted(std::string_view text) { append_quoted(out_, text); }
+  [[nodiscard]] std::vector<std::byte> bytes() const {
+    const auto* first = reinterpret_cast<const std::byte*>(out_.data());
+    return {first, first + out_.size()};
+  }
+
+ private:
+  std::string out_;
+};
+
+glm::vec3 rgb_of(const qnv::Rgb8& color) {
+  return {static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255, static_cast<float>(color.b) / 255};
+}
+
+void put_points(const std::vector<ExportDisc>& discs, bool shaded, Vrml97Text& text) {
+  text.add("  PointSet {\n    coord Coordinate { point [\n");
+  for (const ExportDisc& disc : discs) text.vector(disc.position);
+  text.add("    ] }\n    color Color { color [\n");
+  for (const ExportDisc& disc : discs) {
+    const glm::vec3& n = disc.normal;
+    const float facing = std::min(std::abs(n.x * kLight.x + n.y * kLight.y + n.z * kLight.z), 1.0f);
+    text.color(rgb_of(disc.color) * (shaded ? kAmbient + (1 - kAmbient) * facing : 1.0f));
+  }
+  text.add("    ] }\n  }\n");
+}
+
+/// The corners of a square of the disc's area, counter-clockwise seen from where the normal points.
+std::array<glm::vec3, 4> corners_of(const ExportDisc& disc) {
+  const glm::vec3& n = disc.normal;
+  // Any vector across the normal: from the axis that it follows least.
+  const bool along_x = std::abs(n.x) < 0.6f;
+  glm::vec3 u = along_x ? glm::vec3(0, n.z, -n.y) : glm::vec3(-n.z, 0, n.x);
+  const float length = std::sqrt(u.x * u.x + u.y * u.y + u.z * u.z);
+  u = length > 0 ? u / length : glm::vec3(1, 0, 0);
+  const glm::vec3 v(n.y * u.z - n.z * u.y, n.z * u.x - n.x * u.z, n.x * u.y - n.y * u.x);
+  const float half = std::sqrt(disc.area) / 2;
+  const glm::vec3 a = (u + v) * half, b = (v - u) * half;
+  return {disc.position - a, disc.position - b, disc.position + a, disc.position + b};
+}
+
+void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
+  text.add("  IndexedFaceSet {\n    solid FALSE\n    normalPerVertex FALSE\n    colorPerVertex FALSE\n");
+  text.add("    coord Coordinate { point [\n");
+  for (const ExportDisc& disc : discs) {
+    const auto corners = corners_of(disc);
+    for (std::size_t k = 0; k < 4; ++k) text.vector(corners[k], k < 3 ? ',' : '\n');
+  }
+  text.add("    ] }\n    coordIndex [\n");
+  for (std::size_t i = 0; i < discs.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) text.add(std::to_string(4 * i + k) + " ");
+    text.add("-1\n");
+  }
+  text.add("    ]\n    normal Normal { vector [\n");
+  for (const ExportDisc& disc : discs) text.vector(disc.normal);
+  text.add("    ] }\n    color Color { color [\n");
+  for (const ExportDisc& disc : discs) text.color(rgb_of(disc.color));
+  text.add("    ] }\n  }\n");
+}
+
+/// Looks at the whole box from the front.
+void put_viewpoint(const qnv::Box& box, Vrml97Text& text) {
+  const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
+  const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
+  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
+  text.add("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }\nViewpoint { description \"Front\" position ");
+  text.vector({middle.x, middle.y, middle.z + kDistance * radius}, ' ');
+  text.add("}\n");
+}
+
+void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Vrml97Text& text) {
+  text.add("}\n");
+  if (!cloud.description.box.empty()) put_viewpoint(cloud.description.box, text);
+  text.add("Shape {\n  appearance Appearance { material Material { } }\n  geometry QNV {\n");
+  if (!options.stream_url.empty()) {
+    text.add("    url ");
+    text.quoted(options.stream_url);
+    text.add("\n");
+  }
+  if (cloud.description.kind == qnv::Kind::volume) text.add("    profile \"VOLUME\"\n");
+  if (const qnv::Box& box = cloud.description.box; !box.empty()) {
+    text.add("    bboxCenter ");
+    text.vector(box.lower + box.size() * 0.5f);
+    text.add("    bboxSize ");
+    text.vector(box.size());
+  }
+  text.add("  }\n}\n");
+}
+
+std::vector<std::byte> world_of(const qnv::Cloud& cloud, const ExportOptions& options, bool patches) {
+  const ExportDiscs all(cloud);
+  const std::vector<ExportDisc> discs = visible_discs(all);
+  Vrml97Text text;
+  text.add("#VRML V2.0 utf8 written by GhostSpace\n");
+  if (!options.title.empty()) {
+    text.add("WorldInfo { title ");
+    text.quoted(options.title);
+    text.add(" }\n");
+  }
+  text.add(kInterface);
+  if (patches)
+    put_patches(discs, text);
+  else
+    put_points(discs, cloud.colors.empty() && !all.balls(), text);
+  put_instance(cloud, options, text);
+  return text.bytes();
+}
+
+}  // namespace
+
+Exported export_vrml97_points(const qnv::Cloud& cloud, const ExportOptions& options) {
+  return world_of(cloud, options, false);
+}
+
+Exported export_vrml97_patches(const qnv::Cloud& cloud, const ExportOptions& options) {
+  if (cloud.size() > std::size_t{1} << 29) return "too many vectors for the indices of VRML97";
+  return world_of(cloud, options, true);
+}
+
+}  // namespace gs::app

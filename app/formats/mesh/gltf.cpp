@@ -1,0 +1,292 @@
+#include "app/formats/mesh/gltf.h"
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/mesh/gltf_accessor.h"
+#include "app/formats/mesh/gltf_load.h"
+#include "app/formats/mesh/gltf_material.h"
+#include "app/formats/mesh/gltf_mesh.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+/// What of glTF's required extensions is understood, or can be done without.
+constexpr std::array<std::string_view, 8> kKnownExtensions = {
+    "KHR_materials_unlit", "KHR_texture_transform",           "KHR_mesh_quantization",  kDracoExtension,
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_materials_ior"};
+
+struct Placement {
+  glm::vec3 translation{0.0f}, scale{1.0f};
+  glm::quat rotation{1, 0, 0, 0};
+  bool sheared = false;
+
+  [[nodiscard]] glm::mat4 matrix() const {
+    glm::mat4 m = glm::mat4_cast(rotation);
+    for (int i = 0; i < 3; ++i) m[i] *= scale[i];
+    m[3] = glm::vec4(translation, 1.0f);
+    return m;
+  }
+};
+
+glm::vec3 vector_of(const std::vector<double>& values, glm::vec3 otherwise) {
+  if (values.size() < 3) return otherwise;
+  return {finite(values[0]), finite(values[1]), finite(values[2])};
+}
+
+glm::quat unit(const glm::quat& q) {
+  const float length = glm::length(q);
+  return std::isfinite(length) && length > 0 ? q / length : glm::quat(1, 0, 0, 0);
+}
+
+/// Translation, rotation and scale of a matrix, which glTF says it is made of.
+Placement decomposed(const std::vector<double>& values) {
+  glm::mat4 m(1.0f);
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = finite(values[static_cast<std::size_t>(i)]);
+  Placement placement;
+  placement.translation = glm::vec3(m[3]);
+  glm::mat3 axes(m);
+  for (int i = 0; i < 3; ++i) placement.scale[i] = glm::length(axes[i]);
+  // A mirror has no rotation: one axis takes the sign.
+  if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0) placement.scale.x = -placement.scale.x;
+  for (int i = 0; i < 3; ++i) {
+    if (!(std::abs(placement.scale[i]) > 0) || !std::isfinite(placement.scale[i])) return placement;
+    axes[i] /= placement.scale[i];
+  }
+  constexpr float kTolerance = 1e-3f;
+  placement.sheared = std::abs(glm::dot(axes[0], axes[1])) > kTolerance ||
+                      std::abs(glm::dot(axes[1], axes[2])) > kTolerance ||
+                      std::abs(glm::dot(axes[2], axes[0])) > kTolerance;
+  placement.rotation = unit(glm::quat_cast(axes));
+  return placement;
+}
+
+Placement placement_of(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) return decomposed(node.matrix);
+  Placement placement;
+  placement.translation = vector_of(node.translation, placement.translation);
+  placement.scale = vector_of(node.scale, placement.scale);
+  if (node.rotation.size() == 4)
+    placement.rotation = unit(glm::quat(finite(node.rotation[3]), finite(node.rotation[0]), finite(node.rotation[1]),
+                                        finite(node.rotation[2])));
+  return placement;
+}
+
+vrml::Rotation axis_and_angle(glm::quat q) {
+  if (q.w < 0) q = -q;
+  const glm::vec3 axis(q.x, q.y, q.z);
+  const float sine = glm::length(axis);
+  if (!(sine > 1e-7f)) return {};
+  return {axis.x / sine, axis.y / sine, axis.z / sine, 2 * std::atan2(sine, q.w)};
+}
+
+class GltfImporter {
+ public:
+  GltfImporter(const tinygltf::Model& model, SceneBuilder& builder)
+      : model_(model),
+        builder_(builder),
+        accessors_(model, builder.scene()),
+        materials_(model, accessors_, builder),
+        meshes_(model, accessors_, materials_, builder) {}
+
+  void run() {
+    for (const std::string& extension : model_.extensionsRequired)
+      if (std::find(kKnownExtensions.begin(), kKnownExtensions.end(), extension) == kKnownExtensions.end())
+        builder_.fail("the extension " + extension.substr(0, 100) + ", which this asset requires, is not supported");
+    walk();
+    build();
+  }
+
+ private:
+  struct Visit {
+    int node;
+    std::size_t parent;  // place in visits_; kNoParent for roots
+    std::size_t depth;
+    glm::mat4 world;
+    bool useful = false;  // something to show in it or below
+    vrml::NodeId transform;
+    vrml::MFNode children;
+  };
+  static constexpr std::size_t kNoParent = SIZE_MAX;
+
+  [[nodiscard]] bool exists(int node) const {
+    return node >= 0 && static_cast<std::size_t>(node) < model_.nodes.size();
+  }
+  [[nodiscard]] const tinygltf::Node& node(const Visit& visit) const {
+    return model_.nodes[static_cast<std::size_t>(visit.node)];
+  }
+  [[nodiscard]] std::vector<int> scene_roots() const {
+    if (!model_.scenes.empty()) {
+      const auto wanted = static_cast<std::size_t>(std::max(model_.defaultScene, 0));
+      return model_.scenes[wanted < model_.scenes.size() ? wanted : 0].nodes;
+    }
+    // Without a scene all is shown that hangs on nothing.
+    std::vector<bool> is_child(model_.nodes.size());
+    for (const tinygltf::Node& n : model_.nodes)
+      for (const int child : n.children)
+        if (exists(child)) is_child[static_cast<std::size_t>(child)] = true;
+    std::vector<int> roots;
+    for (std::size_t i = 0; i < model_.nodes.size(); ++i)
+      if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    return roots;
+  }
+
+  /// Lists the nodes of the scene, parents first; each once, so that what a file calls a tree is one.
+  void walk() {
+    visited_.assign(model_.nodes.size(), kNoParent);
+    for (const int root : scene_roots()) visit(root, kNoParent);
+    for (std::size_t i = 0; i < visits_.size(); ++i) {
+      const tinygltf::Node& n = node(visits_[i]);
+      for (const int child : n.children) visit(child, i);
+    }
+    for (std::size_t i = visits_.size(); i-- > 0;) {
+      const tinygltf::Node& n = node(visits_[i]);
+      visits_[i].useful |= n.mesh >= 0 || n.camera >= 0;
+      if (visits_[i].useful && visits_[i].parent != kNoParent) visits_[visits_[i].parent].useful = true;
+    }
+  }
+
+  void visit(int index, std::size_t parent) {
+    if (!exists(index)) {
+      builder_.fail("node " + std::to_string(index) + " does not exist");
+      return;
+    }
+    std::size_t& place = visited_[static_cast<std::size_t>(index)];
+    if (place != kNoParent) {
+      builder_.fail("node " + std::to_string(index) + " has more than one parent; expected a tree");
+      return;
+    }
+    const std::size_t depth = parent == kNoParent ? 1 : visits_[parent].depth + 1;
+    if (depth > builder_.scene().limits().nesting) {
+      builder_.fail("node " + std::to_string(index) + " is nested too deeply; it is left out");
+      return;
+    }
+    place = visits_.size();
+    const glm::mat4 outer = parent == kNoParent ? glm::mat4(1.0f) : visits_[parent].world;
+    const Placement placement = placement_of(model_.nodes[static_cast<std::size_t>(index)]);
+    visits_.push_back({index, parent, depth, outer * placement.matrix(), false, {}, {}});
+  }
+
+  void build() {
+    // Children before parents, so that each children field is set once.
+    for (std::size_t i = visits_.size(); i-- > 0;)
+      if (visits_[i].useful) build(visits_[i]);
+    for (const Visit& visit : visits_) {
+      builder_.name(visit.transform, node(visit).name);
+      if (visit.parent == kNoParent) builder_.add_root(visit.transform);
+    }
+    for (const vrml::NodeId shape : world_shapes_) builder_.add_root(shape);
+  }
+
+  void build(Visit& visit) {
+    const tinygltf::Node& n = node(visit);
+    vrml::MFNode content;
+    if (n.camera >= 0) add_viewpoint(n, content);
+    if (n.mesh >= 0) add_mesh(n, content);
+    // The later ones were put in first.
+    for (std::size_t i = visit.children.size(); i-- > 0;) content.push_back(visit.children[i]);
+    visit.children.clear();
+    if (content.empty()) return;
+
+    const Placement placement = placement_of(n);
+    if (placement.sheared)
+      builder_.warn("node " + std::to_string(visit.node) + ": its matrix is no translation, rotation and scale");
+    visit.transform = builder_.make("Transform");
+    builder_.set(visit.transform, "translation", placement.translation);
+    builder_.set(visit.transform, "rotation", axis_and_angle(placement.rotation));
+    builder_.set(visit.transform, "scale", placement.scale);
+    builder_.set(visit.transform, "children", std::move(content));
+    if (visit.transform && visit.parent != kNoParent) visits_[visit.parent].children.push_back(visit.transform);
+  }
+
+  void add_viewpoint(const tinygltf::Node& n, vrml::MFNode& content) {
+    if (static_cast<std::size_t>(n.camera) >= model_.cameras.size()) {
+      builder_.fail("camera " + std::to_string(n.camera) + " does not exist");
+      return;
+    }
+    const tinygltf::Camera& camera = model_.cameras[static_cast<std::size_t>(n.camera)];
+    if (camera.type != "perspective") {
+      builder_.note("an orthographic camera is left out: VRML97 has none");
+      return;
+    }
+    // VRML97 6.53: the field of view is that of the smaller side of the window.
+    float field_of_view = finite(camera.perspective.yfov);
+    const float aspect = finite(camera.perspective.aspectRatio);
+    if (aspect > 0 && aspect < 1) field_of_view = 2 * std::atan(std::tan(field_of_view / 2) * aspect);
+    const vrml::NodeId viewpoint = builder_.make("Viewpoint");
+    builder_.set(viewpoint, "position", vrml::SFVec3f(0.0f));
+    if (field_of_view > 0 && field_of_view < std::numbers::pi_v<float>)
+      builder_.set(viewpoint, "fieldOfView", field_of_view);
+    builder_.set(viewpoint, "description", vrml::String(camera.name.empty() ? n.name : camera.name));
+    if (viewpoint) content.push_back(viewpoint);
+  }
+
+  void add_mesh(const tinygltf::Node& n, vrml::MFNode& content) {
+    const std::vector<glm::mat4> joints = n.skin >= 0 ? joints_of(n.skin) : std::vector<glm::mat4>{};
+    if (joints.empty()) {
+      if (const vrml::NodeId mesh = meshes_.node(n.mesh)) content.push_back(mesh);
+      return;
+    }
+    // A skin says where the corners are in the world; the place of the node is not used (glTF 2.0 3.7.3.2).
+    world_shapes_.append(meshes_.skinned_shapes(n.mesh, joints).span());
+  }
+
+  /// For each joint, from the mesh's space in the bind pose to the world; empty when the skin is broken.
+  std::vector<glm::mat4> joints_of(int index) {
+    if (static_cast<std::size_t>(index) >= model_.skins.size()) {
+      builder_.fail("skin " + std::to_string(index) + " does not exist");
+      return {};
+    }
+    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(index)];
+    if (!accessors_.charge(skin.joints.size() * sizeof(glm::mat4))) {
+      builder_.fail("skin " + std::to_string(index) + ": " + accessors_.problem());
+      return {};
+    }
+    std::vector<glm::mat4> joints(skin.joints.size(), glm::mat4(1.0f));
+    const auto inverse = skin.inverseBindMatrices >= 0 ? accessors_.floats(skin.inverseBindMatrices, 16) : std::nullopt;
+    if (skin.inverseBindMatrices >= 0 && (!inverse || inverse->size() < 16 * joints.size())) {
+      builder_.warn("skin " + std::to_string(index) + ": its inverse bind matrices cannot be read");
+      return {};
+    }
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      const int joint = skin.joints[i];
+      const bool placed = exists(joint) && visited_[static_cast<std::size_t>(joint)] != kNoParent;
+      if (placed) joints[i] = visits_[visited_[static_cast<std::size_t>(joint)]].world;
+      if (!inverse) continue;
+      glm::mat4 bind(1.0f);
+      for (int k = 0; k < 16; ++k) bind[k / 4][k % 4] = (*inverse)[16 * i + static_cast<std::size_t>(k)];
+      joints[i] = joints[i] * bind;
+    }
+    return joints;
+  }
+
+  const tinygltf::Model& model_;
+  SceneBuilder& builder_;
+  GltfAccessors accessors_;
+  GltfMaterials materials_;
+  GltfMeshes meshes_;
+  std::vector<Visit> visits_;
+  std::vector<std::size_t> visited_;  // place in visits_ by node
+  vrml::MFNode world_shapes_;
+};
+
+}  // namespace
+
+void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+                 const ReadFile& read_file) {
+  SceneBuilder builder(scene, diagnostics);
+  const auto model = load_gltf(bytes, read_file, builder);
+  if (model) GltfImporter(*model, builder).run();
+}
+
+}  // namespace gs::app

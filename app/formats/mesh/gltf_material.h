@@ -1,0 +1,59 @@
+#pragma once
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/mesh/gltf_accessor.h"
+
+#include <tiny_gltf.h>
+
+#include <glm/vec2.hpp>
+
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+
+/// A value of the file as a finite float.
+[[nodiscard]] float finite(double value);
+
+/// KHR_texture_transform, in the texture space of glTF (origin above).
+struct GltfTextureTransform {
+  glm::vec2 offset{0.0f}, scale{1.0f};
+  float rotation = 0;
+  [[nodiscard]] glm::vec2 apply(glm::vec2 uv) const;
+};
+
+/// What a primitive needs to know of its material.
+struct GltfSurface {
+  int texture_set = 0;  // TEXCOORD_n
+  std::optional<GltfTextureTransform> transform;
+  bool textured = false;
+  bool double_sided = false;
+  glm::vec3 factor{1.0f};  // linear; multiplies vertex colours
+};
+
+/// The materials of an asset as VRML97 has them (6.27), made once each and shared by their Shapes.
+class GltfMaterials {
+ public:
+  GltfMaterials(const tinygltf::Model& model, GltfAccessors& accessors, SceneBuilder& builder)
+      : model_(model), accessors_(accessors), builder_(builder) {}
+
+  /// `material` may be -1 or any other number: then it is the default one of glTF 2.0 3.9.
+  [[nodiscard]] GltfSurface surface(int material) const;
+  /// An Appearance node. Lines and points show their emission (VRML97 4.14.2): `glows` puts the colour there.
+  [[nodiscard]] vrml::NodeId appearance(int material, bool glows);
+
+ private:
+  [[nodiscard]] const tinygltf::Material* find(int material) const;
+  [[nodiscard]] Look look(const tinygltf::Material& material, bool glows);
+  void add_texture(const tinygltf::TextureInfo& info, Look& look);
+  [[nodiscard]] vrml::String image_url(int image);
+
+  const tinygltf::Model& model_;
+  GltfAccessors& accessors_;
+  SceneBuilder& builder_;
+  std::map<std::pair<int, bool>, vrml::NodeId> appearances_;
+  std::map<int, vrml::String> urls_;
+};
+
+}  // namespace gs::app

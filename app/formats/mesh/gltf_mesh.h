@@ -1,0 +1,56 @@
+#pragma once
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/mesh/gltf_accessor.h"
+#include "app/formats/mesh/gltf_material.h"
+
+#include <tiny_gltf.h>
+
+#include <glm/mat4x4.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+
+/// Makes the Shapes of glTF meshes. A mesh that several nodes have is made once; arrays that several
+/// primitives use are shared.
+class GltfMeshes {
+ public:
+  GltfMeshes(const tinygltf::Model& model, GltfAccessors& accessors, GltfMaterials& materials, SceneBuilder& builder)
+      : model_(model), accessors_(accessors), materials_(materials), builder_(builder) {}
+
+  /// The Shape of a mesh, or a Group of them, in its own space; the same node each time. Null for a mesh
+  /// that does not exist or has nothing to show, which is reported.
+  [[nodiscard]] vrml::NodeId node(int mesh);
+  /// The Shapes of a mesh as its skin moves it: `joints` leads from the mesh to the world for each joint.
+  [[nodiscard]] vrml::MFNode skinned_shapes(int mesh, const std::vector<glm::mat4>& joints);
+
+ private:
+  using Indices = std::vector<std::uint32_t>;
+  [[nodiscard]] vrml::MFNode make(int mesh, const std::vector<glm::mat4>* joints);
+  [[nodiscard]] vrml::NodeId make_shape(const tinygltf::Primitive& primitive, const std::string& where,
+                                        const std::vector<glm::mat4>* joints);
+  [[nodiscard]] bool read_attributes(const tinygltf::Primitive& primitive, const GltfSurface& surface,
+                                     const std::string& where, Geometry& geometry);
+  [[nodiscard]] bool read_corners(const tinygltf::Primitive& primitive, const std::string& where, Geometry& geometry);
+  void read_colors(int accessor, const GltfSurface& surface, const std::string& where, Geometry& geometry);
+  void read_texture_coordinates(int accessor, const GltfSurface& surface, const std::string& where, Geometry& geometry);
+  void skin(const tinygltf::Primitive& primitive, const std::vector<glm::mat4>& joints, const std::string& where,
+            Geometry& geometry);
+  std::optional<vrml::MFVec3f> vectors(int accessor);
+
+  const tinygltf::Model& model_;
+  GltfAccessors& accessors_;
+  GltfMaterials& materials_;
+  SceneBuilder& builder_;
+  std::map<int, vrml::NodeId> nodes_;
+  std::map<int, vrml::MFVec3f> vectors_;
+  std::map<int, vrml::MFVec2f> texture_coordinates_;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,466 @@
+#include "app/formats/mesh/obj.h"
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/text_cursor.h"
+#include "app/formats/mesh/obj_material.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numbers>
+#include <string_view>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+// Each Shape costs nodes: a file of nothing but groups must not become a scene much larger than itself.
+constexpr std::size_t kMaxParts = 100'000;
+// A cube has corners and a scan has none: edges sharper than this stay when the file has no normals.
+constexpr float kObjCreaseAngle = std::numbers::pi_v<float> / 3;
+constexpr std::size_t kMaxLibraries = 1000;
+constexpr std::int32_t kNone = -2;
+
+/// What stands together in one Shape: all faces of one form with one group, material and smoothing.
+struct PartKey {
+  Geometry::Kind kind = Geometry::Kind::faces;
+  std::uint32_t group = 0, material = 0;
+  bool textured = false, has_normals = false, smooth_known = false, smooth = false;
+  friend auto operator<=>(const PartKey&, const PartKey&) = default;
+};
+
+struct Part {
+  explicit Part(vrml::SceneGraph& scene) : corners(scene), texture(scene), normals(scene) {}
+  Appender<std::int32_t> corners, texture, normals;
+  bool convex = true;
+};
+
+/// Names by number, numbers by name.
+class Names {
+ public:
+  Names() { number({}); }
+  std::uint32_t number(std::string_view name) {
+    const auto [entry, added] = numbers_.try_emplace(std::string(name), static_cast<std::uint32_t>(names_.size()));
+    if (added) names_.push_back(&entry->first);
+    return entry->second;
+  }
+  [[nodiscard]] const std::string& name(std::uint32_t number) const { return *names_[number]; }
+
+ private:
+  std::unordered_map<std::string, std::uint32_t> numbers_;
+  std::vector<const std::string*> names_;
+};
+
+struct ObjCorner {
+  std::int32_t position = kNone, texture = kNone, normal = kNone;
+};
+
+class ObjImporter {
+ public:
+  ObjImporter(std::span<const std::byte> bytes, SceneBuilder& builder, const ReadFile& read_file)
+      : cursor_(bytes), lines_(cursor_.next), builder_(builder), read_file_(read_file) {}
+
+  void run() {
+    while (cursor_.skip_space()) statement();
+    build();
+  }
+
+ private:
+  // --- The text -------------------------------------------------------------------------------------
+
+  /// Blanks and continued line ends; false at the end of the statement.
+  bool skip_blanks() {
+    while (cursor_.next < cursor_.end) {
+      const char c = *cursor_.next;
+      if (c == ' ' || c == '\t' || c == '\v' || c == '\f') {
+        ++cursor_.next;
+      } else if (c == '\\' && line_continues()) {
+        cursor_.next += cursor_.next[1] == '\r' ? 3 : 2;
+      } else {
+        return c != '\n' && c != '\r' && c != '#';
+      }
+    }
+    return false;
+  }
+  [[nodiscard]] bool line_continues() const {
+    const auto left = cursor_.end - cursor_.next;
+    return left >= 2 && (cursor_.next[1] == '\n' || (left >= 3 && cursor_.next[1] == '\r' && cursor_.next[2] == '\n'));
+  }
+  std::string_view word() {
+    if (!skip_blanks()) return {};
+    const char* first = cursor_.next;
+    while (cursor_.next < cursor_.end && !TextCursor::is_space(*cursor_.next)) ++cursor_.next;
+    return {first, static_cast<std::size_t>(cursor_.next - first)};
+  }
+  /// What follows on this line, for names with blanks in them.
+  std::string_view rest() { return trimmed(cursor_.line()); }
+
+  void end_statement() {
+    while (skip_blanks()) (void)word();
+    if (cursor_.next < cursor_.end && *cursor_.next == '#') (void)cursor_.line();
+  }
+  void broken(const char* at, std::string message) { builder_.fail(std::move(message), lines_.location(at)); }
+
+  // --- Statements -----------------------------------------------------------------------------------
+
+  void statement() {
+    const char* start = cursor_.next;
+    // The three that make up the file are told by their first letters, without a search.
+    const bool second = cursor_.end - start >= 2;
+    const bool blank_second = second && (start[1] == ' ' || start[1] == '\t');
+    if (*start == 'v' && second) {
+      if (blank_second) return position(start);
+      const bool blank_third = cursor_.end - start >= 3 && (start[2] == ' ' || start[2] == '\t');
+      if (start[1] == 'n' && blank_third) return normal(start);
+      if (start[1] == 't' && blank_third) return texture_coordinate(start);
+    }
+    if (*start == 'f' && blank_second) return element(start, Geometry::Kind::faces);
+    if (*start == '#') return (void)cursor_.line();
+    other(start);
+  }
+
+  void other(const char* start) {
+    const std::string_view keyword = word();
+    if (keyword == "l") return element(start, Geometry::Kind::lines);
+    if (keyword == "p") return element(start, Geometry::Kind::points);
+    if (keyword == "fo") return element(start, Geometry::Kind::faces);  // as "f" was called before 1990
+    if (keyword == "g" || keyword == "o") {
+      key_.group = names_.number(rest());
+      current_ = nullptr;
+    } else if (keyword == "usemtl") {
+      key_.material = materials_used_.number(rest());
+      current_ = nullptr;
+    } else if (keyword == "s") {
+      const std::string_view value = word();
+      key_.smooth_known = true;
+      key_.smooth = value != "off" && value != "0";
+      current_ = nullptr;
+      end_statement();
+    } else if (keyword == "mtllib") {
+      library(rest(), start);
+    } else {
+      if (!known(keyword) && !complained_) {
+        builder_.warn("unknown statement '" + std::string(keyword.substr(0, 40)) + "' is skipped; this is said once",
+                      lines_.location(start));
+        complained_ = true;
+      }
+      end_statement();
+    }
+  }
+
+  /// Statements of the format that have no meaning here.
+  static bool known(std::string_view keyword) {
+    constexpr std::string_view kKnown[] = {
+        "vp",         "deg",       "bmat",  "step",  "cstype", "curv", "curv2",  "surf",     "parm",     "trim",
+        "hole",       "scrv",      "sp",    "end",   "con",    "mg",   "bevel",  "c_interp", "d_interp", "lod",
+        "shadow_obj", "trace_obj", "ctech", "stech", "call",   "csh",  "usemap", "maplib"};
+    return keyword.empty() || std::find(std::begin(kKnown), std::end(kKnown), keyword) != std::end(kKnown);
+  }
+
+  /// Up to `most` numbers; how many there were.
+  int numbers(float* to, int most) {
+    int count = 0;
+    while (count < most && skip_blanks() && cursor_.number(to[count])) ++count;
+    return count;
+  }
+
+  void position(const char* start) {
+    cursor_.next = start + 1;
+    std::array<float, 7> v{};
+    const int count = numbers(v.data(), 7);
+    if (count < 3) broken(start, "broken vertex; expected: v X Y Z");
+    // A broken vertex keeps its place, so that the others keep their numbers.
+    positions_.push({v[0], v[1], v[2]});
+    if (count >= 6) {
+      colors_.fill(positions_.size() - 1, {1, 1, 1});
+      const std::size_t first = count == 7 ? 4 : 3;  // behind a weight
+      colors_.push({v[first], v[first + 1], v[first + 2]});
+    }
+    end_statement();
+  }
+
+  void normal(const char* start) {
+    cursor_.next = start + 2;
+    glm::vec3 n(0.0f);
+    if (numbers(&n.x, 3) < 3) broken(start, "broken normal; expected: vn X Y Z");
+    normals_.push(n);
+    end_statement();
+  }
+
+  void texture_coordinate(const char* start) {
+    cursor_.next = start + 2;
+    glm::vec2 t(0.0f);
+    if (numbers(&t.x, 2) < 1) broken(start, "broken texture coordinate; expected: vt U V");
+    texture_coordinates_.push(t);
+    end_statement();
+  }
+
+  /// One number of v/t/n, from 1 or counted back from the newest; kBadIndex when it is none that can be.
+  bool index(std::size_t count, std::int32_t& value) {
+    const char* digit = cursor_.next;
+    const bool negative = digit < cursor_.end && *digit == '-';
+    if (negative) ++digit;
+    const char* first = digit;
+    std::int64_t number = 0;
+    for (; digit < cursor_.end && *digit >= '0' && *digit <= '9'; ++digit)
+      number = std::min<std::int64_t>(number * 10 + (*digit - '0'), kBadIndex);
+    if (digit == first) return false;
+    cursor_.next = digit;
+    if (negative) number = -number;
+    if (number < 0) number += static_cast<std::int64_t>(count) + 1;
+    value = number >= 1 && number < kBadIndex ? static_cast<std::int32_t>(number - 1) : kBadIndex;
+    return true;
+  }
+
+  bool corner(ObjCorner& c) {
+    if (!index(positions_.size(), c.position)) return false;
+    const auto slash = [this] {
+      if (cursor_.next == cursor_.end || *cursor_.next != '/') return false;
+      ++cursor_.next;
+      return true;
+    };
+    const auto number_follows = [this] {
+      return cursor_.next < cursor_.end && *cursor_.next != '/' && !TextCursor::is_space(*cursor_.next);
+    };
+    if (slash()) {
+      if (number_follows() && !index(texture_coordinates_.size(), c.texture)) return false;
+      if (slash() && number_follows() && !index(normals_.size(), c.normal)) return false;
+    }
+    return cursor_.next == cursor_.end || TextCursor::is_space(*cursor_.next) || *cursor_.next == '\\';
+  }
+
+  void element(const char* start, Geometry::Kind kind) {
+    if (kind == Geometry::Kind::faces && *cursor_.next == 'f') ++cursor_.next;
+    corners_.clear();
+    bool good = true, textured = true, has_normals = true;
+    while (good && skip_blanks()) {
+      ObjCorner c;
+      good = corner(c);
+      textured = textured && c.texture != kNone;
+      has_normals = has_normals && c.normal != kNone;
+      corners_.push_back(c);
+    }
+    const std::size_t least = kind == Geometry::Kind::faces ? 3 : kind == Geometry::Kind::lines ? 2 : 1;
+    if (good && corners_.size() >= least)
+      add(kind, textured && kind == Geometry::Kind::faces, has_normals && kind == Geometry::Kind::faces);
+    else
+      broken(start, "broken element; expected at least " + std::to_string(least) + " of V, V/T, V//N or V/T/N");
+    end_statement();
+  }
+
+  void add(Geometry::Kind kind, bool textured, bool has_normals) {
+    Part& to = part(kind, textured, has_normals);
+    for (const ObjCorner& c : corners_) {
+      to.corners.push(c.position);
+      if (textured) to.texture.push(c.texture);
+      if (has_normals) to.normals.push(c.normal);
+    }
+    if (kind == Geometry::Kind::points) return;
+    to.corners.push(kFaceEnd);
+    if (textured) to.texture.push(kFaceEnd);
+    if (has_normals) to.normals.push(kFaceEnd);
+    to.convex = to.convex && corners_.size() <= 3;
+  }
+
+  Part& part(Geometry::Kind kind, bool textured, bool has_normals) {
+    if (current_ && key_.kind == kind && key_.textured == textured && key_.has_normals == has_normals) return *current_;
+    key_.kind = kind;
+    key_.textured = textured;
+    key_.has_normals = has_normals;
+    PartKey key = key_;
+    if (parts_.size() >= kMaxParts && !parts_.contains(key)) {
+      if (!full_) builder_.warn("more than " + std::to_string(kMaxParts) + " groups; the rest is put together");
+      full_ = true;
+      key.group = key.material = 0;
+    }
+    const auto [entry, added] = parts_.try_emplace(key, builder_.scene());
+    if (added) order_.push_back(&*entry);
+    current_ = &entry->second;
+    return *current_;
+  }
+
+  void library(std::string_view name, const char* start) {
+    if (!read_file_) {
+      builder_.note("material library " + std::string(name) + " is not read", lines_.location(start));
+      return;
+    }
+    if (libraries_.size() >= kMaxLibraries || std::find(libraries_.begin(), libraries_.end(), name) != libraries_.end())
+      return;
+    libraries_.emplace_back(name);
+    const BytesResult found = read_file_(libraries_.back());
+    if (const auto* problem = std::get_if<std::string>(&found))
+      builder_.warn("material library " + std::string(name) + " cannot be read: " + *problem, lines_.location(start));
+    else
+      read_obj_materials(std::get<SharedBytes>(found).bytes, libraries_.back(), materials_, builder_);
+  }
+
+  // --- The scene ------------------------------------------------------------------------------------
+
+  void build() {
+    all_positions_ = positions_.take();
+    all_normals_ = normals_.take();
+    all_texture_coordinates_ = texture_coordinates_.take();
+    if (!colors_.empty()) colors_.fill(all_positions_.size(), {1, 1, 1});
+    all_colors_ = colors_.take();
+    for (auto* entry : order_) build(entry->first, entry->second);
+    if (!order_.empty()) return;
+    if (all_positions_.empty()) {
+      builder_.warn("no vertices in the file");
+      return;
+    }
+    // A scan that is only points.
+    Geometry cloud;
+    cloud.kind = Geometry::Kind::points;
+    cloud.positions = std::move(all_positions_);
+    cloud.colors = std::move(all_colors_);
+    const vrml::NodeId geometry = builder_.geometry(std::move(cloud));
+    builder_.add_root(builder_.shape(geometry, builder_.appearance(glowing({}))));
+  }
+
+  void build(const PartKey& key, Part& part) {
+    Geometry geometry;
+    geometry.kind = key.kind;
+    geometry.coord_index = part.corners.take();
+    geometry.texture_index = part.texture.take();
+    geometry.normal_index = part.normals.take();
+    geometry.convex = part.convex;
+    if (key.smooth_known)
+      geometry.crease_angle = key.smooth ? std::numbers::pi_v<float> : 0;
+    else
+      geometry.crease_angle = kObjCreaseAngle;
+    if (key.kind == Geometry::Kind::points) {
+      take_points(geometry);
+    } else if (order_.size() == 1) {
+      geometry.positions = all_positions_;
+      geometry.colors = all_colors_;
+      if (key.textured) geometry.texture_coordinates = all_texture_coordinates_;
+      if (key.has_normals) geometry.normals = all_normals_;
+    } else {
+      geometry.positions = used(all_positions_, geometry.coord_index, all_colors_, geometry.colors);
+      if (key.textured) geometry.texture_coordinates = used(all_texture_coordinates_, geometry.texture_index);
+      if (key.has_normals) geometry.normals = used(all_normals_, geometry.normal_index);
+    }
+    const vrml::NodeId node = builder_.geometry(std::move(geometry));
+    if (!node) return;
+    const vrml::NodeId shape = builder_.shape(node, appearance(key.material, key.kind != Geometry::Kind::faces));
+    builder_.name(shape, names_.name(key.group));
+    builder_.add_root(shape);
+  }
+
+  /// The points in the order in which the file lists them.
+  void take_points(Geometry& geometry) {
+    const vrml::MFInt32 index = std::move(geometry.coord_index);
+    geometry.coord_index.clear();
+    Appender<glm::vec3> positions(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
+    std::size_t missing = 0;
+    for (const std::int32_t i : index) {
+      const auto at = static_cast<std::size_t>(i);
+      if (at >= all_positions_.size()) {
+        ++missing;
+        continue;
+      }
+      positions.push(all_positions_[at]);
+      if (!all_colors_.empty()) colors.push(all_colors_[at]);
+    }
+    if (missing > 0)
+      builder_.fail(std::to_string(missing) + " points left out: they use vertices that the file does not have");
+    geometry.positions = positions.take();
+    geometry.colors = colors.take();
+  }
+
+  /// The values of `all` that `index` uses; renumbers it. `extra` goes the same way, if there is any.
+  template <class T>
+  vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra,
+                      vrml::MFColor& taken) {
+    if (renumbered_.size() < all.size()) renumbered_.resize(all.size(), kNone);
+    Appender<T> values(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
+    std::int32_t* first = index.mutable_data();
+    touched_.clear();
+    for (std::int32_t* i = first; i != first + index.size(); ++i) {
+      if (*i < 0 || static_cast<std::size_t>(*i) >= all.size()) continue;
+      std::int32_t& number = renumbered_[static_cast<std::size_t>(*i)];
+      if (number == kNone) {
+        number = static_cast<std::int32_t>(values.size());
+        touched_.push_back(*i);
+        values.push(all[static_cast<std::size_t>(*i)]);
+        if (!extra.empty()) colors.push(extra[static_cast<std::size_t>(*i)]);
+      }
+    }
+    for (std::int32_t* i = first; i != first + index.size(); ++i) {
+      if (*i == kFaceEnd) continue;
+      const bool there = *i >= 0 && static_cast<std::size_t>(*i) < all.size();
+      *i = there ? renumbered_[static_cast<std::size_t>(*i)] : kBadIndex;
+    }
+    for (const std::int32_t i : touched_) renumbered_[static_cast<std::size_t>(i)] = kNone;
+    taken = colors.take();
+    return values.take();
+  }
+  template <class T>
+  vrml::Array<T> used(const vrml::Array<T>& all, vrml::MFInt32& index) {
+    vrml::MFColor none;
+    return used(all, index, {}, none);
+  }
+
+  vrml::NodeId appearance(std::uint32_t material, bool glows) {
+    const auto [entry, added] = appearances_.try_emplace({material, glows});
+    if (!added) return entry->second;
+    const std::string& name = materials_used_.name(material);
+    const auto found = materials_.find(name);
+    if (found == materials_.end() && !name.empty() && read_file_)
+      builder_.warn("material " + name + " is in no library; the usual one is used");
+    const Look look = found == materials_.end() ? Look{} : found->second;
+    entry->second = builder_.appearance(glows ? glowing(look) : look);
+    builder_.name(entry->second, name);
+    return entry->second;
+  }
+
+  TextCursor cursor_;
+  LineCounter lines_;
+  SceneBuilder& builder_;
+  const ReadFile& read_file_;
+  Appender<glm::vec3> positions_{builder_.scene()}, normals_{builder_.scene()};
+  Appender<glm::vec2> texture_coordinates_{builder_.scene()};
+  Appender<vrml::Color> colors_{builder_.scene()};
+  vrml::MFVec3f all_positions_, all_normals_;
+  vrml::MFVec2f all_texture_coordinates_;
+  vrml::MFColor all_colors_;
+  Names names_, materials_used_;
+  std::map<PartKey, Part> parts_;
+  std::vector<std::pair<const PartKey, Part>*> order_;
+  PartKey key_;
+  Part* current_ = nullptr;
+  std::vector<ObjCorner> corners_;  // of the element being read
+  std::vector<std::string> libraries_;
+  ObjMaterials materials_;
+  std::map<std::pair<std::uint32_t, bool>, vrml::NodeId> appearances_;
+  std::vector<std::int32_t> renumbered_, touched_;
+  bool complained_ = false, full_ = false;
+};
+
+}  // namespace
+
+void import_obj(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics,
+                const ReadFile& read_file) {
+  SceneBuilder builder(scene, diagnostics);
+  ObjImporter(bytes, builder, read_file).run();
+}
+
+std::vector<std::string> obj_material_libraries(std::span<const std::byte> bytes) {
+  std::vector<std::string> names;
+  TextCursor cursor(bytes);
+  while (!cursor.at_end()) {
+    const std::string_view line = cursor.line();
+    TextCursor words(line.data(), line.data() + line.size());
+    if (words.word() != "mtllib") continue;
+    const auto name = trimmed({words.next, static_cast<std::size_t>(words.end - words.next)});
+    if (names.size() < kMaxLibraries && !name.empty() && std::find(names.begin(), names.end(), name) == names.end())
+      names.emplace_back(name);
+  }
+  return names;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,204 @@
+#include "app/formats/mesh/points.h"
+
+#include "app/formats/common/ply_table.h"
+#include "app/formats/common/ranges.h"
+#include "app/formats/mesh/point_areas.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace gs::app {
+namespace {
+
+/// Points as a file has them; `areas` and `colors` may be empty.
+struct Points {
+  const char* format = "";
+  std::vector<glm::vec3> positions, normals, colors;  // colours 0..255
+  std::vector<float> areas;
+  std::size_t announced = 0;
+  vrml::Share share;
+
+  /// Draws memory for `count` more points; why there is not so much.
+  [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count) {
+    constexpr std::uint64_t kBytes = 180;
+    if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+    if (share.grow(count * kBytes)) return std::nullopt;
+    return std::string(format) + ": the points take " + budget->refusal(vrml::Resource::vectors);
+  }
+};
+
+/// True for all but the first of the points that stand in one place.
+std::vector<bool> doubles(std::span<const glm::vec3> points) {
+  const auto bits = [&](std::size_t i) {
+    std::array<std::uint32_t, 3> key{};
+    for (std::size_t k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint32_t>(points[i][static_cast<int>(k)] + 0.0f);
+    return key;  // adding 0 made one of 0 and -0
+  };
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const auto x = bits(a), y = bits(b);
+    return x != y ? x < y : a < b;
+  });
+  std::vector<bool> result(points.size());
+  for (std::size_t i = 1; i < order.size(); ++i) result[order[i]] = bits(order[i]) == bits(order[i - 1]);
+  return result;
+}
+
+/// Leaves out what cannot be a disc; points without an area of their own may stand in one place only once.
+class Gatherer {
+ public:
+  explicit Gatherer(const Points& points) : points_(points) {
+    if (points.areas.empty()) doubled_places_ = doubles(points.positions);
+    for (std::size_t i = 0; i < points.positions.size(); ++i) add(i);
+  }
+
+  ImportedCloud take() {
+    if (cloud_.empty())
+      return std::string(points_.format) + ": no point that can be shown; expected finite x y z and nx ny nz";
+    if (points_.areas.empty()) cloud_.weights = point_areas(cloud_.positions);
+    qnv::Description& description = cloud_.description;
+    description.two_sided = true;
+    for (std::size_t i = 0; i < cloud_.size(); ++i) {
+      // Points closer than numbers can tell still need an area.
+      if (!std::isnormal(cloud_.weights[i])) cloud_.weights[i] = std::numeric_limits<float>::min();
+      description.box.add(cloud_.positions[i]);
+      description.total += cloud_.weights[i];
+    }
+    description.metadata.emplace_back("source", points_.format);
+    count("points broken", broken_);
+    count("points doubled", doubled_);
+    const std::size_t there = points_.positions.size();
+    count("points missing", points_.announced > there ? points_.announced - there : 0);
+    return std::move(cloud_);
+  }
+
+ private:
+  void add(std::size_t i) {
+    const glm::vec3 p = points_.positions[i], n = points_.normals[i];
+    const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+    const bool placed =
+        std::abs(p.x) <= kMostCoordinate && std::abs(p.y) <= kMostCoordinate && std::abs(p.z) <= kMostCoordinate;
+    if (!placed || !std::isnormal(length) ||
+        (!points_.areas.empty() &&
+         !(points_.areas[i] > 0 && points_.areas[i] <= 1e36f && std::isnormal(points_.areas[i])))) {
+      ++broken_;
+      return;
+    }
+    if (points_.areas.empty() && doubled_places_[i]) {
+      ++doubled_;
+      return;
+    }
+    cloud_.positions.push_back(p);
+    cloud_.normals.push_back(n / length);
+    if (!points_.areas.empty()) cloud_.weights.push_back(points_.areas[i]);
+    if (!points_.colors.empty()) {
+      const auto part = [](float c) {
+        return static_cast<std::uint8_t>(std::lround(c > 0 ? std::min(c, 255.0f) : 0.0f));
+      };
+      const glm::vec3 c = points_.colors[i];
+      cloud_.colors.push_back({part(c.x), part(c.y), part(c.z)});
+    }
+  }
+  void count(const char* name, std::size_t number) {
+    if (number > 0) cloud_.description.metadata.emplace_back(name, std::to_string(number));
+  }
+
+  const Points& points_;
+  qnv::Cloud cloud_;
+  std::vector<bool> doubled_places_;
+  std::size_t broken_ = 0, doubled_ = 0;
+};
+
+/// Three columns as vectors; empty unless all are there.
+std::vector<glm::vec3> vectors(const PlyTable& table, const std::array<const char*, 3>& names, float scale = 1) {
+  for (const char* name : names)
+    if (!table.has(name)) return {};
+  std::vector<glm::vec3> result(table.rows);
+  for (int k = 0; k < 3; ++k) {
+    const std::vector<float> values = table.column(names[static_cast<std::size_t>(k)]);
+    for (std::size_t i = 0; i < values.size(); ++i) result[i][k] = values[i] * scale;
+  }
+  return result;
+}
+
+/// What makes 0..255 of the numbers of a colour.
+float color_scale(const PlyTable& table) {
+  for (const PlyProperty& p : table.element.properties)
+    if (p.name == "red") return is_float(p.type) ? 255.0f : p.type == PlyType::uint16 ? 1.0f / 257 : 1.0f;
+  return 1;
+}
+
+/// The numbers of a line, at most nine; -1 where something else stands there.
+int point_numbers(std::string_view line, std::array<float, 9>& numbers) {
+  TextCursor cursor(line.data(), line.data() + line.size());
+  int count = 0;
+  while (cursor.skip_space() && count < 9)
+    if (!cursor.number(numbers[static_cast<std::size_t>(count++)])) return -1;
+  return count;
+}
+
+}  // namespace
+
+bool is_points_ply(std::span<const std::byte> bytes) {
+  const auto header = ply_header_of(bytes);
+  if (!header) return false;
+  bool normals = false;
+  for (const PlyElement& element : header->elements) {
+    if (element.count > 0 && (element.name == "face" || element.name == "edge" || element.name == "tristrips"))
+      return false;
+    if (element.name != "vertex") continue;
+    PlyTable table;
+    table.element = element;
+    normals = table.has("nx") && table.has("ny") && table.has("nz");
+  }
+  return normals;
+}
+
+ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened = open_ply_table(bytes, "vertex", budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  const PlyTable& table = std::get<PlyTable>(opened);
+  Points points;
+  if (auto problem = points.draw(budget, table.rows)) return std::move(*problem);
+  points.format = "PLY points";
+  points.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
+  points.positions = vectors(table, {"x", "y", "z"});
+  points.normals = vectors(table, {"nx", "ny", "nz"});
+  points.colors = vectors(table, {"red", "green", "blue"}, color_scale(table));
+  points.areas = table.column("area");
+  if (!table.has("x") || !table.has("y") || !table.has("z")) return "PLY points: expected the properties x, y and z";
+  if (!table.has("nx") || !table.has("ny") || !table.has("nz"))
+    return "PLY points: expected the properties nx, ny and nz: a point without a normal is no disc";
+  return Gatherer(points).take();
+}
+
+ImportedCloud import_points_xyz(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  Points points;
+  points.format = "xyz points";
+  TextCursor cursor(bytes);
+  bool colored = true;
+  for (std::size_t number = 1; !cursor.at_end(); ++number) {
+    const std::string_view line = trimmed(cursor.line());
+    constexpr std::size_t kStep = 4096;
+    if (points.positions.size() % kStep == 0)
+      if (auto problem = points.draw(budget, kStep)) return std::move(*problem);
+    if (line.empty() || line.front() == '#') continue;
+    std::array<float, 9> values{};
+    const int count = point_numbers(line, values);
+    if (count < 6)
+      return "xyz points: line " + std::to_string(number) + ": expected x y z nx ny nz, six numbers or more";
+    points.positions.emplace_back(values[0], values[1], values[2]);
+    points.normals.emplace_back(values[3], values[4], values[5]);
+    colored = colored && count == 9;
+    if (colored) points.colors.emplace_back(values[6], values[7], values[8]);
+  }
+  if (!colored) points.colors.clear();
+  return Gatherer(points).take();
+}
+
+}  // namespace gs::app

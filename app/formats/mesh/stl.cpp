@@ -1,0 +1,309 @@
+#include "app/formats/mesh/stl.h"
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/text_cursor.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kStlHeaderBytes = 80, kDataStart = 84, kFacetBytes = 50;
+constexpr std::uint16_t kColorBit = 0x8000;
+
+std::uint32_t word_at(const std::byte* from) {
+  return static_cast<std::uint32_t>(from[0]) | static_cast<std::uint32_t>(from[1]) << 8 |
+         static_cast<std::uint32_t>(from[2]) << 16 | static_cast<std::uint32_t>(from[3]) << 24;
+}
+
+/// Points by their exact bits; open addressing, so that a look-up mostly touches one cache line.
+class Welder {
+ public:
+  explicit Welder(vrml::SceneGraph& scene) : scene_(scene) {}
+  /// The index of the point; kBadIndex when there are too many.
+  std::int32_t index(glm::vec3 p) {
+    // -0 and 0 are one place.
+    p += glm::vec3(0.0f);
+    if (points_.size() * 2 >= table_.size()) grow();
+    const std::size_t mask = table_.size() - 1;
+    std::size_t slot = hash(p) & mask;
+    while (table_[slot].index >= 0) {
+      if (same(table_[slot].point, p)) return table_[slot].index;
+      slot = (slot + 1) & mask;
+    }
+    if (points_.size() >= static_cast<std::size_t>(kBadIndex)) return kBadIndex;
+    table_[slot] = {p, static_cast<std::int32_t>(points_.size())};
+    points_.push(p);
+    return table_[slot].index;
+  }
+  [[nodiscard]] vrml::MFVec3f take() { return points_.take(); }
+
+ private:
+  struct Entry {
+    glm::vec3 point{0.0f};
+    std::int32_t index = -1;
+  };
+
+  static bool same(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+  static std::size_t hash(const glm::vec3& p) {
+    std::uint64_t h = std::bit_cast<std::uint32_t>(p.x) | std::uint64_t{std::bit_cast<std::uint32_t>(p.y)} << 32;
+    h = (h ^ std::bit_cast<std::uint32_t>(p.z) * std::uint64_t{0x9E3779B97F4A7C15}) * 0xBF58476D1CE4E5B9;
+    h = (h ^ h >> 29) * 0x94D049BB133111EB;
+    return static_cast<std::size_t>(h ^ h >> 32);
+  }
+  void grow() {
+    const std::size_t size = table_.empty() ? 1024 : table_.size() * 2;
+    draw(scene_, size * sizeof(Entry));
+    std::vector<Entry> old(size);
+    old.swap(table_);
+    const std::size_t mask = table_.size() - 1;
+    for (const Entry& entry : old) {
+      if (entry.index < 0) continue;
+      std::size_t slot = hash(entry.point) & mask;
+      while (table_[slot].index >= 0) slot = (slot + 1) & mask;
+      table_[slot] = entry;
+    }
+  }
+
+  vrml::SceneGraph& scene_;
+  Appender<glm::vec3> points_{scene_};
+  std::vector<Entry> table_;
+};
+
+void add_shape(SceneBuilder& builder, Geometry geometry, const Look& look, std::string_view name) {
+  geometry.color_per_vertex = false;
+  if (geometry.coord_index.empty()) {
+    builder.warn("no facets in the file");
+    return;
+  }
+  const vrml::NodeId node = builder.geometry(std::move(geometry));
+  if (!node) return;
+  const vrml::NodeId shape = builder.shape(node, builder.appearance(look));
+  builder.name(shape, name);
+  builder.add_root(shape);
+}
+
+/// Fifteen bits of colour, five each from the lowest on.
+std::array<float, 3> five_bit_colors(std::uint16_t attribute) {
+  return {static_cast<float>(attribute & 31) / 31, static_cast<float>(attribute >> 5 & 31) / 31,
+          static_cast<float>(attribute >> 10 & 31) / 31};
+}
+
+/// The colour of the whole object that Materialise Magics keeps in the header, as "COLOR=" and four bytes.
+std::optional<vrml::Color> magics_color(std::span<const std::byte> header) {
+  const std::string_view text(reinterpret_cast<const char*>(header.data()), header.size());
+  const std::size_t at = text.find("COLOR=");
+  if (at == std::string_view::npos || at + 10 > text.size()) return std::nullopt;
+  const auto part = [&](std::size_t i) {
+    return static_cast<float>(static_cast<unsigned char>(text[at + 6 + i])) / 255;
+  };
+  return vrml::Color{part(0), part(1), part(2)};
+}
+
+void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
+  if (bytes.size() < kDataStart) {
+    builder.fail(
+        "not an STL file: expected a header of 80 bytes and the number of facets, or a text that begins with 'solid'");
+    return;
+  }
+  const std::uint32_t announced = word_at(bytes.data() + kStlHeaderBytes);
+  const std::size_t there = (bytes.size() - kDataStart) / kFacetBytes;
+  if (announced > there)
+    builder.fail("the file ends too early: expected " + std::to_string(announced) + " facets, found " +
+                 std::to_string(there));
+  const std::size_t count = std::min<std::size_t>(announced, there);
+
+  Welder welder(builder.scene());
+  Appender<std::int32_t> corners(builder.scene());
+  std::size_t colored = 0;
+  const std::byte* facets = bytes.data() + kDataStart;
+  const auto attribute_of = [&](std::size_t i) {
+    return static_cast<std::uint16_t>(word_at(facets + i * kFacetBytes + 46) >> 16);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* from = facets + i * kFacetBytes + 12;  // behind the normal
+    for (int corner = 0; corner < 3; ++corner, from += 12)
+      corners.push(welder.index({std::bit_cast<float>(word_at(from)), std::bit_cast<float>(word_at(from + 4)),
+                                 std::bit_cast<float>(word_at(from + 8))}));
+    corners.push(kFaceEnd);
+    colored += (attribute_of(i) & kColorBit) != 0 ? 1 : 0;
+  }
+
+  Geometry geometry;
+  Look look;
+  const auto object_color = magics_color(bytes.first(kStlHeaderBytes));
+  if (object_color) look.diffuse = *object_color;
+  // Without either sign the two bytes are anything; most programs leave rubbish or nothing there.
+  if (count > 0 && (object_color ? colored < count : colored == count)) {
+    Appender<vrml::Color> colors(builder.scene());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint16_t attribute = attribute_of(i);
+      const auto [low, middle, high] = five_bit_colors(attribute);
+      if (!object_color)
+        colors.push({high, middle, low});
+      else
+        colors.push((attribute & kColorBit) ? *object_color : vrml::Color{low, middle, high});
+    }
+    geometry.colors = colors.take();
+  }
+  geometry.positions = welder.take();
+  geometry.coord_index = corners.take();
+  add_shape(builder, std::move(geometry), look, {});
+}
+
+/// The words of the text form, which programs write in any case.
+enum class Word : std::uint8_t { vertex, endloop, facet, solid, endsolid, filler, other };
+
+Word word_of(std::string_view text) {
+  std::array<char, 10> lower{};
+  if (text.size() > lower.size()) return Word::other;
+  std::transform(text.begin(), text.end(), lower.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string_view word(lower.data(), text.size());
+  if (word == "vertex") return Word::vertex;
+  if (word == "endloop") return Word::endloop;
+  if (word == "facet") return Word::facet;
+  if (word == "solid") return Word::solid;
+  if (word == "endsolid") return Word::endsolid;
+  return word == "outer" || word == "loop" || word == "endfacet" ? Word::filler : Word::other;
+}
+
+class TextImporter {
+ public:
+  TextImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+      : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
+
+  void run() {
+    while (cursor_.skip_space()) {
+      const char* start = cursor_.next;
+      switch (word_of(cursor_.word())) {
+        case Word::vertex:
+          vertex(start);
+          break;
+        case Word::endloop:
+          end_loop(start);
+          break;
+        case Word::facet:
+          facet();
+          break;
+        case Word::solid:
+          solid();
+          break;
+        case Word::endsolid:
+          (void)cursor_.line();
+          ended_ = true;
+          break;
+        case Word::filler:
+          break;
+        case Word::other:
+          if (!complained_)
+            builder_.warn("unknown word; expected solid, facet, outer loop, vertex, endloop, endfacet or endsolid",
+                          lines_.location(start));
+          complained_ = true;
+      }
+    }
+    drop_loop();
+    if (!ended_) builder_.fail("the file ends too early: expected endsolid", lines_.location(cursor_.end));
+    Geometry geometry;
+    geometry.positions = welder_.take();
+    geometry.coord_index = corners_.take();
+    geometry.convex = convex_;
+    add_shape(builder_, std::move(geometry), {}, name_);
+  }
+
+ private:
+  void solid() {
+    const std::string_view name = trimmed(cursor_.line());
+    if (name_.empty()) name_ = name;
+    ended_ = false;
+  }
+
+  /// Its normal is not used: that of the corners is the same, or better.
+  void facet() {
+    drop_loop();
+    cursor_.skip_space();
+    const char* start = cursor_.next;
+    if (word_of(cursor_.word()) != Word::other) cursor_.next = start;
+    float ignored = 0;
+    for (int i = 0; i < 3 && cursor_.skip_space(); ++i)
+      if (!cursor_.number(ignored)) {
+        // Some programs write "nan" with a sign or "-1.#IND" for the normal of an empty facet.
+        const char* word = cursor_.next;
+        if (word_of(cursor_.word()) != Word::other) cursor_.next = word;
+      }
+  }
+
+  void vertex(const char* start) {
+    glm::vec3 p(0.0f);
+    for (int i = 0; i < 3; ++i)
+      if (!cursor_.skip_space() || !cursor_.number(p[i])) {
+        builder_.fail("broken vertex; expected three numbers", lines_.location(start));
+        (void)cursor_.line();
+        broken_ = true;
+        return;
+      }
+    corners_.push(welder_.index(p));
+    ++loop_;
+  }
+
+  void end_loop(const char* start) {
+    if (loop_ < 3 && !broken_) {
+      builder_.fail("a facet of " + std::to_string(loop_) + " corners; expected three", lines_.location(start));
+      broken_ = true;
+    }
+    if (broken_) {
+      drop_loop();
+      return;
+    }
+    convex_ = convex_ && loop_ == 3;
+    corners_.push(kFaceEnd);
+    loop_ = 0;
+  }
+
+  /// Forgets the corners of a facet that did not come to its end.
+  void drop_loop() {
+    if (loop_ > 0) corners_.drop(loop_);
+    loop_ = 0;
+    broken_ = false;
+  }
+
+  TextCursor cursor_;
+  LineCounter lines_;
+  SceneBuilder& builder_;
+  Welder welder_{builder_.scene()};
+  Appender<std::int32_t> corners_{builder_.scene()};
+  std::string name_;
+  std::size_t loop_ = 0;  // corners of the facet so far
+  bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;
+};
+
+bool is_text(std::span<const std::byte> bytes) {
+  if (bytes.size() >= kDataStart) {
+    const std::uint64_t announced = word_at(bytes.data() + kStlHeaderBytes);
+    if (bytes.size() == kDataStart + announced * kFacetBytes) return false;
+  }
+  TextCursor cursor(bytes);
+  if (word_of(cursor.word()) != Word::solid) return false;
+  // A binary file that was cut, or has more behind it: its numbers are no text.
+  constexpr std::size_t kLooked = 1024;
+  const auto looked = bytes.first(std::min(bytes.size(), kLooked));
+  return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });
+}
+
+}  // namespace
+
+void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  if (is_text(bytes))
+    TextImporter(bytes, builder).run();
+  else
+    import_binary(bytes, builder);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,168 @@
+#include "app/formats/mesh/ucd.h"
+
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/mesh/ucd_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+// Between flat faces and a smooth surface: what bends less than this is shaded as if round.
+constexpr float kUcdCreaseAngle = 0.5f;
+constexpr std::int8_t kNoCorner = -1;
+
+using LocalFace = std::array<std::int8_t, 4>;
+
+// The faces of the cells, counter-clockwise from outside with the nodes numbered as AVS does: the top first, then the
+// bottom, both counter-clockwise from above; of a tetrahedron and a pyramid the top is one node.
+constexpr LocalFace kTriangle[] = {{0, 1, 2, kNoCorner}};
+constexpr LocalFace kQuadrilateral[] = {{0, 1, 2, 3}};
+constexpr LocalFace kTetrahedron[] = {
+    {0, 1, 2, kNoCorner}, {0, 2, 3, kNoCorner}, {0, 3, 1, kNoCorner}, {1, 3, 2, kNoCorner}};
+constexpr LocalFace kPyramid[] = {
+    {0, 1, 2, kNoCorner}, {0, 2, 3, kNoCorner}, {0, 3, 4, kNoCorner}, {0, 4, 1, kNoCorner}, {1, 4, 3, 2}};
+constexpr LocalFace kPrism[] = {{0, 1, 2, kNoCorner}, {5, 4, 3, kNoCorner}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}};
+constexpr LocalFace kHexahedron[] = {{0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1},
+                                     {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
+
+std::span<const LocalFace> faces_of(UcdType type) {
+  switch (type) {
+    case UcdType::triangle:
+      return kTriangle;
+    case UcdType::quadrilateral:
+      return kQuadrilateral;
+    case UcdType::tetrahedron:
+      return kTetrahedron;
+    case UcdType::pyramid:
+      return kPyramid;
+    case UcdType::prism:
+      return kPrism;
+    case UcdType::hexahedron:
+      return kHexahedron;
+    case UcdType::point:
+    case UcdType::line:
+      break;
+  }
+  return {};
+}
+
+struct Face {
+  std::array<std::int32_t, 4> corners{}, key{};  // key: the corners in rising order
+  std::uint32_t cell = 0;
+  bool solid = false;  // of a cell with a volume
+  bool inner = false;  // two such cells share it
+};
+
+constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps, at whether the work should end
+
+std::vector<Face> collect(const UcdMesh& mesh, vrml::SceneGraph& scene) {
+  std::vector<Face> faces;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    if (c % kBetweenLooks == 0) draw(scene, 0);
+    const UcdCell& cell = mesh.cells[c];
+    for (const LocalFace& local : faces_of(cell.type)) {
+      Face face;
+      face.cell = static_cast<std::uint32_t>(c);
+      face.solid = cell.type >= UcdType::tetrahedron;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const std::int32_t node = local[k] == kNoCorner ? kFaceEnd : cell.corners[static_cast<std::size_t>(local[k])];
+        face.corners[k] = local[k] != kNoCorner && node < 0 ? kBadIndex : node;
+      }
+      face.key = face.corners;
+      std::sort(face.key.begin(), face.key.end());
+      faces.push_back(face);
+    }
+  }
+  return faces;
+}
+
+void mark_inner(std::vector<Face>& faces, vrml::SceneGraph& scene) {
+  std::vector<std::size_t> order;
+  std::size_t steps = 0;
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (faces[i].solid) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (++steps % kBetweenLooks == 0) draw(scene, 0);
+    return faces[a].key < faces[b].key;
+  });
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (faces[order[i]].key == faces[order[i - 1]].key) faces[order[i]].inner = faces[order[i - 1]].inner = true;
+}
+
+/// Blue, cyan, green, yellow, red for 0..1; grey where there is no number.
+vrml::Color color_of(float t) {
+  if (!std::isfinite(t)) return {0.5f, 0.5f, 0.5f};
+  const auto ramp = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
+  return {ramp(4 * t - 2), t < 0.5f ? ramp(4 * t) : ramp(4 - 4 * t), ramp(2 - 4 * t)};
+}
+
+class Coloring {
+ public:
+  explicit Coloring(std::span<const float> values) : values_(values) {
+    for (const float v : values)
+      if (std::isfinite(v)) {
+        least_ = std::min(least_, static_cast<double>(v));
+        most_ = std::max(most_, static_cast<double>(v));
+      }
+  }
+  [[nodiscard]] vrml::Color operator[](std::size_t i) const {
+    if (i >= values_.size() || !std::isfinite(values_[i])) return color_of(NAN);
+    return color_of(most_ > least_ ? static_cast<float>((values_[i] - least_) / (most_ - least_)) : 0.5f);
+  }
+
+ private:
+  std::span<const float> values_;
+  double least_ = INFINITY, most_ = -INFINITY;
+};
+
+void build(const UcdMesh& mesh, SceneBuilder& builder) {
+  constexpr std::uint64_t kMostFaces = 6;
+  draw(builder.scene(), mesh.cells.size() * kMostFaces * sizeof(Face));
+  std::vector<Face> faces = collect(mesh, builder.scene());
+  mark_inner(faces, builder.scene());
+  Geometry geometry;
+  Appender<std::int32_t> index(builder.scene());
+  Appender<vrml::Color> colors(builder.scene());
+  const bool by_node = !mesh.node_values.empty(), by_cell = !by_node && !mesh.cell_values.empty();
+  const Coloring coloring(by_node ? mesh.node_values : mesh.cell_values);
+  for (const Face& face : faces) {
+    if (face.inner) continue;
+    for (const std::int32_t corner : face.corners)
+      if (corner != kFaceEnd) index.push(corner);
+    index.push(kFaceEnd);
+    if (by_cell) colors.push(coloring[face.cell]);
+  }
+  if (index.empty()) {
+    builder.warn("no faces in the file");
+    return;
+  }
+  for (std::size_t i = 0; by_node && i < mesh.nodes.size(); ++i) colors.push(coloring[i]);
+  geometry.positions = vrml::MFVec3f(std::span(mesh.nodes));
+  geometry.coord_index = index.take();
+  geometry.colors = colors.take();
+  geometry.color_per_vertex = !by_cell;
+  geometry.convex = false;  // a quadrilateral may be anything
+  geometry.crease_angle = kUcdCreaseAngle;
+  if (const vrml::NodeId node = builder.geometry(std::move(geometry)))
+    builder.add_root(builder.shape(node, builder.appearance(Look{})));
+}
+
+}  // namespace
+
+void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  UcdMesh mesh;
+  const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
+  // The shortest lines of a text become nodes, cells, their numbers and their values.
+  draw(scene, bytes.size() * (binary ? 3 : 5));
+  if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
+    builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});
+  const auto thin = std::count_if(mesh.cells.begin(), mesh.cells.end(),
+                                  [](const UcdCell& cell) { return cell.type <= UcdType::line; });
+  if (thin > 0) builder.note(std::to_string(thin) + " cells that are points or lines are left out");
+  build(mesh, builder);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,145 @@
+#include "app/formats/splats/splats.h"
+#include "app/formats/common/ranges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace gs::app {
+namespace {
+
+// Flatter than this across z: made as a disc, its normal along z.
+constexpr float kFlatDisc = 1.0f / 50;
+
+bool usable(const glm::vec3& v) {
+  return std::abs(v.x) <= kMostCoordinate && std::abs(v.y) <= kMostCoordinate && std::abs(v.z) <= kMostCoordinate;
+}
+
+/// Which of the three axes is the smallest, the middle and the largest; among equals z is the smallest.
+std::array<int, 3> ordered_axes(const glm::vec3& scale) {
+  std::array<int, 3> order = {2, 1, 0};
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return scale[a] < scale[b]; });
+  return order;
+}
+
+/// Column `axis` of the rotation matrix of a unit quaternion.
+glm::vec3 rotated_axis(const glm::vec4& q, int axis) {
+  const float x = q.x, y = q.y, z = q.z, w = q.w;
+  if (axis == 0) return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+  if (axis == 1) return {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
+  return {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+}
+
+float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+qnv::Rgb8 color_of(const glm::vec3& dc) {
+  const auto part = [](float c) { return byte_of(std::isfinite(c) ? 0.5f + kSphericalHarmonic0 * c : 0.5f); };
+  return {part(dc.x), part(dc.y), part(dc.z)};
+}
+
+/// One splat as a disc, or why it is none.
+struct Disc {
+  enum class Fate { kept, faint, broken } fate = Fate::broken;
+  glm::vec3 position{0}, normal{0};
+  float area = 0;
+  bool thick = false, flat_across_z = false;
+};
+
+Disc disc_of(const SplatModel& model, std::size_t i) {
+  Disc disc;
+  const glm::vec3 scale = model.scales[i];
+  const glm::vec4 q = model.rotations[i];
+  const float length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!usable(model.positions[i]) || !usable(scale) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0)) return disc;
+  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
+  if (model.opacities[i] < kLeastOpacity) {
+    disc.fate = Disc::Fate::faint;
+    return disc;
+  }
+  const auto [least, middle, most] = ordered_axes(scale);
+  disc.area = std::numbers::pi_v<float> * scale[middle] * scale[most] / (kSigmaOfRadius * kSigmaOfRadius);
+  const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
+  const float normal_length = std::sqrt(dot(normal, normal));
+  if (!std::isnormal(disc.area) || !(normal_length > 0.5f)) return disc;
+  disc.position = model.positions[i] * model.axes;
+  disc.normal = normal * model.axes / normal_length;
+  disc.thick = scale[least] > kMostDiscThickness * scale[middle];
+  disc.flat_across_z = least == 2 && scale[least] <= kFlatDisc * scale[middle];
+  disc.fate = Disc::Fate::kept;
+  return disc;
+}
+
+void add_count(qnv::Description& description, const char* name, std::size_t count) {
+  if (count > 0) description.metadata.emplace_back(name, std::to_string(count));
+}
+
+}  // namespace
+
+std::optional<std::string> SplatModel::draw(const WorldBudget& budget, std::uint64_t count) {
+  if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
+  const std::uint64_t bytes = std::min(count, kMost) * kSplatMemory;
+  if (share.grow(bytes)) return std::nullopt;
+  return std::to_string(count) + " splats take " + budget->refusal(vrml::Resource::vectors);
+}
+
+void SplatModel::resize(std::size_t count) {
+  positions.resize(count);
+  scales.resize(count);
+  rotations.resize(count);
+  opacities.resize(count);
+  dc.resize(count);
+}
+
+qnv::Cloud cloud_of_splats(const SplatModel& model) {
+  qnv::Cloud cloud;
+  qnv::Description& description = cloud.description;
+  description.two_sided = true;
+  std::size_t faint = 0, broken = 0, thick = 0;
+  bool all_flat = true;
+  std::vector<bool> sided;  // the sign of the normal is known
+  cloud.positions.reserve(model.size());
+  cloud.normals.reserve(model.size());
+  cloud.weights.reserve(model.size());
+  cloud.colors.reserve(model.size());
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    Disc disc = disc_of(model, i);
+    if (disc.fate != Disc::Fate::kept) {
+      ++(disc.fate == Disc::Fate::faint ? faint : broken);
+      continue;
+    }
+    const float side = model.normals.empty() ? 0.0f : dot(model.normals[i] * model.axes, disc.normal);
+    if (side < 0) disc.normal = -disc.normal;
+    sided.push_back(side < 0 || side > 0);
+    all_flat = all_flat && disc.flat_across_z;
+    thick += disc.thick ? 1 : 0;
+    cloud.positions.push_back(disc.position);
+    cloud.normals.push_back(disc.normal);
+    cloud.weights.push_back(disc.area);
+    cloud.colors.push_back(color_of(model.dc[i]));
+    description.box.add(disc.position);
+    description.total += disc.area;
+  }
+  if (!all_flat && !cloud.empty()) {
+    const glm::vec3 middle = description.box.lower + description.box.size() * 0.5f;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (!sided[i] && dot(cloud.normals[i], cloud.positions[i] - middle) < 0) cloud.normals[i] = -cloud.normals[i];
+  }
+  description.metadata.emplace_back("source", model.format);
+  add_count(description, "splats not discs", thick);
+  add_count(description, "splats too faint", faint);
+  add_count(description, "splats broken", broken);
+  add_count(description, "splats missing", model.announced > model.size() ? model.announced - model.size() : 0);
+  return cloud;
+}
+
+ImportedCloud import_result(const SplatModel& model) {
+  qnv::Cloud cloud = cloud_of_splats(model);
+  if (cloud.empty())
+    return model.format + ": no splat that can be shown (" + std::to_string(model.size()) +
+           " read, all too faint or with broken numbers)";
+  return cloud;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,69 @@
+#include "app/formats/common/ply_table.h"
+#include "app/formats/splats/splats.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+constexpr const char* kNeeded[] = {"x", "y", "z", "opacity", "scale_0", "scale_1", "rot_0", "rot_1", "rot_2", "rot_3"};
+
+bool has(const PlyElement& element, std::string_view name) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [&](const PlyProperty& p) { return !p.is_list && p.name == name; });
+}
+
+float sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
+
+/// Calls store(i, value) for all rows of a column; false, and nothing called, where there is none.
+template <class Store>
+bool for_column(const PlyTable& table, std::string_view name, Store&& store) {
+  const std::vector<float> values = table.column(name);
+  for (std::size_t i = 0; i < values.size(); ++i) store(i, values[i]);
+  return !values.empty();
+}
+
+}  // namespace
+
+bool is_splats_ply(std::span<const std::byte> bytes) {
+  const auto header = ply_header_of(bytes);
+  if (!header) return false;
+  for (const PlyElement& element : header->elements)
+    if (element.name == "vertex")
+      return std::all_of(std::begin(kNeeded), std::end(kNeeded), [&](const char* name) { return has(element, name); });
+  return false;
+}
+
+ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto opened = open_ply_table(bytes, "vertex", budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  const PlyTable& table = std::get<PlyTable>(opened);
+  for (const char* name : kNeeded)
+    if (!table.has(name)) return "not Gaussian splats: expected the property '" + std::string(name) + "'";
+  SplatModel model;
+  if (auto problem = model.draw(budget, table.rows)) return std::move(*problem);
+  const bool flat = !table.has("scale_2");
+  model.format = flat ? "2DGS PLY" : "3DGS PLY";
+  model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
+  model.resize(table.rows);
+  constexpr const char* kPositions[] = {"x", "y", "z"};
+  constexpr const char* kScales[] = {"scale_0", "scale_1", "scale_2"};
+  constexpr const char* kColors[] = {"f_dc_0", "f_dc_1", "f_dc_2"};
+  constexpr const char* kNormals[] = {"nx", "ny", "nz"};
+  constexpr const char* kRotations[] = {"rot_1", "rot_2", "rot_3", "rot_0"};  // the file has w first
+  if (table.has("nx") && table.has("ny") && table.has("nz")) model.normals.resize(table.rows);
+  for (int k = 0; k < 3; ++k) {
+    for_column(table, kPositions[k], [&](std::size_t i, float v) { model.positions[i][k] = v; });
+    for_column(table, kScales[k], [&](std::size_t i, float v) { model.scales[i][k] = std::exp(v); });
+    for_column(table, kColors[k], [&](std::size_t i, float v) { model.dc[i][k] = v; });
+    if (!model.normals.empty())
+      for_column(table, kNormals[k], [&](std::size_t i, float v) { model.normals[i][k] = v; });
+  }
+  for (int k = 0; k < 4; ++k)
+    for_column(table, kRotations[k], [&](std::size_t i, float v) { model.rotations[i][k] = v; });
+  for_column(table, "opacity", [&](std::size_t i, float v) { model.opacities[i] = sigmoid(v); });
+  return import_result(model);
+}
+
+}  // namespace gs::app

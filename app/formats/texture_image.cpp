@@ -1,0 +1,52 @@
+#include "app/formats/texture_image.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+// A pixel's bytes here, of up to 4 components, and those of the copy of who draws, with its smaller ones.
+constexpr std::uint64_t kMostPixelBytes = 10, kCopyBytes = 6;
+// Smaller pictures show nothing.
+constexpr std::uint64_t kFewestPixels = 64 * 64;
+
+std::string size_of(std::uint32_t width, std::uint32_t height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  const vrml::Limits& limits = budget->limits();
+  const std::uint64_t left = budget->left(vrml::Resource::pixels) / 2 / kMostPixelBytes;
+  if (left < kFewestPixels) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
+  render::ImageLimits image_limits;
+  image_limits.file_pixels = limits.image_pixels;
+  image_limits.kept_pixels = static_cast<std::size_t>(std::min<std::uint64_t>(limits.texture_pixels, left));
+  image_limits.working_bytes = static_cast<std::size_t>(budget->left(vrml::Resource::pixels) / 2);
+  image_limits.stopped = [&budget] { return budget->stopped(); };
+  auto decoded = render::decode_image(bytes, image_limits);
+  if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
+  struct Held {
+    render::Image image;
+    vrml::Share share;
+  };
+  auto held = std::make_shared<Held>(
+      Held{std::move(std::get<render::Image>(decoded)), vrml::Share(budget, vrml::Resource::pixels)});
+  const render::Image& image = held->image;
+  const std::uint64_t cost = image.pixels.size() + kCopyBytes * image.width * image.height;
+  if (!held->share.grow(cost)) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
+  Texture texture;
+  if (image.reduction > 1)
+    texture.note = "is shown as " + size_of(image.width, image.height) + " pixels, " + std::to_string(image.reduction) +
+                   " times smaller in each direction: " +
+                   (left < limits.texture_pixels
+                        ? budget->refusal(vrml::Resource::pixels)
+                        : "more than the limit for one texture, " + std::to_string(limits.texture_pixels) + " pixels");
+  texture.image = {held, &held->image};
+  return texture;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,153 @@
+#include "app/formats/volume/volume.h"
+
+#include "app/base/gunzip.h"
+#include "app/base/local_file.h"
+#include "app/formats/volume/volume_common.h"
+#include "net/base/file.h"
+#include "qnv/volume/volume_slices.h"
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+VolumeResult open_without_header(const VolumeFile&) {
+  return "the file has no header; give its size and type with --dims XxYxZ --type " + std::string(kVoxelTypes);
+}
+
+constexpr VolumeFormat kVolumeFormats[] = {
+    {{"AVS field", ".fld "}, is_avs_field, open_avs_field},
+    {{"NRRD", ".nrrd .nhdr "}, is_nrrd, open_nrrd},
+    {{"MetaImage", ".mhd .mha "}, is_meta_image, open_meta_image},
+    {{"NIfTI", ".nii .hdr .img "}, is_nifti, open_nifti},
+    {{"FITS", ".fits .fit .fts "}, is_fits, open_fits},
+    {{"VTK ImageData", ".vti "}, is_vti, open_vti},
+    {{"raw voxels", ".raw .vol "}, nullptr, open_without_header},
+};
+
+const VolumeFormat* format_of(std::string_view path, std::span<const std::byte> bytes) {
+  for (const VolumeFormat& format : kVolumeFormats)
+    if (format.sniff && format.sniff(bytes)) return &format;
+  std::string name = lower_case(path);
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t point = name.rfind('.');
+  if (point == std::string::npos) return nullptr;
+  const std::string extension = name.substr(point) + ' ';
+  for (const VolumeFormat& format : kVolumeFormats)
+    if (format.name.extensions.find(extension) != std::string_view::npos) return &format;
+  return nullptr;
+}
+
+std::string known_formats() {
+  std::string text;
+  for (const VolumeFormat& format : kVolumeFormats) text += (text.empty() ? "" : ", ") + std::string(format.name.name);
+  return text;
+}
+
+VolumeResult open_as(const VolumeFormat* format, const VolumeFile& file, const RawVolume& raw) {
+  if (raw.dimensions != std::array<std::uint32_t, 3>{}) return open_raw(file, raw);
+  if (!format) return "the format is not known; expected one of: " + known_formats();
+  VolumeResult result = format->open(file);
+  if (const auto* problem = std::get_if<std::string>(&result)) return std::string(format->name.name) + ": " + *problem;
+  return result;
+}
+
+}  // namespace
+
+bool read_dimensions(std::string_view text, RawVolume& raw) {
+  std::array<std::uint32_t, 3> dimensions{};
+  const char* next = text.data();
+  const char* end = next + text.size();
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (i > 0 && (next == end || (*next != 'x' && *next != 'X'))) return false;
+    const auto [behind, error] = std::from_chars(next + (i > 0 ? 1 : 0), end, dimensions[i]);
+    if (error != std::errc() || dimensions[i] == 0) return false;
+    next = behind;
+  }
+  if (next != end) return false;
+  raw.dimensions = dimensions;
+  return true;
+}
+
+bool read_voxel_type(std::string_view text, RawVolume& raw) {
+  static constexpr std::pair<std::string_view, qnv::VoxelType> kNames[] = {
+      {"u8", qnv::VoxelType::u8},   {"i8", qnv::VoxelType::i8},   {"u16", qnv::VoxelType::u16},
+      {"i16", qnv::VoxelType::i16}, {"u32", qnv::VoxelType::u32}, {"i32", qnv::VoxelType::i32},
+      {"f32", qnv::VoxelType::f32}, {"f64", qnv::VoxelType::f64}};
+  const std::string name = lower_case(text);
+  for (const auto& [type_name, type] : kNames) {
+    if (!name.starts_with(type_name)) continue;
+    const std::string_view order = std::string_view(name).substr(type_name.size());
+    if (!order.empty() && order != "le" && order != "be") continue;
+    raw.type = type;
+    raw.big_endian = order == "be";
+    return true;
+  }
+  return false;
+}
+
+std::span<const VolumeFormat> volume_formats() { return kVolumeFormats; }
+
+VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
+  qnv::VolumeLayout layout;
+  layout.dimensions = raw.dimensions;
+  for (int i = 0; i < 3; ++i) layout.axes[static_cast<std::size_t>(i)][i] = raw.spacing[static_cast<std::size_t>(i)];
+  StoredVoxels voxels;
+  voxels.content = file.content;
+  voxels.offset = raw.offset;
+  voxels.type = static_cast<StoredType>(raw.type);
+  voxels.big_endian = raw.big_endian;
+  return make_source(std::move(layout), std::move(voxels));
+}
+
+std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path, const RawVolume& raw,
+                                                         const VolumeOrigin& origin, const WorldBudget& budget) {
+  BytesResult loaded = load_bytes(path, budget);
+  if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
+  const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // npos + 1 is 0
+                        std::get<SharedBytes>(std::move(loaded)),
+                        origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget};
+  if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
+  VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
+  if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
+    return path + ": " + *changed;
+  if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
+  // Whoever works on the volume holds some slices as floats.
+  constexpr std::uint64_t kSlices = 8;
+  const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
+  const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);
+  if (bytes > budget->left(vrml::Resource::volumes))
+    return path + ": slices of " + std::to_string(qnv::slice_voxels(layout)) + " voxels take " +
+           budget->refusal(vrml::Resource::volumes);
+  return result;
+}
+
+bool is_volume(std::string_view path, std::span<const std::byte> bytes) {
+  if (!is_gzip(bytes)) return format_of(path, bytes) != nullptr;
+  std::vector<std::byte> head;
+  (void)gunzip(bytes, own_budget(), [&](std::string_view piece) {
+    constexpr std::size_t kEnough = 4096;
+    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
+    head.assign(first, first + std::min(piece.size(), kEnough));
+    return false;
+  });
+  return format_of(path, head) != nullptr;
+}
+
+std::span<const VolumeFormatName> volume_format_names() {
+  static constexpr auto kNames = [] {
+    std::array<VolumeFormatName, std::size(kVolumeFormats)> names{};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      names[i] = kVolumeFormats[i].name;
+      names[i].sniff = kVolumeFormats[i].sniff;
+    }
+    return names;
+  }();
+  return kNames;
+}
+
+}  // namespace gs::app

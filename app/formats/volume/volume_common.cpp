@@ -1,0 +1,252 @@
+#include "app/formats/volume/volume_common.h"
+
+#include "app/base/finite.h"
+#include "app/base/gunzip.h"
+#include "app/formats/common/text_cursor.h"
+#include "net/base/file.h"
+#include "net/base/reference_policy.h"
+#include "qnv/volume/volume_slices.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
+
+qnv::VoxelType voxel_type_of(StoredType type) {
+  return type < StoredType::u64 ? static_cast<qnv::VoxelType>(type) : qnv::VoxelType::f64;
+}
+
+// One slice of 64-bit integers as doubles, in the byte order of this machine.
+template <class T>
+void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<std::byte> to) {
+  const bool swap = big_endian != (std::endian::native == std::endian::big);
+  for (std::size_t i = 0; i < to.size() / sizeof(double); ++i) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, from + i * step, sizeof(bits));
+    const auto value = static_cast<double>(static_cast<T>(swap ? __builtin_bswap64(bits) : bits));
+    std::memcpy(to.data() + i * sizeof(double), &value, sizeof(value));
+  }
+}
+
+bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z, std::span<std::byte> to) {
+  const std::size_t size = size_of(voxels.type), step = size * voxels.components;
+  const bool wide = voxels.type >= StoredType::u64;
+  if (to.size() != slice_voxels * (wide ? sizeof(double) : size)) return false;
+  const std::byte* from = voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z;
+  if (wide) {
+    if (voxels.type == StoredType::u64)
+      widen<std::uint64_t>(from, step, voxels.big_endian, to);
+    else
+      widen<std::int64_t>(from, step, voxels.big_endian, to);
+  } else if (voxels.components == 1) {
+    std::memcpy(to.data(), from, to.size());
+  } else {
+    for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
+  }
+  return !voxels.content.file || !voxels.content.file->changed();
+}
+
+}  // namespace
+
+std::size_t size_of(StoredType type) { return type < StoredType::u64 ? qnv::size_of(voxel_type_of(type)) : 8; }
+
+SharedBytes shared_bytes(VoxelMemory memory) {
+  auto owner = std::make_shared<const VoxelMemory>(std::move(memory));
+  return {owner, std::span<const std::byte>(owner->bytes)};
+}
+
+std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uint64_t size, const WorldBudget& budget) {
+  constexpr std::uint64_t kMostDeflateRatio = 1032;
+  if (size / kMostDeflateRatio > from) return plural(from) + " of packed data cannot hold " + plural(size);
+  VoxelMemory memory;
+  memory.share = vrml::Share(budget, vrml::Resource::volumes);
+  if (!memory.share.grow(size)) return plural(size) + " are " + budget->refusal(vrml::Resource::volumes);
+  memory.bytes.resize(size);
+  return memory;
+}
+
+std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
+                                       const WorldBudget& budget) {
+  constexpr std::size_t kPiece = std::size_t{1} << 24;  // between two looks at the time
+  constexpr int kZlibOrGzip = 15 + 32;
+  z_stream stream{};
+  if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib could not be set up";
+  std::size_t given = 0, made = 0;
+  int status = Z_OK;
+  while (made < out.size() && status == Z_OK && !budget->stopped()) {
+    const auto in = static_cast<uInt>(std::min<std::size_t>(bytes.size() - given, std::numeric_limits<uInt>::max()));
+    const auto room = static_cast<uInt>(std::min(out.size() - made, kPiece));
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data() + given));
+    stream.avail_in = in;
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + made);
+    stream.avail_out = room;
+    status = inflate(&stream, Z_NO_FLUSH);
+    given += in - stream.avail_in;
+    made += room - stream.avail_out;
+  }
+  inflateEnd(&stream);
+  if (made == out.size()) return std::nullopt;
+  return "the packed data " + std::string(status == Z_DATA_ERROR ? "is damaged" : "ends") + " after " + plural(made) +
+         "; expected " + std::to_string(out.size());
+}
+
+BytesResult unpacked_exactly(std::span<const std::byte> bytes, std::uint64_t size, const WorldBudget& budget) {
+  auto made = voxel_memory(bytes.size(), size, budget);
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  auto& memory = std::get<VoxelMemory>(made);
+  if (const auto problem = unpack_into(bytes, memory.bytes, budget)) return *problem;
+  return shared_bytes(std::move(memory));
+}
+
+BytesResult unpacked_gzip(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  auto unpacked = std::make_shared<const UnpackedBytes>(unpack_gzip(bytes, budget, vrml::Resource::volumes));
+  if (unpacked->problem) return *unpacked->problem;
+  return SharedBytes{unpacked, unpacked->bytes.span()};
+}
+
+BytesResult load_bytes(const std::string& path, const WorldBudget& budget) {
+  auto opened = net::map_file(path);
+  if (const auto* error = std::get_if<net::FileError>(&opened)) return error->message;
+  auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(opened)));
+  if (!is_gzip(file->bytes())) return SharedBytes{file, file->bytes(), file.get()};
+  BytesResult unpacked = unpacked_gzip(file->bytes(), budget);
+  if (const auto changed = file->changed()) return path + ": " + *changed;
+  if (const auto* problem = std::get_if<std::string>(&unpacked)) return path + ": " + *problem;
+  return unpacked;
+}
+
+BytesResult load_beside(const VolumeFile& file, std::string_view name) {
+  if (name.empty() || name.size() > 4096 || name.find('\0') != std::string_view::npos)
+    return std::string("the name of the data file is not one; expected the name of a file");
+  if (!file.read_beside) return std::string("the data file: files beside this one are not read");
+  const std::string reference = net::reference_of_path(name);
+  BytesResult loaded = file.read_beside(reference);
+  // Names with the folder of long ago.
+  const std::string alone = reference.substr(reference.rfind('/') + 1);  // npos + 1 is 0
+  if (std::holds_alternative<std::string>(loaded) && !alone.empty() && alone != reference)
+    if (BytesResult beside = file.read_beside(alone); std::holds_alternative<SharedBytes>(beside))
+      loaded = std::move(beside);
+  if (const auto* problem = std::get_if<std::string>(&loaded)) return "the data file: " + *problem;
+  const SharedBytes& bytes = std::get<SharedBytes>(loaded);
+  return is_gzip(bytes.bytes) ? unpacked_gzip(bytes.bytes, file.budget) : loaded;
+}
+
+std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
+                                                     std::uint64_t components) {
+  qnv::VolumeLayout plain;
+  plain.dimensions = layout.dimensions;
+  if (const auto problem = qnv::check(plain)) return problem->message;
+  constexpr std::uint64_t kMostComponents = 1u << 12;
+  if (components == 0 || components > kMostComponents)
+    return std::to_string(components) + " components a voxel; expected 1 to " + std::to_string(kMostComponents);
+  return qnv::voxel_count(layout) * size_of(type) * components;  // < 2^(48 + 3 + 12)
+}
+
+VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
+  const auto needed = stored_size(layout, voxels.type, voxels.components);
+  if (const auto* problem = std::get_if<std::string>(&needed)) return *problem;
+  const std::uint64_t size = std::get<std::uint64_t>(needed), all = voxels.content.bytes.size();
+  const std::uint64_t there = voxels.offset < all ? all - voxels.offset : 0;
+  if (there < size) {
+    const auto [x, y, z] = layout.dimensions;
+    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels need " + plural(size) +
+           "; there are " + std::to_string(there);
+  }
+  mend(layout);
+  layout.type = voxel_type_of(voxels.type);
+  const bool wide = voxels.type >= StoredType::u64;
+  layout.big_endian = wide ? std::endian::native == std::endian::big : voxels.big_endian;
+  if (const auto problem = qnv::check(layout)) return problem->message;
+  qnv::VolumeSource source;
+  const std::uint64_t slice = qnv::slice_voxels(layout);
+  const std::uint32_t slices = layout.dimensions[2];
+  source.layout = std::move(layout);
+  source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
+    return z < slices && read_stored(voxels, slice, z, to);
+  };
+  return source;
+}
+
+std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count,
+                                                       const WorldBudget& budget) {
+  if (count > (text.size() + 1) / 2)
+    return "a text of " + plural(text.size()) + " cannot hold " + std::to_string(count) + " numbers";
+  auto made = voxel_memory(text.size(), count * sizeof(double), budget);
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  auto& out = std::get<VoxelMemory>(made);
+  TextCursor cursor(text);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    while (cursor.skip_space() && *cursor.next == ',') ++cursor.next;
+    double value = 0;
+    if (!cursor.number(value))
+      return "the text holds " + std::to_string(i) + " numbers; expected " + std::to_string(count);
+    std::memcpy(out.bytes.data() + i * sizeof(double), &value, sizeof(value));
+  }
+  StoredVoxels voxels;
+  voxels.content = shared_bytes(std::move(out));
+  voxels.type = StoredType::f64;
+  voxels.big_endian = std::endian::native == std::endian::big;
+  return voxels;
+}
+
+void mend(qnv::VolumeLayout& layout) {
+  if (!finite(layout.origin)) layout.origin = glm::vec3(0);
+  if (!std::isfinite(layout.slope) || layout.slope == 0) layout.slope = 1;
+  if (!std::isfinite(layout.intercept)) layout.intercept = 0;
+  qnv::VolumeLayout space;
+  space.dimensions = {1, 1, 1};
+  space.axes = layout.axes;
+  if (qnv::check(space)) layout.axes = qnv::VolumeLayout{}.axes;
+  space.axes = layout.axes;
+  space.origin = layout.origin;
+  if (qnv::check(space)) layout.origin = glm::vec3(0);
+}
+
+std::vector<double> numbers_of(std::string_view text, std::size_t most) {
+  std::vector<double> numbers;
+  TextCursor cursor(text.data(), text.data() + text.size());
+  const auto parts = [](char c) { return TextCursor::is_space(c) || std::string_view(",()[]{}").find(c) < 7; };
+  while (numbers.size() < most) {
+    while (!cursor.at_end() && parts(*cursor.next)) ++cursor.next;
+    double value = 0;
+    if (cursor.at_end() || !cursor.number(value)) break;
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
+std::optional<std::array<std::uint32_t, 3>> dimensions_of(std::span<const double> numbers) {
+  if (numbers.empty() || numbers.size() > 3) return std::nullopt;
+  std::array<std::uint32_t, 3> dimensions{1, 1, 1};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!(numbers[i] >= 1 && numbers[i] <= 4294967295.0) || numbers[i] != std::floor(numbers[i])) return std::nullopt;
+    dimensions[i] = static_cast<std::uint32_t>(numbers[i]);
+  }
+  return dimensions;
+}
+
+void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_view value) {
+  constexpr std::size_t kMostBytes = 4096, kMostPairs = 256;
+  key = trimmed(key.substr(0, std::min(key.find('\0'), kMostBytes)));
+  value = trimmed(value.substr(0, std::min(value.find('\0'), kMostBytes)));
+  if (key.empty() || value.empty() || layout.metadata.size() >= kMostPairs) return;
+  // Headers are ASCII by their standards; other bytes may be of any encoding.
+  const auto plain = [](std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+      if ((c & 0x80) != 0 || (c >= 0 && c < 0x20 && c != '\n' && c != '\t')) c = '?';
+    return result;
+  };
+  layout.metadata.emplace_back(plain(key), plain(value));
+}
+
+}  // namespace gs::app

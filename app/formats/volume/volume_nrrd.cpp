@@ -1,0 +1,248 @@
+#include "app/formats/common/text_cursor.h"
+#include "app/formats/volume/volume_common.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+// NRRD: https://teem.sourceforge.net/nrrd/format.html
+
+namespace gs::app {
+namespace {
+
+/// The fields of a header that matter here, as they stand there.
+struct NrrdHeader {
+  std::string type, encoding = "raw", endian, data_file, sizes, spacings, axis_mins, directions, origin, kinds;
+  double dimension = 0, line_skip = 0, byte_skip = 0;
+  bool detached = false;
+  std::size_t size = 0;  // of the header, the blank line included
+};
+
+std::optional<StoredType> nrrd_type_of(std::string_view name) {
+  struct Name {
+    std::string_view names;
+    StoredType type;
+  };
+  static constexpr Name kNames[] = {
+      {"|signed char|int8|int8_t|", StoredType::i8},
+      {"|uchar|unsigned char|uint8|uint8_t|", StoredType::u8},
+      {"|short|short int|signed short|signed short int|int16|int16_t|", StoredType::i16},
+      {"|ushort|unsigned short|unsigned short int|uint16|uint16_t|", StoredType::u16},
+      {"|int|signed int|int32|int32_t|", StoredType::i32},
+      {"|uint|unsigned int|uint32|uint32_t|", StoredType::u32},
+      {"|longlong|long long|long long int|signed long long|signed long long int|int64|int64_t|", StoredType::i64},
+      {"|ulonglong|unsigned long long|unsigned long long int|uint64|uint64_t|", StoredType::u64},
+      {"|float|", StoredType::f32},
+      {"|double|", StoredType::f64}};
+  const std::string key = '|' + std::string(name) + '|';
+  for (const Name& entry : kNames)
+    if (entry.names.find(key) != std::string_view::npos) return entry.type;
+  return std::nullopt;
+}
+
+void read_field(std::string_view name, std::string_view value, NrrdHeader& header, qnv::VolumeLayout& layout) {
+  const auto number = [&] {
+    const std::vector<double> numbers = numbers_of(value, 1);
+    return numbers.empty() ? 0.0 : numbers[0];
+  };
+  const std::string key = lower_case(name);
+  if (key == "type") header.type = lower_case(value);
+  if (key == "encoding") header.encoding = lower_case(value);
+  if (key == "endian") header.endian = lower_case(value);
+  if (key == "sizes") header.sizes = value;
+  if (key == "spacings") header.spacings = value;
+  if (key == "axis mins" || key == "axismins") header.axis_mins = value;
+  if (key == "space directions") header.directions = value;
+  if (key == "space origin") header.origin = value;
+  if (key == "kinds") header.kinds = lower_case(value);
+  if (key == "dimension") header.dimension = number();
+  if (key == "line skip" || key == "lineskip") header.line_skip = number();
+  if (key == "byte skip" || key == "byteskip") header.byte_skip = number();
+  if (key == "data file" || key == "datafile") {
+    header.data_file = value;
+    header.detached = true;
+  }
+  if (key == "content") add_metadata(layout, "title", value);
+  if (key == "space" || key == "space units" || key == "sample units") add_metadata(layout, key, value);
+}
+
+NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout& layout) {
+  NrrdHeader header;
+  constexpr std::size_t kMostHeader = std::size_t{1} << 20;
+  TextCursor cursor(bytes.first(std::min(bytes.size(), kMostHeader)));
+  const char* begin = cursor.next;
+  (void)cursor.line();
+  while (!cursor.at_end()) {
+    const std::string_view line = cursor.line();
+    if (line.empty()) break;
+    if (line.front() == '#') continue;
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos || colon + 1 == line.size()) continue;
+    if (line[colon + 1] == '=')
+      add_metadata(layout, line.substr(0, colon), line.substr(colon + 2));
+    else
+      read_field(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 1)), header, layout);
+  }
+  header.size = static_cast<std::size_t>(cursor.next - begin);
+  return header;
+}
+
+/// Vectors "(a,b,c)", one an axis; nothing for "none".
+std::vector<std::optional<glm::vec3>> vectors_of(std::string_view text) {
+  std::vector<std::optional<glm::vec3>> vectors;
+  TextCursor cursor(text.data(), text.data() + text.size());
+  while (cursor.skip_space() && vectors.size() < 16) {
+    const char* first = cursor.next;
+    if (*first != '(') {
+      (void)cursor.word();
+      vectors.emplace_back();
+      continue;
+    }
+    while (!cursor.at_end() && *cursor.next != ')') ++cursor.next;
+    const std::vector<double> numbers = numbers_of({first, static_cast<std::size_t>(cursor.next - first)}, 3);
+    if (!cursor.at_end()) ++cursor.next;
+    glm::vec3 vector(0);
+    for (std::size_t i = 0; i < numbers.size(); ++i) vector[static_cast<int>(i)] = static_cast<float>(numbers[i]);
+    vectors.emplace_back(vector);
+  }
+  return vectors;
+}
+
+/// Which axes are of space; of four or more one may be of a voxel's components.
+struct NrrdAxes {
+  std::vector<std::size_t> spatial;
+  std::vector<double> sizes;  // of those
+  std::uint64_t components = 1;
+  double skipped = 1;  // the longest of the other axes behind the first of space
+};
+
+std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
+  constexpr std::size_t kMostAxes = 16;
+  constexpr double kMostComponents = 4096;
+  const std::vector<double> sizes = numbers_of(header.sizes, kMostAxes);
+  if (sizes.empty() || header.dimension != static_cast<double>(sizes.size()))
+    return "'dimension' and 'sizes: " + header.sizes.substr(0, 80) + "' do not fit";
+  const auto vectors = vectors_of(header.directions);
+  std::vector<std::string_view> kinds;
+  TextCursor words(header.kinds.data(), header.kinds.data() + header.kinds.size());
+  while (words.skip_space()) kinds.push_back(words.word());
+  std::vector<bool> spatial(sizes.size(), true);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const bool none = vectors.size() == sizes.size() && !vectors[i];
+    const bool known = kinds.size() == sizes.size() && kinds[i] != "???" && kinds[i] != "none";
+    spatial[i] = !none && !(known && kinds[i] != "space" && kinds[i] != "domain");
+  }
+  // Where nothing is said: axes of one sample are none, and components vary fastest.
+  for (const bool any_size : {false, true})
+    for (std::size_t i = 0; i < sizes.size() && std::count(spatial.begin(), spatial.end(), true) > 3; ++i)
+      if (any_size || sizes[i] == 1) spatial[i] = false;
+  NrrdAxes axes;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (spatial[i]) {
+      if (!axes.spatial.empty() && axes.skipped > 1)
+        return std::string("an axis that is not of space stands between those that are");
+      axes.spatial.push_back(i);
+      axes.sizes.push_back(sizes[i]);
+    } else if (axes.spatial.empty()) {
+      if (!(sizes[i] >= 1 && sizes[i] <= kMostComponents) || sizes[i] != std::floor(sizes[i]))
+        return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components a voxel";
+      axes.components *= static_cast<std::uint64_t>(sizes[i]);
+      if (axes.components > static_cast<std::uint64_t>(kMostComponents))
+        return std::string("more than 4096 components a voxel");
+    } else {
+      axes.skipped = std::max(axes.skipped, sizes[i]);
+    }
+  }
+  if (axes.spatial.size() > 3 || axes.spatial.empty())
+    return std::to_string(axes.spatial.size()) + " axes of space; expected 1 to 3";
+  return axes;
+}
+
+void place(const NrrdHeader& header, const NrrdAxes& axes, qnv::VolumeLayout& layout) {
+  const auto vectors = vectors_of(header.directions);
+  const std::vector<double> spacings = numbers_of(header.spacings, 16), mins = numbers_of(header.axis_mins, 16);
+  for (std::size_t i = 0; i < axes.spatial.size(); ++i) {
+    const std::size_t axis = axes.spatial[i];
+    const int along = static_cast<int>(i);
+    if (axis < vectors.size() && vectors[axis])
+      layout.axes[i] = *vectors[axis];
+    else if (axis < spacings.size() && std::isfinite(spacings[axis]) && spacings[axis] != 0)
+      layout.axes[i] *= static_cast<float>(spacings[axis]);
+    if (axis < mins.size() && header.origin.empty()) layout.origin[along] = static_cast<float>(mins[axis]);
+  }
+  const std::vector<double> origin = numbers_of(header.origin, 3);
+  for (std::size_t i = 0; i < origin.size(); ++i) layout.origin[static_cast<int>(i)] = static_cast<float>(origin[i]);
+}
+
+/// The voxels behind header and skipped lines, unpacked.
+std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const NrrdHeader& header, StoredType type,
+                                                  std::uint64_t size, std::uint64_t count) {
+  StoredVoxels voxels;
+  voxels.type = type;
+  voxels.content = file.content;
+  std::size_t begin = header.size;
+  if (header.detached) {
+    if (lower_case(header.data_file).starts_with("list") || header.data_file.find('%') != std::string::npos)
+      return std::string("its data lies in a list of files; expected one data file (join them, e.g. with `unu save`)");
+    BytesResult loaded = load_beside(file, header.data_file);
+    if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
+    voxels.content = std::get<SharedBytes>(std::move(loaded));
+    begin = 0;
+  }
+  std::span<const std::byte> data = voxels.content.bytes.subspan(begin);
+  TextCursor lines(data);
+  for (double i = 0; i < header.line_skip && !lines.at_end(); ++i) (void)lines.line();
+  data = data.last(static_cast<std::size_t>(lines.end - lines.next));
+  const bool from_end = header.byte_skip == -1 && header.encoding == "raw";
+  if (!from_end && !(header.byte_skip >= 0 && header.byte_skip < 1e15))
+    return std::string("'byte skip' is no count of bytes");
+  const auto skip = from_end ? data.size() - std::min<std::uint64_t>(size, data.size())
+                             : static_cast<std::uint64_t>(header.byte_skip);
+  if (header.encoding == "raw") {
+    voxels.offset = voxels.content.bytes.size() - data.size() + skip;
+  } else if (header.encoding == "gzip" || header.encoding == "gz") {
+    // What is gzip'd as a whole beside a header comes here unpacked already.
+    BytesResult unpacked = SharedBytes{voxels.content.owner, data};
+    const bool packed = data.size() >= 2 && data[0] == std::byte{0x1f} && data[1] == std::byte{0x8b};
+    if (packed || !header.detached) unpacked = unpacked_exactly(data, size + skip, file.budget);
+    if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);
+    voxels.content = std::get<SharedBytes>(std::move(unpacked));
+    voxels.offset = skip;
+  } else if (header.encoding == "ascii" || header.encoding == "txt" || header.encoding == "text") {
+    return voxels_of_text(data.subspan(std::min<std::uint64_t>(skip, data.size())), count, file.budget);
+  } else {
+    return "the encoding is '" + header.encoding.substr(0, 80) + "'; expected raw, gzip or ascii";
+  }
+  return voxels;
+}
+
+}  // namespace
+
+bool is_nrrd(std::span<const std::byte> bytes) { return text_of(bytes).starts_with("NRRD000"); }
+
+VolumeResult open_nrrd(const VolumeFile& file) {
+  if (!is_nrrd(file.content.bytes)) return std::string("the file does not begin with NRRD000");
+  qnv::VolumeLayout layout;
+  const NrrdHeader header = read_nrrd_header(file.content.bytes, layout);
+  const std::optional<StoredType> type = nrrd_type_of(header.type);
+  if (!type) return "the type is '" + header.type.substr(0, 80) + "'; expected an integer or float type";
+  auto found = axes_of(header);
+  if (auto* problem = std::get_if<std::string>(&found)) return std::move(*problem);
+  const NrrdAxes& axes = std::get<NrrdAxes>(found);
+  const auto dimensions = dimensions_of(axes.sizes);
+  if (!dimensions) return "the sizes are '" + header.sizes.substr(0, 80) + "'; expected whole numbers from 1 on";
+  layout.dimensions = *dimensions;
+  place(header, axes, layout);
+  const auto size = stored_size(layout, *type, axes.components);
+  if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
+  const std::uint64_t bytes = std::get<std::uint64_t>(size);
+  auto voxels = voxels_of(file, header, *type, bytes, bytes / size_of(*type));
+  if (auto* problem = std::get_if<std::string>(&voxels)) return std::move(*problem);
+  StoredVoxels& stored = std::get<StoredVoxels>(voxels);
+  if (header.encoding.starts_with("raw") || header.encoding.starts_with("gz"))
+    stored.big_endian = header.endian == "big";
+  stored.components = axes.components;
+  return make_source(std::move(layout), std::move(stored));
+}
+
+}  // namespace gs::app

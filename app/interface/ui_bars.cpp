@@ -1,0 +1,308 @@
+#include "app/interface/ui_state.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+constexpr ImGuiWindowFlags kBarFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing;
+
+bool begin_bar(const char* name, float y, float height, float padding) {
+  const float width = ImGui::GetIO().DisplaySize.x;
+  ImGui::SetNextWindowPos({0, y});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8, padding});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, UiColors::kBar);
+  const bool visible = ImGui::Begin(name, nullptr, kBarFlags);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(4);
+  return visible;
+}
+
+float button_width(const char* label) {
+  return ImGui::CalcTextSize(label, nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
+}
+
+void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
+
+constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
+
+/// `label` so that Dear ImGui takes no part of it for an identifier.
+std::string without_identifier(const std::string& label) {
+  std::string result = shortened(label, kLabelLength);
+  for (std::size_t at = 0; (at = result.find("##", at)) != std::string::npos; ++at) result.insert(at + 1, " ");
+  return result;
+}
+
+/// A list of labels to choose from, which may be anything and may repeat.
+std::optional<std::size_t> choose(const char* id, const std::string& preview, const std::vector<std::string>& labels,
+                                  std::optional<std::size_t> chosen, float width) {
+  std::optional<std::size_t> result;
+  ImGui::SetNextItemWidth(width);
+  if (!ImGui::BeginCombo(id, without_identifier(preview).c_str(), ImGuiComboFlags_HeightLarge)) return result;
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(labels.size()));
+  while (clipper.Step()) {
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      if (ImGui::Selectable((without_identifier(labels[index]) + "##" + std::to_string(i)).c_str(), chosen == index))
+        result = index;
+    }
+  }
+  ImGui::EndCombo();
+  return result;
+}
+
+/// How much of the top bar there is room for (`more`: clouds and layouts). Each row leaves out more than the one
+/// before.
+struct BarPlan {
+  float files, viewpoints;  // widths at scale 1; 0: left out
+  bool mode_buttons, arrows, headlight_word, home, layouts, link, fit, more;
+};
+constexpr BarPlan kBarPlans[] = {
+    {150, 170, true, true, true, true, true, true, true, true},
+    {150, 170, false, true, true, true, true, true, true, true},
+    {90, 130, false, true, false, true, true, true, true, true},
+    {90, 130, false, true, false, true, false, true, true, true},
+    {90, 90, false, false, false, true, false, true, true, true},
+    {90, 90, false, false, false, false, false, true, true, true},
+    {70, 0, false, false, false, false, false, false, true, true},
+    {70, 0, false, false, false, false, false, false, false, true},
+    {0, 0, false, false, false, false, false, false, false, false},
+};
+
+float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
+
+/// What a plan needs, up to what stands at the right end.
+float width_of(const BarPlan& plan, const UiModel& model, float scale) {
+  const float gap = ImGui::GetStyle().ItemSpacing.x, group = gap * 2.5f;
+  const float combo_arrow = ImGui::GetFrameHeight();
+  float width = ImGui::GetStyle().WindowPadding.x + button_width("Open") + group;
+  if (model.files.size() > 1 && plan.files > 0) width += gap + plan.files * scale;
+  if (plan.viewpoints > 0) width += plan.viewpoints * scale + (plan.arrows ? 2 * combo_arrow + 2 : 0) + group;
+  if (plan.mode_buttons)
+    for (const char* label : {"Examine", "Fly", "Walk", "Pan"}) width += button_width(label) + 1;
+  else
+    width += button_width("Examine") + combo_arrow;
+  width += group + (plan.home ? button_width("Reset") + 1 : 0) + (plan.fit ? button_width("Fit") : 0);
+  if (plan.home) width += group + button_width(plan.headlight_word ? "Headlight" : "Light");
+  if (!plan.more) return width;
+  if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Clouds");
+  width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
+  if (plan.link && model.layout != ViewportLayout::one) width += 1 + button_width("Link");
+  return width;
+}
+
+const BarPlan& bar_plan(const UiModel& model, float scale, float room) {
+  for (const BarPlan& plan : kBarPlans)
+    if (width_of(plan, model, scale) <= room) return plan;
+  return std::end(kBarPlans)[-1];
+}
+
+std::string log_label(const UiModel& model) {
+  const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
+  if (count == 0) return "Log###log";
+  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count)) + "###log";
+}
+
+std::string counted(std::size_t count) {
+  std::string digits = std::to_string(count);
+  for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, " ");
+  return digits;
+}
+
+}  // namespace
+
+bool switch_button(const char* label, bool on, bool is_panel) {
+  if (on) {
+    const ImVec4& accent = UiColors::kAccent;
+    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
+    ImGui::PushStyleColor(ImGuiCol_Button, color);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
+  }
+  const bool pressed = ImGui::Button(label);
+  if (on) ImGui::PopStyleColor(2);
+  return pressed;
+}
+
+float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
+float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
+
+void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
+  static constexpr NavigationMode kShown[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
+                                              NavigationMode::pan};
+  ImGui::BeginDisabled(!model.has_world);
+  if (as_list) {
+    ImGui::SetNextItemWidth(button_width("Examine") + ImGui::GetFrameHeight());
+    if (ImGui::BeginCombo("##mode", row_of(model.mode).label.data())) {
+      for (const NavigationMode mode : kShown)
+        if (model.rules.allows(mode) && ImGui::Selectable(row_of(mode).label.data(), mode == model.mode))
+          actions.mode = mode;
+      ImGui::EndCombo();
+    }
+  } else {
+    for (const NavigationMode mode : kShown) {
+      if (mode != kShown[0]) ImGui::SameLine(0, 1);
+      ImGui::BeginDisabled(!model.rules.allows(mode));
+      if (switch_button(row_of(mode).label.data(), mode == model.mode)) actions.mode = mode;
+      ImGui::EndDisabled();
+      const int key = static_cast<int>(mode);
+      tooltip(model.rules.allows(mode) ? std::string(row_of(mode).help) + " (" + std::to_string(key) + ")"
+                                       : "This world does not allow " + std::string(row_of(mode).label));
+    }
+  }
+  ImGui::EndDisabled();
+}
+
+void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows) {
+  const bool several = model.viewpoints.size() > 1;
+  ImGui::BeginDisabled(model.viewpoints.empty());
+  if (with_arrows) {
+    ImGui::BeginDisabled(!several);
+    if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) actions.previous_viewpoint = true;
+    tooltip("Previous viewpoint (Page Up)");
+    ImGui::EndDisabled();
+    ImGui::SameLine(0, 1);
+  }
+  const std::string preview = model.viewpoints.empty() ? "No viewpoints"
+                              : model.viewpoint && *model.viewpoint < model.viewpoints.size()
+                                  ? model.viewpoints[*model.viewpoint]
+                                  : "Viewpoints";
+  if (const auto chosen = choose("##viewpoints", preview, model.viewpoints, model.viewpoint, width))
+    actions.viewpoint = chosen;
+  if (with_arrows) {
+    ImGui::SameLine(0, 1);
+    ImGui::BeginDisabled(!several);
+    if (ImGui::ArrowButton("##next", ImGuiDir_Right)) actions.next_viewpoint = true;
+    tooltip("Next viewpoint (Page Down)");
+    ImGui::EndDisabled();
+  }
+  ImGui::EndDisabled();
+}
+
+void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
+  begin_bar("##top", 0, top_bar_height(), 5 * scale);
+  const std::string label = log_label(model);
+  const float right = button_width(label.c_str()) + button_width("?") + 8 * scale + 2;
+  const BarPlan& plan = bar_plan(model, scale, ImGui::GetIO().DisplaySize.x - right - 8 * scale);
+  if (switch_button("Open", open_panel, true)) {
+    open_panel = !open_panel;
+    open_panel_appears = open_panel;
+  }
+  tooltip("Open a file (Ctrl+O), or drop one on the window");
+  if (model.files.size() > 1 && plan.files > 0) {
+    ImGui::SameLine();
+    const std::string preview = model.file && *model.file < model.files.size() ? model.files[*model.file] : "Files";
+    if (const auto chosen = choose("##files", preview, model.files, model.file, plan.files * scale))
+      actions.file = chosen;
+    tooltip("Files (Ctrl+Tab)");
+  }
+  if (plan.viewpoints > 0) {
+    group_gap();
+    viewpoint_list(model, actions, plan.viewpoints * scale, plan.arrows);
+  }
+  group_gap();
+  mode_buttons(model, actions, !plan.mode_buttons);
+  view_buttons(model, actions, plan.home, plan.fit, plan.headlight_word);
+  if (plan.more && (model.has_surface_clouds || model.has_volumes)) {
+    ImGui::SameLine();
+    if (switch_button("Clouds", clouds.open, true)) clouds.open = !clouds.open;
+    tooltip("Colours of clouds; transfer function and clipping of volumes (F4)");
+  }
+  if (plan.more) {
+    group_gap();
+    layout_buttons(model, actions, plan.layouts, plan.link);
+  }
+
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
+  const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
+  ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
+  if (switch_button(label.c_str(), log, true)) log = !log;
+  ImGui::PopStyleColor();
+  tooltip("What was found wrong with the file (F3)");
+  ImGui::SameLine(0, 1);
+  if (switch_button("?", help, true)) help = !help;
+  tooltip("Keys and mouse (F1)");
+  ImGui::End();
+}
+
+void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit,
+                                    bool whole_word) {
+  ImGui::BeginDisabled(!model.has_world);
+  if (home) {
+    group_gap();
+    if (ImGui::Button("Reset")) actions.reset = true;
+    tooltip("Back to the viewpoint (Home)");
+  }
+  if (with_fit) {
+    if (home)
+      ImGui::SameLine(0, 1);
+    else
+      group_gap();
+    ImGui::BeginDisabled(model.mode == NavigationMode::none);
+    if (ImGui::Button("Fit")) actions.fit = true;
+    ImGui::EndDisabled();
+    tooltip("Bring everything into view (F)");
+  }
+  if (home) {
+    group_gap();
+    if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.toggle_headlight = true;
+    tooltip("Headlight (H)");
+  }
+  ImGui::EndDisabled();
+}
+
+void UiOverlay::State::status_bar(const UiModel& model) {
+  const float height = status_bar_height();
+  begin_bar("##status", ImGui::GetIO().DisplaySize.y - height, height, 4 * scale);
+  char numbers[96];
+  std::string line;
+  if (model.frames_a_second > 0) {  // only motion has a rate: a picture that rests is not drawn again
+    std::snprintf(numbers, sizeof numbers, "%.0f fps   ", model.frames_a_second);
+    line += numbers;
+  }
+  std::snprintf(numbers, sizeof numbers, "%.1f ms", model.frame_ms);
+  line += numbers;
+  line += "   " + counted(model.statistics.triangles) + " triangles   " + counted(model.statistics.items) +
+          " items   " + counted(model.statistics.draw_calls) + " draw calls";
+  if (model.statistics.vectors > 0)
+    line += "   " + counted(model.statistics.vectors) + " vectors (" + model.statistics.splats + ")" +
+            (model.statistics.pending ? ", more to come" : "");
+  if (model.mode == NavigationMode::fly || model.mode == NavigationMode::walk) {
+    std::snprintf(numbers, sizeof numbers, "   %.3g m/s", static_cast<double>(model.speed));
+    line += numbers;
+  }
+  colored_text(UiColors::kQuiet, line);
+  const std::string renderer = shortened(model.gl_renderer, 80);
+  const float place = ImGui::GetIO().DisplaySize.x - ImGui::CalcTextSize(renderer.c_str()).x - 8;
+  if (place > ImGui::CalcTextSize(line.c_str()).x + 24) {
+    ImGui::SameLine(place);
+    colored_text(UiColors::kQuiet, renderer);
+  }
+  ImGui::End();
+}
+
+void UiOverlay::State::travel_mark(const UiModel& model) {
+  const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
+  const ImVec2 anchor(model.travel_anchor->x / std::max(pixels.x, 0.01f),
+                      model.travel_anchor->y / std::max(pixels.y, 0.01f));
+  const ImVec2 pointer(model.pointer.x / std::max(pixels.x, 0.01f), model.pointer.y / std::max(pixels.y, 0.01f));
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImU32 light = IM_COL32(255, 255, 255, 190), dark = IM_COL32(0, 0, 0, 110);
+  draw.AddLine(anchor, pointer, dark, 4 * scale);
+  draw.AddLine(anchor, pointer, light, 2 * scale);
+  draw.AddCircle(anchor, 7 * scale, dark, 0, 4 * scale);
+  draw.AddCircle(anchor, 7 * scale, light, 0, 2 * scale);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,191 @@
+#include "app/interface/ui_state.h"
+
+#include "app/session/documents.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+constexpr ImGuiWindowFlags kPanelFlags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                         ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing;
+
+struct KeyHelp {
+  const char* keys;
+  const char* what;
+};
+constexpr KeyHelp kPointerHelp[] = {
+    {"Left drag", "Examine: turn about the centre.  Fly, Walk: move and turn, the farther the faster"},
+    {"Right drag", "Examine: slide.  Fly, Walk: look around"},
+    {"Middle drag", "Examine: closer and farther.  Fly, Walk: slide"},
+    {"Shift or Ctrl + left drag", "Slide"},
+    {"Wheel", "Towards what is under the pointer.  Fly, Walk: ahead"},
+    {"Double click", "Examine: turn about this point from now on"},
+};
+constexpr KeyHelp kKeyHelp[] = {
+    {"Arrows", "Examine: turn.  Fly, Walk: ahead, back, turn"},
+    {"W A S D, Q E", "Ahead, left, back, right, down, up; with Shift fast"},
+    {"+  -", "Faster, slower"},
+    {"1  2  3  4", "Examine, Fly, Walk, Pan"},
+    {"Page Down, Page Up", "Next, previous viewpoint"},
+    {"Home", "Back to the viewpoint"},
+    {"F", "Bring everything into view"},
+    {"H", "Headlight"},
+    {"Ctrl+O, Ctrl+Tab, F5", "Open, next file, read again"},
+    {"F6, Ctrl+1 2 3 4", "One, two or four viewports; the keys go to this one"},
+    {"L", "Link: what one viewport does, all do"},
+    {"F1  F2  F3  F4", "Help, statistics, log, colours of clouds and volumes"},
+    {"F11, Esc, Ctrl+Q", "Full screen, close a panel or stop loading, quit"},
+};
+
+template <std::size_t N>
+void help_table(const char* id, const KeyHelp (&rows)[N]) {
+  if (!ImGui::BeginTable(id, 2, ImGuiTableFlags_None)) return;
+  ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed,
+                          ImGui::CalcTextSize("Shift or Ctrl + left drag ").x);
+  ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
+  for (const KeyHelp& row : rows) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    colored_text(UiColors::kAccent, row.keys);
+    ImGui::TableNextColumn();
+    ImGui::TextWrapped("%s", row.what);
+  }
+  ImGui::EndTable();
+}
+
+std::string place_of(const vrml::Diagnostic& diagnostic) {
+  std::string place = shortened(file_label(diagnostic.file), 60);
+  if (diagnostic.location.line > 0)
+    place += ":" + std::to_string(diagnostic.location.line) + ":" + std::to_string(diagnostic.location.column);
+  return place;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s") + "###" + what;
+}
+
+const char* word_of(vrml::Severity severity) {
+  switch (severity) {
+    case vrml::Severity::error:
+      return "error";
+    case vrml::Severity::warning:
+      return "warning";
+    case vrml::Severity::note:
+      break;
+  }
+  return "note";
+}
+
+}  // namespace
+
+void UiOverlay::State::log_rows(const std::vector<const vrml::Diagnostic*>& rows) {
+  if (!ImGui::BeginTable("##rows", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
+    return;
+  ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
+  ImGui::TableSetupColumn("place", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 13);
+  ImGui::TableSetupColumn("message", ImGuiTableColumnFlags_WidthStretch);
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()));
+  while (clipper.Step()) {
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const vrml::Diagnostic& diagnostic = *rows[static_cast<std::size_t>(i)];
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      colored_text(color_of(diagnostic.severity), word_of(diagnostic.severity));
+      ImGui::TableNextColumn();
+      colored_text(UiColors::kQuiet, place_of(diagnostic));
+      ImGui::TableNextColumn();
+      text(shortened(diagnostic.message, 500));
+      tooltip(shortened(diagnostic.text(), 2000));
+    }
+  }
+  ImGui::EndTable();
+}
+
+void UiOverlay::State::log_panel(const UiModel& model) {
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  const float bottom = screen.y - status_bar_height();
+  const float height = std::clamp(screen.y * 0.26f, 110 * scale, 320 * scale);
+  ImGui::SetNextWindowPos({8 * scale, bottom - 8 * scale}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({screen.x - 16 * scale, height});
+  ImGui::Begin("##log", nullptr,
+               kPanelFlags | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+  static const vrml::Diagnostics kEmpty;
+  const vrml::Diagnostics& log_entries = model.log ? *model.log : kEmpty;
+  ImGui::AlignTextToFramePadding();
+  text("Log");
+  ImGui::SameLine(0, 16 * scale);
+  ImGui::Checkbox(counted(log_entries.errors(), "error").c_str(), &show_errors);
+  ImGui::SameLine(0, 16 * scale);
+  ImGui::Checkbox(counted(log_entries.warnings(), "warning").c_str(), &show_warnings);
+  ImGui::SameLine(0, 16 * scale);
+  ImGui::Checkbox("notes", &show_notes);
+
+  std::vector<const vrml::Diagnostic*> rows;
+  for (const vrml::Diagnostic& diagnostic : log_entries.entries()) {
+    const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors
+                       : diagnostic.severity == vrml::Severity::warning ? show_warnings
+                                                                        : show_notes;
+    if (shown) rows.push_back(&diagnostic);
+  }
+  const float buttons = ImGui::CalcTextSize("CopyClose").x + 4 * ImGui::GetStyle().FramePadding.x + 20 * scale;
+  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowWidth() - buttons));
+  ImGui::BeginDisabled(rows.empty());
+  if (ImGui::Button("Copy")) {
+    std::string all;
+    for (const vrml::Diagnostic* diagnostic : rows) all += diagnostic->text() + "\n";
+    ImGui::SetClipboardText(all.c_str());
+  }
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  if (ImGui::Button("Close")) log = false;
+  ImGui::Separator();
+  if (rows.empty())
+    colored_text(UiColors::kQuiet,
+                 log_entries.entries().empty() ? "Nothing was found wrong." : "Nothing of this kind.");
+  else
+    log_rows(rows);
+  if (log_entries.dropped() > 0)
+    colored_text(UiColors::kQuiet, "and " + std::to_string(log_entries.dropped()) + " more");
+  ImGui::End();
+}
+
+void UiOverlay::State::help_panel() {
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y - 2 * top_bar_height()});
+  ImGui::SetNextWindowSize({std::min(720 * scale, screen.x - 24 * scale), 0});
+  if (ImGui::Begin("Keys and mouse", &help, kPanelFlags | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove)) {
+    help_table("##pointer", kPointerHelp);
+    ImGui::Separator();
+    help_table("##keys", kKeyHelp);
+  }
+  ImGui::End();
+}
+
+void UiOverlay::State::notice_line() {
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({screen.x / 2, top_bar_height() + 10 * scale}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y});
+  if (notice_is_error) ImGui::PushStyleColor(ImGuiCol_Border, UiColors::kError);
+  ImGui::Begin(
+      "##notice", nullptr,
+      kPanelFlags | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  if (notice_is_error) ImGui::PopStyleColor();
+  ImGui::PushTextWrapPos(std::min(screen.x - 90 * scale, 620 * scale));
+  ImGui::AlignTextToFramePadding();
+  text(notice);
+  ImGui::PopTextWrapPos();
+  if (notice_is_error) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton("x")) notice.clear();
+  }
+  ImGui::End();
+}
+
+}  // namespace gs::app

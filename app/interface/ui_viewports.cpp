@@ -1,0 +1,151 @@
+#include "app/interface/ui_state.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+constexpr ImGuiWindowFlags kLineFlags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                        ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                                        ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing |
+                                        ImGuiWindowFlags_NoBringToFrontOnFocus;
+
+/// A rectangle in the units of Dear ImGui.
+struct Area {
+  ImVec2 lower, upper;
+  [[nodiscard]] float width() const { return upper.x - lower.x; }
+  [[nodiscard]] float height() const { return upper.y - lower.y; }
+};
+
+Area area_of(const Viewport& place) {
+  const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
+  const float x = 1 / std::max(pixels.x, 0.01f), y = 1 / std::max(pixels.y, 0.01f);
+  const auto left = static_cast<float>(place.left), top = static_cast<float>(place.top);
+  return {{left * x, top * y},
+          {(left + static_cast<float>(place.width)) * x, (top + static_cast<float>(place.height)) * y}};
+}
+
+constexpr struct LayoutRow {
+  ViewportLayout layout;
+  const char* id;
+  const char* tip;
+  int columns, rows;
+} kLayouts[] = {
+    {ViewportLayout::one, "##one", "One viewport (F6)", 1, 1},
+    {ViewportLayout::two, "##two", "Two viewports (F6)", 2, 1},
+    {ViewportLayout::four, "##four", "Four viewports (F6)", 2, 2},
+};
+
+/// A small picture of the layout.
+bool layout_button(const LayoutRow& row, bool on, float scale) {
+  const float height = ImGui::GetFrameHeight();
+  // switch_button takes its size from the label; blanks of a known width make room for the picture.
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {height * 0.6f, ImGui::GetStyle().FramePadding.y});
+  const bool pressed = switch_button(row.id, on);
+  ImGui::PopStyleVar();
+  const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
+  const ImVec2 half(std::round(7 * scale), std::round(5 * scale));
+  const ImVec2 center(std::round((lower.x + upper.x) / 2), std::round((lower.y + upper.y) / 2));
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
+  const float line = std::max(1.0f, std::round(1.2f * scale));
+  draw.AddRect({center.x - half.x, center.y - half.y}, {center.x + half.x + line, center.y + half.y + line}, color, 0,
+               0, line);
+  if (row.columns > 1)
+    draw.AddRectFilled({center.x, center.y - half.y}, {center.x + line, center.y + half.y + line}, color);
+  if (row.rows > 1)
+    draw.AddRectFilled({center.x - half.x, center.y}, {center.x + half.x + line, center.y + line}, color);
+  return pressed;
+}
+
+}  // namespace
+
+void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link) {
+  if (!all) {
+    for (const LayoutRow& row : kLayouts)
+      if (row.layout == model.layout && layout_button(row, false, scale)) actions.layout = next_layout(model.layout);
+    tooltip("One, two or four viewports (F6)");
+  } else {
+    for (const LayoutRow& row : kLayouts) {
+      if (row.layout != ViewportLayout::one) ImGui::SameLine(0, 1);
+      if (layout_button(row, row.layout == model.layout, scale)) actions.layout = row.layout;
+      tooltip(row.tip);
+    }
+  }
+  if (!with_link || model.layout == ViewportLayout::one) return;
+  ImGui::SameLine(0, 1);
+  if (switch_button("Link", model.linked)) actions.toggle_link = true;
+  tooltip("All viewports move as one (L)");
+}
+
+void UiOverlay::State::viewport_marks(const UiModel& model) {
+  if (model.viewports.size() < 2) return;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const float line = std::max(1.0f, std::round(scale));
+  for (const UiViewport& viewport : model.viewports) {
+    const Area area = area_of(viewport.place);
+    draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(UiColors::kBar), 0, 0, 2 * line);
+    if (viewport.label.empty()) continue;
+    const std::string label = shortened(viewport.label, 60);
+    const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+    const ImVec2 place(area.lower.x + std::round(12 * scale), area.lower.y + std::round(8 * scale));
+    draw.PushClipRect(area.lower, area.upper, true);
+    draw.AddRectFilled({place.x - 6 * scale, place.y - 3 * scale},
+                       {place.x + size.x + 6 * scale, place.y + size.y + 3 * scale}, IM_COL32(20, 22, 25, 200),
+                       4 * scale);
+    draw.AddText(place, ImGui::GetColorU32(viewport.active ? UiColors::kText : UiColors::kQuiet), label.c_str());
+    draw.PopClipRect();
+  }
+  for (const UiViewport& viewport : model.viewports) {
+    if (!viewport.active) continue;
+    const Area area = area_of(viewport.place);
+    draw.AddRect({area.lower.x + line, area.lower.y + line}, {area.upper.x - line, area.upper.y - line},
+                 ImGui::GetColorU32(UiColors::kAccent), 0, 0, 2 * line);
+  }
+}
+
+void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
+  const Area area = area_of(viewport.place);
+  const float thickness = std::round(3 * scale);
+  // A glint that runs along the upper edge: the length of the work is not known.
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const float phase = static_cast<float>(std::fmod(now * 0.8, 1.0));
+  const float from = area.lower.x + (phase * 1.3f - 0.3f) * area.width();
+  draw.AddRectFilled({std::max(area.lower.x, from), area.lower.y},
+                     {std::min(area.upper.x, from + 0.3f * area.width()), area.lower.y + thickness},
+                     ImGui::GetColorU32(UiColors::kAccent));
+  ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2), area.lower.y + std::round(46 * scale)},
+                          ImGuiCond_Always, {0.5f, 0});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(area.width() - 16 * scale, 40.0f), area.height()});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale, 5 * scale});
+  ImGui::Begin(("##loading" + std::to_string(index)).c_str(), nullptr, kLineFlags);
+  ImGui::PopStyleVar();
+  ImGui::AlignTextToFramePadding();
+  text("Loading " + shortened(viewport.loading, 60) + "...");
+  ImGui::SameLine();
+  if (ImGui::SmallButton("x")) actions.cancel_loading = index;
+  tooltip("Stop loading (Esc)");
+  ImGui::End();
+}
+
+void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
+  const Area area = area_of(viewport.place);
+  static constexpr const char* kFirst = "Drop a file here";
+  static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 shows the keys.";
+  const float least = ImGui::CalcTextSize(kFirst).x + 24 * scale;
+  if (area.width() < least) return;
+  ImGui::SetNextWindowPos({(area.lower.x + area.upper.x) / 2, area.lower.y + area.height() * 0.45f}, ImGuiCond_Always,
+                          {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {area.width(), area.height()});
+  ImGui::Begin(("##welcome" + std::to_string(index)).c_str(), nullptr,
+               kLineFlags | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoInputs);
+  colored_text(UiColors::kText, kFirst);
+  if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale) colored_text(UiColors::kQuiet, kSecond);
+  ImGui::End();
+}
+
+}  // namespace gs::app

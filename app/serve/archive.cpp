@@ -1,0 +1,181 @@
+#include "app/serve/archive.h"
+
+#include "app/serve/archive_index.h"
+#include "app/serve/cell_archive.h"
+#include "app/serve/child_program.h"
+#include "net/base/host_names.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+namespace gs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of files of strangers, and for strangers: a process of its own, confined to the folder that is served, without
+// network.
+std::optional<net::MakeFailure> run_confined(const std::string& program, const std::string& served,
+                                             std::vector<std::string> arguments, const ChildLimits& limits,
+                                             const std::stop_token& stop) {
+  arguments.insert(std::find(arguments.begin(), arguments.end(), "--"),
+                   {"--offline", "--allow", served, "--confine", served});
+  const auto failure = run_child(program, arguments, limits, stop);
+  if (!failure) return std::nullopt;
+  return net::MakeFailure{failure->message, failure->lasting};
+}
+
+net::Maker thumbnail_maker(const std::string& program, const std::string& served) {
+  net::Maker maker;
+  maker.name = "thumbnail";
+  maker.type.mime = "image/png";
+  maker.extension = ".png";
+  maker.wait = std::chrono::seconds(60);
+  maker.source_of = [](const std::string& name, const std::string& query) -> std::optional<std::string> {
+    if (query != "thumbnail" || !content_type_by_name(name)) return std::nullopt;
+    return name;
+  };
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
+    ChildLimits limits;
+    limits.time = std::chrono::seconds(60);
+    return run_confined(program, served, {"--snapshot", out, "--size", "320x240", "--timeout", "15", "--", source},
+                        limits, stop);
+  };
+  return maker;
+}
+
+net::Maker stream_maker(const std::string& program, const std::string& served) {
+  net::Maker maker;
+  maker.name = "encode";
+  maker.type.mime = "model/x-qnv";
+  maker.extension = ".qnv";
+  maker.for_missing = true;
+  maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
+    const std::string source = name.ends_with(".qnv") ? name.substr(0, name.size() - 4) : std::string();
+    if (!can_be_encoded(source)) return std::nullopt;
+    return source;
+  };
+  maker.make = [program, served](const std::string& source, const std::string& out, const std::stop_token& stop) {
+    ChildLimits limits;
+    limits.time = std::chrono::minutes(30);
+    limits.memory = std::uint64_t{8} << 30;
+    return run_confined(program, served, {"encode", "--timeout", "600", "--", source, out}, limits, stop);
+  };
+  return maker;
+}
+
+// What is wrong with the folder for what is made; else it is there.
+std::optional<std::string> prepare(const std::string& cache, const std::string& served) {
+  std::error_code error;
+  fs::create_directories(cache, error);
+  if (error || !fs::is_directory(cache, error)) return cache + ": cannot be made a folder for the cache";
+  fs::permissions(cache, fs::perms::owner_all, error);
+  const std::string inner = fs::canonical(cache, error).string(), outer = fs::canonical(served, error).string();
+  if (inner == outer || inner.starts_with(outer == "/" ? outer : outer + "/"))
+    return cache +
+           " lies in the folder that is served; expected another place "
+           "for the cache";
+  return std::nullopt;
+}
+
+std::string cell_metrics(const net::CellServerStatistics& cells) {
+  std::string text;
+  const auto add = [&text](const std::string& name, const char* type, std::uint64_t value) {
+    text += "# TYPE ghostspace_cells_" + name + " " + type + "\nghostspace_cells_" + name + " " +
+            std::to_string(value) + "\n";
+  };
+  add("clients", "gauge", cells.clients);
+  add("sessions_total", "counter", cells.accepted);
+  add("refused_total", "counter", cells.refused);
+  add("foreign_datagrams_total", "counter", cells.foreign);
+  add("datagrams_total", "counter", cells.datagrams);
+  add("sent_bytes_total", "counter", cells.bytes);
+  add("parity_datagrams_total", "counter", cells.parity_datagrams);
+  add("parity_bytes_total", "counter", cells.parity_bytes);
+  return text;
+}
+
+}  // namespace
+
+std::string archive_cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && cache[0] == '/')
+    return std::string(cache) + "/ghostspace/archive";
+  if (const char* home = std::getenv("HOME"); home && home[0] == '/')
+    return std::string(home) + "/.cache/ghostspace/archive";
+  return {};
+}
+
+std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const ArchiveOptions& options) {
+  std::unique_ptr<Archive> archive(new Archive());
+  const bool both = options.http_port && options.cells_port;
+  const std::uint64_t rate = both ? options.rate / 2 : options.rate;
+  if (options.cells_port) {
+    auto library = CellArchive::of_folder(options.folder);
+    if (auto* problem = std::get_if<std::string>(&library)) return *problem;
+    net::CellServerOptions cells;
+    if (rate > 0) {
+      cells.total_rate = rate;
+      cells.client_rate = rate;
+    }
+    cells.session.response = options.congestion;
+    if (options.bind != "*" && options.bind != "127.0.0.1" && options.bind != "::1")
+      return "cells are served on this machine (127.0.0.1) or on all "
+             "interfaces ('*'), not on " +
+             options.bind;
+    auto started = net::CellServerDriver::start(cells, std::get<std::shared_ptr<CellArchive>>(library),
+                                                *options.cells_port, options.bind != "*");
+    if (auto* problem = std::get_if<net::UdpError>(&started)) return problem->message;
+    archive->cells_ = std::move(std::get<std::unique_ptr<net::CellServerDriver>>(started));
+  }
+  if (!options.http_port) return archive;
+  net::HttpServerOptions http;
+  http.folder = options.folder;
+  http.bind = options.bind;
+  http.port = *options.http_port;
+  http.limits.total_rate = rate / 8;
+  http.max_age = options.max_age;
+  http.type_of = served_type_of;
+  http.host_names = options.host_names;
+  http.proxies = options.proxies;
+  const auto address = net::ip_address_of(options.bind);
+  const bool for_us_alone = address && net::is_loopback(*address);
+  http.origins = options.origins.value_or(for_us_alone ? std::vector<std::string>() : std::vector<std::string>{"*"});
+  http.made_folder = options.cache.empty() ? archive_cache_folder() : options.cache;
+  const bool make = options.make && !http.made_folder.empty();
+  if (!make) http.made_folder.clear();
+  if (make) {
+    if (auto problem = prepare(http.made_folder, options.folder)) return *problem;
+    std::error_code error;
+    const std::string served = fs::canonical(options.folder, error).string();
+    http.makers.push_back(thumbnail_maker(options.program, served));
+    http.makers.push_back(stream_maker(options.program, served));
+  }
+  http.list = [make](const net::FolderListing& listing, bool json) { return archive_index(listing, json, make); };
+  if (const net::CellServerDriver* cells = archive->cells_.get())
+    http.more_metrics = [cells] { return cell_metrics(cells->statistics()); };
+  http.report = options.report;
+  if (!options.log.empty()) {
+    auto log = net::AccessLog::open(options.log);
+    if (auto* problem = std::get_if<std::string>(&log)) return *problem;
+    http.log = std::move(std::get<net::AccessLog>(log));
+  }
+  auto started = net::HttpServer::start(std::move(http));
+  if (auto* problem = std::get_if<net::HttpServerError>(&started)) return problem->message;
+  archive->http_ = std::move(std::get<std::unique_ptr<net::HttpServer>>(started));
+  return archive;
+}
+
+std::optional<std::uint16_t> Archive::http_port() const { return http_ ? std::optional(http_->port()) : std::nullopt; }
+
+std::optional<std::uint16_t> Archive::cells_port() const {
+  return cells_ ? std::optional(cells_->port()) : std::nullopt;
+}
+
+void Archive::stop(std::chrono::milliseconds grace) {
+  if (http_) http_->stop(grace);
+  http_.reset();
+  cells_.reset();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "app/formats/content_types.h"
+#include "net/serve/http_server.h"
+
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// The type that a file's name tells, `.gz` at its end not counted; null for
+/// none.
+[[nodiscard]] const ContentType* content_type_by_name(std::string_view name);
+
+/// The MIME type that a server gives a file, by its name: that of our content
+/// types, those of the web, else application/octet-stream; and whether gzip
+/// pays.
+[[nodiscard]] net::ServedType served_type_of(std::string_view name);
+
+/// Whether a file can be encoded as a QNV stream, as far as its name tells.
+[[nodiscard]] bool can_be_encoded(std::string_view name);
+
+/// The page of a folder for people (HTML, without scripts) or programs (JSON).
+/// With `made`: with pictures of what opens as a world, and the streams that
+/// can be asked for. Names are any bytes.
+[[nodiscard]] net::FolderPage archive_index(const net::FolderListing& listing, bool json, bool made);
+
+/// "1.5 MB".
+[[nodiscard]] std::string readable_size(std::uint64_t bytes);
+
+}  // namespace gs::app

@@ -1,0 +1,190 @@
+#include "app/serve/cell_archive.h"
+
+#include "app/world/cell_regions.h"
+#include "qnv/records/records_payload.h"
+#include "qnv/stream/container.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+namespace gs::app {
+namespace {
+
+// Ten symbols of the erasure code: what a server sends in the first round trip, before it knows the line (RFC 6928).
+constexpr std::size_t kBaseBytes = 12'000, kRecordsHeader = 48;
+constexpr std::uint32_t kMostIndexed = std::uint32_t{1} << 20;
+constexpr std::size_t kMostDirectoryBytes = std::size_t{64} << 20;
+
+struct Place {
+  std::uint64_t offset = 0;
+  std::uint32_t bytes = 0;  // with the chunk header
+  std::optional<net::CellBox> box;
+};
+
+/// One file, open as long as someone wants it.
+class QnvSource : public net::CellSource {
+ public:
+  explicit QnvSource(net::ServedFile file) : file_(std::move(file)) {}
+  /// What is wrong with it.
+  [[nodiscard]] std::optional<std::string> read();
+
+  [[nodiscard]] std::uint32_t version() const override { return version_; }
+  [[nodiscard]] std::span<const std::byte> base() const override { return base_; }
+  [[nodiscard]] std::size_t streams() const override { return 1; }
+  [[nodiscard]] bool records(std::size_t) const override { return records_; }
+  [[nodiscard]] std::uint32_t chunks(std::size_t) const override { return static_cast<std::uint32_t>(places_.size()); }
+  [[nodiscard]] std::optional<net::CellBox> box(std::size_t, std::uint32_t chunk) const override {
+    return chunk < places_.size() ? places_[chunk].box : std::nullopt;
+  }
+  [[nodiscard]] std::optional<net::CellChunk> chunk(std::size_t stream, std::uint32_t chunk) override;
+
+ private:
+  [[nodiscard]] std::vector<std::byte> bytes(std::uint64_t offset, std::size_t count) const;
+  [[nodiscard]] std::vector<Place> from_directory(const qnv::StreamHeader& header) const;
+  [[nodiscard]] std::vector<Place> from_chunks(std::uint64_t begin) const;
+
+  net::ServedFile file_;
+  std::uint32_t version_ = 0;
+  bool records_ = false;
+  std::vector<std::byte> base_;
+  std::vector<Place> places_;
+};
+
+// Fewer bytes at the end of the file.
+std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count) const {
+  if (offset >= file_.stamp.size) return {};
+  std::vector<std::byte> all(static_cast<std::size_t>(std::min<std::uint64_t>(count, file_.stamp.size - offset)));
+  std::size_t have = 0;
+  while (have < all.size()) {
+    const ssize_t got =
+        ::pread(file_.descriptor.get(), all.data() + have, all.size() - have, static_cast<off_t>(offset + have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    have += static_cast<std::size_t>(got);
+  }
+  all.resize(have);
+  return all;
+}
+
+// Nothing where the directory is missing or damaged.
+std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) const {
+  if (header.directory == 0 || header.directory >= file_.stamp.size) return {};
+  const std::uint64_t length = file_.stamp.size - header.directory;
+  if (length > kMostDirectoryBytes) return {};
+  const auto raw = bytes(header.directory, static_cast<std::size_t>(length));
+  std::vector<Place> places;
+  // A reader wants a header first.
+  qnv::StreamReader reader;
+  const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type != qnv::ChunkType::directory) return;
+    for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
+      if (places.size() < kMostIndexed && entry.bytes > qnv::kChunkHeaderBytes)
+        places.push_back({entry.offset, entry.bytes, cell_box(entry.box, header.description.box)});
+  };
+  (void)reader.push(qnv::encode_header(header), on_chunk);
+  (void)reader.push(raw, on_chunk);
+  reader.finish(on_chunk);
+  return places;
+}
+
+std::uint32_t little(std::span<const std::byte> bytes, std::size_t at) {
+  return std::to_integer<std::uint32_t>(bytes[at]) | std::to_integer<std::uint32_t>(bytes[at + 1]) << 8U;
+}
+
+// Where the file has no directory: from chunk to chunk, until what follows is
+// none.
+std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
+  std::vector<Place> places;
+  while (places.size() < kMostIndexed) {
+    const auto head = bytes(begin, qnv::kChunkHeaderBytes);
+    if (head.size() < qnv::kChunkHeaderBytes || little(head, 0) != 0x4351) break;
+    const auto length = static_cast<std::uint32_t>(qnv::kChunkHeaderBytes + little(head, 2));
+    const auto type = static_cast<qnv::ChunkType>(head[4]);
+    if (type == qnv::ChunkType::records || type == qnv::ChunkType::packed) places.push_back({begin, length, {}});
+    begin += length;
+  }
+  return places;
+}
+
+std::optional<std::string> QnvSource::read() {
+  const auto start = bytes(0, qnv::kMostHeaderBytes);
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  auto decoded = qnv::decode_header(start, header_bytes, need_more);
+  if (const auto* problem = std::get_if<qnv::StreamProblem>(&decoded)) return problem->message;
+  if (need_more || header_bytes == 0) return "the file ends in its header";
+  const auto& header = std::get<qnv::StreamHeader>(decoded);
+  records_ = header.payload == qnv::Payload::records;
+  std::vector<Place> all = from_directory(header);
+  if (all.empty()) all = from_chunks(header_bytes);
+  // The base is the start of the file: the header, and as many chunks as follow
+  // it and fit.
+  std::uint64_t end = header_bytes;
+  std::size_t first = 0;
+  while (first < all.size() && all[first].offset == end &&
+         end + all[first].bytes <= std::max<std::uint64_t>(kBaseBytes, header_bytes))
+    end += all[first++].bytes;
+  base_ = bytes(0, static_cast<std::size_t>(end));
+  if (base_.size() != end) return "the file cannot be read";
+  places_.assign(all.begin() + static_cast<std::ptrdiff_t>(first), all.end());
+  const std::string tag = file_.stamp.etag();
+  version_ = static_cast<std::uint32_t>(std::stoul(tag.substr(1, 8), nullptr, 16));
+  return std::nullopt;
+}
+
+std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number) {
+  if (number >= places_.size()) return std::nullopt;
+  const Place& place = places_[number];
+  if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMostChunkBytes) return std::nullopt;
+  std::vector<std::byte> all = bytes(place.offset, place.bytes);
+  // Another version, or a directory that lies.
+  if (all.size() != place.bytes || all.size() <= qnv::kChunkHeaderBytes || little(all, 0) != 0x4351 ||
+      qnv::kChunkHeaderBytes + little(all, 2) != place.bytes || !(net::stamp_of(file_.descriptor) == file_.stamp))
+    return std::nullopt;
+  net::CellChunk chunk;
+  if (!records_) {
+    chunk.body = std::move(all);
+    return chunk;
+  }
+  constexpr std::size_t kHead = qnv::kChunkHeaderBytes + kRecordsHeader;
+  if (all.size() <= kHead || (all.size() - kHead) % 8 != 0) return std::nullopt;
+  chunk.head.assign(all.begin(), all.begin() + kHead);
+  chunk.body.assign(all.begin() + kHead, all.end());
+  return chunk;
+}
+
+}  // namespace
+
+std::variant<std::shared_ptr<CellArchive>, std::string> CellArchive::of_folder(const std::string& folder) {
+  auto opened = net::ServedFolder::open(folder);
+  if (auto* problem = std::get_if<std::string>(&opened)) return *problem;
+  return std::shared_ptr<CellArchive>(new CellArchive(std::move(std::get<net::ServedFolder>(opened))));
+}
+
+std::variant<std::shared_ptr<net::CellSource>, std::string> CellArchive::open(const std::string& path) {
+  const auto parsed = net::parse_request_path(path.starts_with('/') ? path : "/" + path);
+  if (const auto* refusal = std::get_if<net::PathRefusal>(&parsed)) return refusal->message;
+  const auto& names = std::get<net::RequestPath>(parsed);
+  auto opened = folder_.open(names);
+  if (const auto* refusal = std::get_if<net::PathRefusal>(&opened)) return refusal->message;
+  auto& file = std::get<net::ServedFile>(opened);
+  if (file.folder) return "this is a folder";
+  std::erase_if(open_, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<net::CellSource>& known = open_[file.stamp.etag() + names.text()];
+  if (auto source = known.lock()) return source;
+  auto source = std::make_shared<QnvSource>(std::move(file));
+  if (auto problem = source->read()) return "no QNV stream: " + *problem;
+  known = source;
+  return std::shared_ptr<net::CellSource>(source);
+}
+
+}  // namespace gs::app

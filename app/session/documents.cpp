@@ -1,0 +1,186 @@
+#include "app/session/documents.h"
+
+#include "app/view/navigation.h"
+#include "app/world/left_out.h"
+#include "app/world/world_loading.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+/// Looks for what the render list does not tell, through all Inlines.
+void inspect(Document& document) {
+  std::vector<const vrml::SceneGraph*> scenes{document.world.scene.get()};
+  while (!scenes.empty()) {
+    const vrml::SceneGraph& scene = *scenes.back();
+    scenes.pop_back();
+    for (std::uint32_t index = 1; index <= scene.node_count(); ++index) {
+      const vrml::Node& node = scene.node(scene.id_at(index));
+      if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
+      const std::string& type = node.type->name;
+      document.viewer_dependent |= type == "LOD" || type == "Billboard";
+      // Bindable nodes of Inlines are not bound at start (VRML97 4.6.10).
+      document.has_navigation_info |= type == "NavigationInfo" && &scene == document.world.scene.get();
+    }
+    for (const auto& [node, content] : scene.inlines())
+      if (content) scenes.push_back(content.get());
+  }
+}
+
+void inspect_clouds(Document& document) {
+  for (const render::SplatItem& item : document.list->splats) {
+    if (!item.cloud) continue;
+    const bool surface = item.cloud->description.kind == qnv::Kind::surface;
+    (surface ? document.has_surface_clouds : document.has_volumes) = true;
+  }
+}
+
+std::shared_ptr<const render::RenderList> collected(Document& document) {
+  return std::make_shared<const render::RenderList>(render::collect(
+      *document.world.scene, document.world.images, document.meshes, document.collected_for, document.world.clouds));
+}
+
+}  // namespace
+
+std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
+                                           render::RenderList list) {
+  auto document = std::make_shared<Document>();
+  document->is_preview = true;
+  document->world.path = path;
+  document->world.title = loading.title();
+  document->world.feeds = loading.feeds();
+  document->world.diagnostics = loading.diagnostics();
+  document->list = std::make_shared<const render::RenderList>(std::move(list));
+  inspect_clouds(*document);
+  return document;
+}
+
+std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
+  auto document = std::make_shared<Document>();
+  document->world = std::move(world);
+  document->meshes = std::move(meshes);
+  document->list = std::make_shared<const render::RenderList>();
+  if (!document->world.scene) return document;
+  inspect(*document);
+  document->list = collected(*document);
+  if (document->viewer_dependent) {
+    const auto& viewpoints = document->list->viewpoints;
+    document->collected_for = viewpoints.empty()
+                                  ? first_pose(document->list->bounds, {4, 3}).position
+                                  : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
+    document->list = collected(*document);
+  }
+  report_left_out(*document->list, document->world.diagnostics);
+  inspect_clouds(*document);
+  return document;
+}
+
+void DocumentList::add(std::string_view path) {
+  if (path.empty()) return;
+  if (entry(path))
+    reload(path);
+  else
+    entries_.push_back({std::string(path), true, 0, nullptr, nullptr});
+}
+
+void DocumentList::reload(std::string_view path) {
+  if (Entry* known = entry(path)) known->stale = true;
+}
+
+std::optional<DocumentList::Reading> DocumentList::begin(std::string_view path) {
+  Entry* known = entry(path);
+  if (!known || !known->stale || known->reading != 0) return std::nullopt;
+  known->stale = false;
+  known->reading = ++readings_;
+  known->cancelled = std::make_shared<std::atomic<bool>>(false);
+  return Reading{known->reading, known->path, known->cancelled};
+}
+
+std::optional<std::string> DocumentList::deliver(std::uint64_t reading, std::shared_ptr<Document> document) {
+  Entry* known = entry_of(reading);
+  if (!known) return std::nullopt;
+  known->reading = 0;
+  known->cancelled.reset();
+  known->document = std::move(document);
+  return known->path;
+}
+
+std::optional<std::string> DocumentList::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
+  Entry* known = entry_of(reading);
+  if (!known || (known->document && !known->document->is_preview)) return std::nullopt;
+  known->document = std::move(document);
+  return known->path;
+}
+
+std::optional<std::string> DocumentList::fail(std::uint64_t reading) {
+  Entry* known = entry_of(reading);
+  if (!known) return std::nullopt;
+  known->reading = 0;
+  known->cancelled.reset();
+  const std::string path = known->path;
+  if (known->document && known->document->is_preview) known->document.reset();
+  if (!known->document && !known->stale) give_up(path);
+  return path;
+}
+
+void DocumentList::cancel(std::string_view path) {
+  Entry* known = entry(path);
+  if (!known || known->reading == 0) return;
+  *known->cancelled = true;
+  known->cancelled.reset();
+  known->reading = 0;
+  known->stale = true;
+}
+
+void DocumentList::cancel_all() {
+  for (const Entry& entry : entries_) cancel(entry.path);
+}
+
+void DocumentList::give_up(std::string_view path) {
+  const std::string name(path);  // `path` may be that of the entry itself
+  cancel(name);
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.path == name && !entry.document; });
+  if (Entry* known = entry(name)) known->stale = false;
+}
+
+const DocumentList::Entry* DocumentList::find(std::string_view path) const {
+  const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
+  return place == entries_.end() ? nullptr : &*place;
+}
+
+std::shared_ptr<Document> DocumentList::document(std::string_view path) const {
+  const Entry* known = find(path);
+  return known ? known->document : nullptr;
+}
+
+std::shared_ptr<Document> DocumentList::document_of(std::uint64_t reading) const {
+  for (const Entry& one : entries_)
+    if (reading != 0 && one.reading == reading) return one.document;
+  return nullptr;
+}
+
+bool DocumentList::awaited(std::string_view path) const {
+  const Entry* known = find(path);
+  return known && (known->stale || known->reading != 0);
+}
+
+DocumentList::Entry* DocumentList::entry(std::string_view path) {
+  const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
+  return place == entries_.end() ? nullptr : &*place;
+}
+
+DocumentList::Entry* DocumentList::entry_of(std::uint64_t reading) {
+  const auto place = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& e) { return reading != 0 && e.reading == reading; });
+  return place == entries_.end() ? nullptr : &*place;
+}
+
+std::string file_label(std::string_view path) {
+  while (path.size() > 1 && path.back() == '/') path.remove_suffix(1);
+  const std::size_t slash = path.find_last_of('/');
+  return std::string(slash == std::string_view::npos || slash + 1 == path.size() ? path : path.substr(slash + 1));
+}
+
+}  // namespace gs::app

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "app/world/opened_world.h"
+#include "qnv/base/cloud.h"
+#include "render/scene/render_list.h"
+
+#include <glm/vec3.hpp>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+class WorldLoading;
+class WorldReader;
+
+/// An opened world: what all that look at it share.
+struct Document {
+  OpenedWorld world;
+  render::MeshCache meshes;
+  std::shared_ptr<const render::RenderList> list;  // as seen from `collected_for`; never null
+  glm::vec3 collected_for{0, 0, 10};
+  bool is_preview = false;        // more of it comes, and it has no scene yet
+  bool viewer_dependent = false;  // has LOD or Billboard nodes: who moves needs a list of his own
+  bool has_navigation_info = false;
+  bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
+  std::shared_ptr<WorldReader> reader;                   // that still reads of its streams what views want; null: none
+
+  [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
+};
+
+/// Gathers what is visible in a world that was opened. `meshes`: what was made of its nodes before. Any thread that
+/// owns it.
+[[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
+/// A world that is still being read: what there is to see, without its scene.
+[[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
+                                                         render::RenderList list);
+
+/// The files of the session. Plain bookkeeping: it neither reads nor draws.
+class DocumentList {
+ public:
+  struct Entry {
+    std::string path;
+    bool stale = true;                             // to be read (again) once somebody wants to see it
+    std::uint64_t reading = 0;                     // the number of the reading that goes on; 0: none
+    std::shared_ptr<Document> document;            // null until it was read
+    std::shared_ptr<std::atomic<bool>> cancelled;  // of the reading that goes on
+  };
+  /// One reading of a file, begun. Who reads looks at `cancelled` now and then.
+  struct Reading {
+    std::uint64_t number = 0;
+    std::string path;
+    std::shared_ptr<std::atomic<bool>> cancelled;
+  };
+
+  /// Adds a file; one that is in the list already is read again. An empty path is ignored.
+  void add(std::string_view path);
+  /// Marks a file to be read again.
+  void reload(std::string_view path);
+
+  /// Begins to read a file, if it has to be read and is not being read.
+  [[nodiscard]] std::optional<Reading> begin(std::string_view path);
+  /// A reading has become this. The path, or nothing when it was cancelled meanwhile: then it is dropped.
+  std::optional<std::string> deliver(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// So much of it has come. Does nothing where an older state of the file is open. The path, or nothing.
+  std::optional<std::string> preview(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// A reading came to nothing: its file leaves the list, unless an older state of it is open. The path, or nothing
+  /// when it was cancelled meanwhile.
+  std::optional<std::string> fail(std::uint64_t reading);
+  /// Nobody waits for this file any more. It will be read from its beginning when somebody does again.
+  void cancel(std::string_view path);
+  /// Nobody wants to read this file any more: an older state of it stays, else it leaves the list.
+  void give_up(std::string_view path);
+  /// Nobody waits for anything any more.
+  void cancel_all();
+
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+  [[nodiscard]] const Entry* find(std::string_view path) const;
+  [[nodiscard]] std::shared_ptr<Document> document(std::string_view path) const;
+  /// What is there of the file that a reading is of.
+  [[nodiscard]] std::shared_ptr<Document> document_of(std::uint64_t reading) const;
+  /// True when a file is being read or waits for it.
+  [[nodiscard]] bool awaited(std::string_view path) const;
+
+ private:
+  [[nodiscard]] Entry* entry(std::string_view path);
+  [[nodiscard]] Entry* entry_of(std::uint64_t reading);
+
+  std::vector<Entry> entries_;
+  std::uint64_t readings_ = 0;
+};
+
+/// The last part of a path or URL.
+[[nodiscard]] std::string file_label(std::string_view path);
+
+}  // namespace gs::app

@@ -1,0 +1,120 @@
+#include "app/session/input_rows.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using Json = nlohmann::json;
+
+struct LineReader {
+  std::string_view line;
+  std::uint32_t number;
+  const std::string& file;
+  vrml::Diagnostics& diagnostics;
+
+  // Where a key stands, counting from 1; the first column where it cannot be found (it may be written with escapes).
+  [[nodiscard]] vrml::SourceLocation place_of(std::string_view key) const {
+    const std::size_t at = line.find('"' + std::string(key) + '"');
+    return {number, at == std::string_view::npos ? 1 : static_cast<std::uint32_t>(at + 1)};
+  }
+  void error(vrml::SourceLocation place, std::string message) const {
+    diagnostics.add({vrml::Severity::error, file, place, std::move(message)});
+  }
+};
+
+// Rows of the contract that wait for picking and walking.
+constexpr std::array<std::string_view, 4> kNotYet = {"move", "press", "release", "key"};
+
+std::optional<InputRow> read_row(const LineReader& in, double earliest) {
+  Json row;
+  try {
+    row = Json::parse(in.line);
+  } catch (const Json::parse_error& problem) {
+    in.error({in.number, static_cast<std::uint32_t>(std::max<std::size_t>(1, problem.byte))}, "this is no JSON");
+    return std::nullopt;
+  } catch (const Json::exception&) {
+    in.error({in.number, 1}, "a number is too large");
+    return std::nullopt;
+  }
+  if (!row.is_object()) {
+    in.error({in.number, 1}, "expected a JSON object");
+    return std::nullopt;
+  }
+  InputRow result;
+  const auto time = row.find("t");
+  if (time == row.end() || !time->is_number() || !std::isfinite(time->get<double>()) || time->get<double>() < 0) {
+    in.error(in.place_of("t"), "expected \"t\": seconds since the world began, 0 or more");
+    return std::nullopt;
+  }
+  result.time = time->get<double>();
+  if (result.time < earliest) {
+    in.error(in.place_of("t"), "rows must be in the order of time");
+    return std::nullopt;
+  }
+  for (const std::string_view name : kNotYet)
+    if (row.contains(name)) {
+      in.error(in.place_of(name),
+               "\"" + std::string(name) + "\" is not supported yet; expected \"set\" or \"viewpoint\"");
+      return std::nullopt;
+    }
+  const auto set = row.find("set"), viewpoint = row.find("viewpoint");
+  if ((set == row.end()) == (viewpoint == row.end())) {
+    in.error({in.number, 1}, "expected one of \"set\" and \"viewpoint\"");
+    return std::nullopt;
+  }
+  if (viewpoint != row.end()) {
+    result.kind = InputRow::Kind::viewpoint;
+    result.location = in.place_of("viewpoint");
+    if (!viewpoint->is_string() && !viewpoint->is_number_unsigned()) {
+      in.error(result.location, "expected \"viewpoint\": a name or a number");
+      return std::nullopt;
+    }
+    result.name = viewpoint->is_string() ? viewpoint->get<std::string>() : viewpoint->dump();
+    return result;
+  }
+  result.location = in.place_of("set");
+  result.value_location = in.place_of("value");
+  const std::string target = set->is_string() ? set->get<std::string>() : std::string();
+  const std::size_t point = target.rfind('.');
+  if (point == std::string::npos || point == 0 || point + 1 == target.size()) {
+    in.error(result.location, "expected \"set\": \"NODE.eventIn\"");
+    return std::nullopt;
+  }
+  result.name = target.substr(0, point);
+  result.event = target.substr(point + 1);
+  const auto value = row.find("value");
+  if (value == row.end() || !(value->is_string() || value->is_number() || value->is_boolean())) {
+    in.error(result.value_location, "expected \"value\": a field value as VRML97 text");
+    return std::nullopt;
+  }
+  result.value = value->is_string()    ? value->get<std::string>()
+                 : value->is_boolean() ? (value->get<bool>() ? "TRUE" : "FALSE")
+                                       : value->dump();
+  return result;
+}
+
+}  // namespace
+
+std::vector<InputRow> read_input_rows(std::string_view text, const std::string& file, vrml::Diagnostics& diagnostics) {
+  std::vector<InputRow> rows;
+  double earliest = 0;
+  for (std::uint32_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (line.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    auto row = read_row({line, number, file, diagnostics}, earliest);
+    if (!row) continue;
+    earliest = row->time;
+    rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "vrml/scene/diagnostic.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+/// What somebody does at a time: a line of an `--input` file.
+struct InputRow {
+  enum class Kind : std::uint8_t {
+    set,        // an event for node `name`, eventIn `event`
+    viewpoint,  // the Viewpoint `name` is bound
+  };
+  Kind kind = Kind::set;
+  double time = 0;  // seconds since the world began
+  std::string name, event, value;
+  vrml::SourceLocation location;        // of the row's subject in the file
+  vrml::SourceLocation value_location;  // of `value`
+};
+
+/// Reads the JSON lines of an `--input` file (see the manual page); empty lines are passed over. What is wrong with a
+/// line goes to `diagnostics`, under `file`. Pure.
+[[nodiscard]] std::vector<InputRow> read_input_rows(std::string_view text, const std::string& file,
+                                                    vrml::Diagnostics& diagnostics);
+
+}  // namespace gs::app

@@ -1,0 +1,139 @@
+#include "app/session/simulation.h"
+
+#include "app/view/navigation.h"
+#include "vrml/syntax/parser.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+std::optional<vrml::FieldValue> read_nodes(const std::string& text, vrml::FieldType type, vrml::NodeNames& names) {
+  vrml::MFNode nodes;
+  std::size_t open = 0, close = 0;
+  constexpr std::string_view kBetween = " \t\r\n,";
+  for (std::size_t i = 0; i < text.size();) {
+    if (text[i] == '[' || text[i] == ']' || kBetween.find(text[i]) != std::string_view::npos) {
+      open += text[i] == '[' ? 1 : 0;
+      close += text[i] == ']' ? 1 : 0;
+      ++i;
+      continue;
+    }
+    const std::size_t end = std::min(text.size(), text.find_first_of(" \t\r\n,[]", i));
+    const std::string name = text.substr(i, end - i);
+    const vrml::NodeId node = name == "NULL" ? vrml::NodeId{} : names.find(name);
+    if (!node && name != "NULL") return std::nullopt;
+    nodes.push_back(node);
+    i = end;
+  }
+  if (type == vrml::FieldType::MFNode)
+    return open <= 1 && open == close ? std::optional<vrml::FieldValue>(std::move(nodes)) : std::nullopt;
+  return nodes.size() == 1 && open + close == 0 ? std::optional<vrml::FieldValue>(nodes[0]) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type, vrml::NodeNames& names) {
+  if (vrml::holds_nodes(type)) return read_nodes(text, type, names);
+  vrml::NodeType holder;
+  // As a field of a PROTO; a bracket or comment too many would end that.
+  if (!vrml::parse_interface("field " + std::string(vrml::name_of(type)) + " value " + text, holder))
+    return std::nullopt;
+  if (holder.interfaces.size() != 1 || holder.interfaces[0].type != type) return std::nullopt;
+  return std::move(holder.interfaces[0].initial);
+}
+
+Simulation::Simulation(OpenedWorld& world, render::MeshCache* meshes)
+    : world_(world),
+      meshes_(meshes),
+      execution_(*world.scene),
+      names_(std::make_unique<vrml::NodeNames>(*world.scene)) {}
+
+std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
+  if (viewpoints_.empty()) {
+    render::MeshCache own;
+    viewpoints_ =
+        render::collect(*world_.scene, world_.images, meshes_ ? *meshes_ : own, {0, 0, 10}, world_.clouds).viewpoints;
+  }
+  const auto found = find_viewpoint(viewpoints_, viewpoint);
+  if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
+  action.scene = viewpoints_[*found].scene;
+  action.node = viewpoints_[*found].node;
+  action.event = action.scene->node(action.node).type->find_event_in("set_bind");
+  action.value = vrml::SFBool{true};
+  return std::nullopt;
+}
+
+std::optional<std::string> Simulation::set_action(const InputRow& row, Action& action, vrml::SourceLocation& place) {
+  place = row.location;
+  action.scene = world_.scene.get();
+  action.node = names_->find(row.name);
+  if (!action.node) return "no node '" + row.name + "'; expected a DEF name or Type#number";
+  const vrml::NodeType& type = *action.scene->node(action.node).type;
+  action.event = type.find_event_in(row.event);
+  if (!action.event) return type.name + " has no eventIn '" + row.event + "'";
+  place = row.value_location;
+  auto value = read_value(row.value, action.event->type, *names_);
+  if (!value) return "expected a value of type " + std::string(vrml::name_of(action.event->type));
+  action.value = std::move(*value);
+  return std::nullopt;
+}
+
+bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics) {
+  bool good = true;
+  for (const InputRow& row : rows) {
+    Action action;
+    action.time = row.time;
+    vrml::SourceLocation place = row.location;
+    const auto problem =
+        row.kind == InputRow::Kind::viewpoint ? bind_action(row.name, action) : set_action(row, action, place);
+    good = good && !problem;
+    if (problem) {
+      diagnostics.add({vrml::Severity::error, file, place, *problem});
+    } else {
+      actions_.push_back(std::move(action));
+    }
+  }
+  return good;
+}
+
+std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
+  Action action;
+  if (auto problem = bind_action(viewpoint, action)) return problem;
+  actions_.insert(actions_.begin(), std::move(action));
+  return std::nullopt;
+}
+
+void Simulation::act(double time) {
+  for (; next_action_ < actions_.size() && actions_[next_action_].time <= time; ++next_action_) {
+    const Action& action = actions_[next_action_];
+    (void)execution_.send(*action.scene, action.node, *action.event, action.value);
+  }
+}
+
+void Simulation::run(double seconds, const std::function<bool()>& go_on) {
+  execution_.start(kSimulatedStart);
+  act(0);
+  // The grid's times are multiples, not sums: errors of rounding do not add up.
+  double time = 0;
+  for (std::uint64_t steps = 1; time < seconds && (!go_on || go_on());) {
+    const double tick = static_cast<double>(steps) * kSimulationStep;
+    double next = std::min(tick, seconds);
+    if (next_action_ < actions_.size()) next = std::min(next, actions_[next_action_].time);
+    if (next == tick) ++steps;
+    time = next;
+    execution_.step(kSimulatedStart + time);
+    act(time);
+  }
+}
+
+render::BoundNodes Simulation::bound() const {
+  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
+    const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
+    return bound.scene ? &bound.scene->node(bound.node) : nullptr;
+  };
+  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+}
+
+}  // namespace gs::app

@@ -1,0 +1,358 @@
+#include "app/view/navigation.h"
+#include "app/base/finite.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gs::app {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr glm::vec3 kUp(0, 1, 0);            // of the world (VRML97 4.4.5)
+constexpr float kLongestStep = 0.25f;        // seconds
+constexpr float kEaseTime = 0.08f;           // seconds until keys have taken effect by 63 %
+constexpr float kZoomTime = 0.06f;           // likewise for the wheel
+constexpr float kZoomNotch = 0.85f;          // what one notch leaves of the distance
+constexpr float kTurnRate = kPi / 3;         // radians a second, by key
+constexpr float kSteepest = 85 * kPi / 180;  // how far a walker can look up or down
+constexpr float kLevelTime = 0.15f;          // seconds until a walker's roll is gone by 63 %
+constexpr float kFast = 4;
+
+glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
+  const float length = glm::length(v);
+  return finite(length) && length > 1e-6f ? v / length : otherwise;
+}
+template <class Vector>
+Vector clean(const Vector& v, float limit) {
+  return finite(v) ? glm::clamp(v, Vector(-limit), Vector(limit)) : Vector(0.0f);
+}
+float clean(float v, float limit) { return finite(v) ? std::clamp(v, -limit, limit) : 0.0f; }
+
+Pose valid(Pose pose, const Pose& otherwise) {
+  if (!finite(pose.position)) pose.position = otherwise.position;
+  pose.position = glm::clamp(pose.position, glm::vec3(-kFarthest), glm::vec3(kFarthest));
+  const float length = glm::length(pose.orientation);
+  pose.orientation = finite(pose.orientation) && length > 1e-3f ? pose.orientation / length : otherwise.orientation;
+  if (!finite(pose.field_of_view)) pose.field_of_view = otherwise.field_of_view;
+  pose.field_of_view = std::clamp(pose.field_of_view, 0.001f, kPi - 0.01f);
+  return pose;
+}
+
+/// Metres a pixel at `distance` along the view.
+float pixel_size(const Pose& pose, float distance, const glm::vec2& viewport) {
+  return 2 * distance * std::tan(pose.field_of_view / 2) / std::max(1.0f, std::min(viewport.x, viewport.y));
+}
+
+/// How far away the things are that EXAMINE looks at; never too near to move on.
+float examined_distance(const Navigation& state, const std::optional<glm::vec3>& target) {
+  const float along = glm::dot(target.value_or(state.center) - state.pose.position, state.pose.forward());
+  const float distance = along > 0 ? along : glm::length(state.center - state.pose.position);
+  return std::clamp(distance, state.scene_size * 1e-3f, state.scene_size * 1e3f);
+}
+
+/// Turns the view by `right` and `up` radians: about the world's up, so that a level view stays level.
+glm::quat turned(const Pose& pose, float right, float up) {
+  const float sense = glm::dot(pose.up(), kUp) < 0 ? -1.0f : 1.0f;  // upside down, right is still right
+  const glm::quat yaw = glm::angleAxis(-right * sense, kUp);
+  const glm::quat pitch = glm::angleAxis(up, glm::vec3(1, 0, 0));
+  return glm::normalize(yaw * pose.orientation * pitch);
+}
+
+/// A walker's view: turned, looking at most 85 degrees up or down, with `roll_left` of its roll.
+glm::quat turned_level(const Pose& pose, float right, float up, float roll_left) {
+  const glm::vec3 forward = pose.forward();
+  const glm::vec3 ahead = glm::vec3(forward.x, 0, forward.z);
+  // Straight up or down the top of the view tells where ahead is.
+  const glm::vec3 heading = glm::length(ahead) > 1e-3f ? ahead : pose.up() * (forward.y > 0 ? -1.0f : 1.0f);
+  const float yaw = std::atan2(-heading.x, -heading.z);
+  const float pitch = std::asin(std::clamp(forward.y, -1.0f, 1.0f));
+  const glm::quat level = glm::angleAxis(yaw, kUp) * glm::angleAxis(pitch, glm::vec3(1, 0, 0));
+  const glm::quat tilt = glm::inverse(level) * pose.orientation;  // about the view's own axis
+  float roll = 2 * std::atan2(tilt.z, tilt.w);
+  if (roll > kPi) roll -= 2 * kPi;
+  if (roll < -kPi) roll += 2 * kPi;
+  roll = std::abs(roll) < 1e-4f ? 0.0f : roll * roll_left;
+  const float steep = std::max(kSteepest, std::abs(pitch));  // who starts steeper is not torn away
+  return glm::angleAxis(yaw - right, kUp) * glm::angleAxis(std::clamp(pitch + up, -steep, steep), glm::vec3(1, 0, 0)) *
+         glm::angleAxis(roll, glm::vec3(0, 0, 1));
+}
+
+/// Brings `value` towards `target`; returns the mean over the step, so that paths do not depend on its length.
+template <class Vector>
+Vector ease(Vector& value, const Vector& target, float seconds) {
+  const float left = std::exp(-seconds / kEaseTime);
+  const Vector difference = value - target;
+  value = target + difference * left;
+  if (target == Vector(0.0f) && glm::length(value) < 1e-3f) value = Vector(0.0f);
+  return seconds > 0 ? target + difference * (kEaseTime / seconds * (1 - left)) : target;
+}
+
+void rotate_about_center(Navigation& state, float right, float up) {
+  const Pose before = state.pose;
+  state.pose.orientation = turned(before, right, up);
+  const glm::quat change = state.pose.orientation * glm::inverse(before.orientation);
+  state.pose.position = state.center + change * (before.position - state.center);
+}
+
+/// The drag of EXAMINE and PAN, and the looking and sliding of FLY and WALK.
+void apply_drag(Navigation& state, const NavigationInput& input) {
+  const float radians = kPi / std::max(1.0f, std::min(input.viewport.x, input.viewport.y));
+  const glm::vec2 moved = input.moved;
+  switch (input.drag) {
+    case Drag::rotate:
+      rotate_about_center(state, moved.x * radians, -moved.y * radians);
+      break;
+    case Drag::look:
+      state.pose.orientation = state.mode == NavigationMode::walk
+                                   ? turned_level(state.pose, moved.x * radians / 2, -moved.y * radians / 2, 1)
+                                   : turned(state.pose, moved.x * radians / 2, -moved.y * radians / 2);
+      break;
+    case Drag::pan: {
+      const float metres = pixel_size(state.pose, examined_distance(state, input.target), input.viewport);
+      state.pose.position += (-state.pose.right() * moved.x + state.pose.up() * moved.y) * metres;
+      break;
+    }
+    case Drag::zoom:
+    case Drag::travel:
+    case Drag::none:
+      break;
+  }
+}
+
+/// The distance that the wheel goes through, over all its steps the same however they are cut.
+void apply_zoom(Navigation& state, float seconds) {
+  if (state.zoom_left == 0) return;
+  const float left = std::exp(-seconds / kZoomTime);
+  float now = state.zoom_left * (1 - left);
+  state.zoom_left *= left;
+  if (std::abs(state.zoom_left) < 0.01f) {
+    now += state.zoom_left;
+    state.zoom_left = 0;
+  }
+  if (state.mode == NavigationMode::fly || state.mode == NavigationMode::walk) {
+    glm::vec3 ahead = state.pose.forward();
+    if (state.mode == NavigationMode::walk) ahead = unit_or({ahead.x, 0, ahead.z}, glm::vec3(0));
+    state.pose.position += ahead * (state.speed * 0.5f * now);
+    return;
+  }
+  const glm::vec3 away = state.pose.position - state.zoom_target;
+  const float nearest = state.scene_size * 1e-4f;
+  const float farthest = state.scene_size * 1e3f;
+  const float distance = glm::length(away);
+  const float next = std::clamp(distance * std::pow(kZoomNotch, now), std::min(nearest, distance), farthest);
+  state.pose.position = state.zoom_target + unit_or(away, -state.pose.forward()) * next;
+}
+
+/// Held keys, and the travelling drag, which is a key that knows how much.
+void apply_keys(Navigation& state, const NavigationInput& input, float seconds) {
+  glm::vec3 want_move = glm::clamp(input.move, glm::vec3(-1), glm::vec3(1)) * (input.fast ? kFast : 1.0f);
+  glm::vec2 want_turn = glm::clamp(input.turn, glm::vec2(-1), glm::vec2(1));
+  if (input.drag == Drag::travel) {
+    // A third of the window is full speed; the first pixels are rest.
+    const float unit = std::max(1.0f, std::min(input.viewport.x, input.viewport.y)) / 3;
+    glm::vec2 pull = input.from_press / unit;
+    pull *= std::max(0.0f, 1 - 0.02f / std::max(glm::length(pull), 1e-6f));
+    pull = glm::clamp(pull, glm::vec2(-2), glm::vec2(2));
+    want_move.z += -pull.y * (input.fast ? kFast : 1.0f);
+    want_turn.x += pull.x;
+  }
+  const glm::vec3 move = ease(state.velocity, want_move, seconds) * seconds;
+  const glm::vec2 turn = ease(state.turning, want_turn, seconds) * (seconds * kTurnRate);
+  if (move == glm::vec3(0) && turn == glm::vec2(0)) return;
+  Pose& pose = state.pose;
+  switch (state.mode) {
+    case NavigationMode::none:
+      break;
+    case NavigationMode::examine: {
+      // Half the turn before and half after the move, here and below: the chord of the arc.
+      rotate_about_center(state, turn.x / 2, turn.y / 2);
+      const glm::vec3 away = pose.position - state.center;
+      const float distance = std::max(glm::length(away), state.scene_size * 1e-3f);
+      const float next = std::clamp(distance * std::exp(-move.z), state.scene_size * 1e-4f, state.scene_size * 1e3f);
+      if (move.z != 0) pose.position = state.center + unit_or(away, -pose.forward()) * next;
+      pose.position += (pose.right() * move.x + pose.up() * move.y) * (std::sqrt(distance * next) * 0.5f);
+      rotate_about_center(state, turn.x / 2, turn.y / 2);
+      break;
+    }
+    case NavigationMode::pan: {
+      const float distance = examined_distance(state, {});
+      const float ahead = 1 - std::exp(-move.z * 0.5f);  // of the distance
+      pose.position +=
+          pose.forward() * (distance * ahead) +
+          (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) * (distance * (1 - ahead / 2) * 0.5f);
+      break;
+    }
+    case NavigationMode::fly:
+      pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
+      pose.position += (pose.right() * move.x + pose.up() * move.y + pose.forward() * move.z) * state.speed;
+      pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
+      break;
+    case NavigationMode::walk: {
+      const float roll_left = std::exp(-seconds / kLevelTime);
+      pose.orientation = turned_level(pose, turn.x / 2, turn.y / 2, roll_left);
+      const glm::vec3 view = pose.forward();
+      const glm::vec3 ahead = unit_or({view.x, 0, view.z}, glm::vec3(0));
+      const glm::vec3 side = glm::cross(ahead, kUp);
+      pose.position += (side * move.x + kUp * move.y + ahead * move.z) * state.speed;
+      pose.orientation = turned_level(pose, turn.x / 2, turn.y / 2, 1);
+      break;
+    }
+  }
+}
+
+void advance_transition(Navigation& state, float seconds) {
+  Transition& way = *state.transition;
+  way.elapsed += seconds;
+  if (way.elapsed >= way.duration) {
+    state.pose = way.to;
+    state.transition.reset();
+    return;
+  }
+  const float t = way.elapsed / way.duration;
+  const float eased = t * t * (3 - 2 * t);
+  state.pose.position = glm::mix(way.from.position, way.to.position, eased);
+  state.pose.orientation = glm::slerp(way.from.orientation, way.to.orientation, eased);
+  state.pose.field_of_view = glm::mix(way.from.field_of_view, way.to.field_of_view, eased);
+}
+
+NavigationInput clean(NavigationInput input) {
+  input.viewport = glm::max(clean(input.viewport, 1e5f), glm::vec2(1));
+  input.moved = clean(input.moved, 1e5f);
+  input.from_press = clean(input.from_press, 1e5f);
+  input.zoom = clean(input.zoom, 50);
+  input.move = clean(input.move, 1);
+  input.turn = clean(input.turn, 1);
+  if (input.target && !finite(*input.target)) input.target.reset();
+  return input;
+}
+
+}  // namespace
+
+bool Navigation::moving() const {
+  return transition || zoom_left != 0 || velocity != glm::vec3(0) || turning != glm::vec2(0);
+}
+
+Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bounds, const Pose& pose) {
+  Navigation state;
+  state.mode = rules.start;
+  state.pose = valid(pose, Pose{});
+  if (!bounds.empty()) {
+    const glm::vec3 center = bounds.center();
+    if (finite(center)) state.center = clean(center, kFarthest);
+    const float size = glm::length(bounds.size());
+    if (finite(size) && size > 0) state.scene_size = std::clamp(size, 1e-6f, kFarthest);
+  } else {
+    state.center = state.pose.position + state.pose.forward() * 10.0f;
+  }
+  state.speed = finite(rules.speed) ? std::clamp(rules.speed, 0.0f, kFarthest) : 1.0f;
+  return state;
+}
+
+Navigation step(const Navigation& state, const NavigationInput& raw, float seconds) {
+  Navigation next = state;
+  seconds = finite(seconds) ? std::clamp(seconds, 0.0f, kLongestStep) : 0.0f;
+  if (state.mode == NavigationMode::none) {
+    if (next.transition) advance_transition(next, seconds);
+    next.pose = valid(next.pose, state.pose);
+    return next;
+  }
+  const NavigationInput input = clean(raw);
+  if (input.any()) next.transition.reset();
+  if (next.transition) {
+    advance_transition(next, seconds);
+  } else {
+    if (input.zoom != 0) {
+      const float limit = 30;
+      next.zoom_left = std::clamp(next.zoom_left + input.zoom, -limit, limit);
+      next.zoom_target =
+          input.target.value_or(next.pose.position + next.pose.forward() * examined_distance(next, std::nullopt));
+    }
+    apply_drag(next, input);
+    apply_zoom(next, seconds);
+    apply_keys(next, input, seconds);
+  }
+  next.pose = valid(next.pose, state.pose);
+  return next;
+}
+
+Navigation with_mode(Navigation state, NavigationMode mode) {
+  state.mode = mode;
+  state.velocity = glm::vec3(0);
+  state.turning = glm::vec2(0);
+  state.zoom_left = 0;
+  return state;
+}
+
+Navigation travel_to(Navigation state, const Pose& pose) {
+  state = with_mode(std::move(state), state.mode);
+  state.transition = Transition{state.pose, valid(pose, state.pose)};
+  return state;
+}
+
+Navigation look_at_point(Navigation state, const glm::vec3& point) {
+  if (!finite(point)) return state;
+  state.center = clean(point, kFarthest);
+  const glm::vec3 to_point = state.center - state.pose.position;
+  Pose to = state.pose;
+  to.position += to_point - state.pose.forward() * glm::dot(to_point, state.pose.forward());
+  return travel_to(std::move(state), to);
+}
+
+Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport) {
+  if (bounds.empty()) return pose;
+  const glm::vec3 back = -pose.forward();
+  const glm::vec3 heading = std::abs(back.y) > 0.999f ? pose.up() * (back.y > 0 ? -1.0f : 1.0f) : back;
+  const float azimuth = std::atan2(heading.x, heading.z);
+  const float elevation = std::asin(std::clamp(back.y, -1.0f, 1.0f));
+  const render::Camera camera = render::orbit_camera(bounds, azimuth, elevation, pose.field_of_view,
+                                                     std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
+  return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
+}
+
+Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport) {
+  const Pose pose;
+  if (bounds.empty()) return pose;
+  const render::Camera camera =
+      render::first_camera(bounds, pose.field_of_view, std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
+  return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
+}
+
+Pose pose_of(const glm::mat4& world_from_camera, float field_of_view) {
+  Pose pose;
+  pose.position = glm::vec3(world_from_camera[3]);
+  const glm::vec3 back = unit_or(glm::vec3(world_from_camera[2]), glm::vec3(0, 0, 1));
+  const glm::vec3 up = glm::vec3(world_from_camera[1]);
+  const glm::vec3 sideways = std::abs(back.y) < 0.9f ? kUp : glm::vec3(0, 0, -1);
+  const glm::vec3 right = unit_or(glm::cross(up, back), unit_or(glm::cross(sideways, back), glm::vec3(1, 0, 0)));
+  pose.orientation = glm::quat_cast(glm::mat3(right, glm::cross(back, right), back));
+  pose.field_of_view = field_of_view;
+  return valid(pose, Pose{});
+}
+
+render::Camera camera_of(const Pose& pose) {
+  render::Camera camera;
+  camera.world_from_camera = glm::mat4_cast(pose.orientation);
+  camera.world_from_camera[3] = glm::vec4(pose.position, 1);
+  camera.field_of_view = pose.field_of_view;
+  return camera;
+}
+
+Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size) {
+  const float unit = std::max(1.0f, std::min(size.x, size.y)) / 2;
+  const glm::vec2 place = clean((pointer - size * 0.5f) / unit, 1e4f) * std::tan(pose.field_of_view / 2);
+  const glm::vec3 direction = pose.orientation * glm::vec3(place.x, -place.y, -1);
+  return {pose.position, unit_or(direction, pose.forward())};
+}
+
+glm::vec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit) {
+  if (hit && finite(*hit) && *hit > 0) return ray.at(*hit);
+  const float along = std::max(glm::dot(ray.direction, state.pose.forward()), 0.01f);
+  return ray.at(examined_distance(state, std::nullopt) / along);
+}
+
+}  // namespace gs::app

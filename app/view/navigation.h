@@ -1,0 +1,157 @@
+#pragma once
+
+#include "render/scene/camera.h"
+#include "render/scene/render_list.h"
+#include "vrml/mesh/mesh.h"
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+/// Metres from the origin that a pose can hold: beyond, floats have no metres left.
+inline constexpr float kFarthest = 1e15f;
+
+/// How the user moves through the world (VRML97 6.29). `pan` is ours.
+enum class NavigationMode : std::uint8_t { none, examine, fly, walk, pan };
+inline constexpr int kNavigationModeCount = 5;
+
+/// One row of the table of modes.
+struct NavigationModeRow {
+  NavigationMode mode;
+  std::string_view type;  // in NavigationInfo.type; "" where no standard has it
+  std::string_view label;
+  std::string_view help;
+};
+[[nodiscard]] const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes();
+[[nodiscard]] const NavigationModeRow& row_of(NavigationMode mode);
+
+/// What the world allows, from the bound NavigationInfo.
+struct NavigationRules {
+  NavigationMode start = NavigationMode::walk;
+  std::array<bool, kNavigationModeCount> allowed{};  // by NavigationMode
+  float speed = 1;                                   // metres a second
+
+  [[nodiscard]] bool allows(NavigationMode mode) const { return allowed[static_cast<std::size_t>(mode)]; }
+};
+
+/// VRML97 6.29: the first recognised type is where to start, only listed types are allowed, ANY allows
+/// all. Unknown types are skipped; a list of nothing else counts as the default, WALK and ANY.
+[[nodiscard]] NavigationRules navigation_rules(const render::NavigationState& navigation);
+/// For a world without a NavigationInfo: everything is allowed, and the speed crosses `bounds` in about
+/// eight seconds. Starts as the standard's default does when the author chose a Viewpoint, else in EXAMINE.
+[[nodiscard]] NavigationRules default_navigation_rules(const vrml::Bounds& bounds, bool has_viewpoint);
+
+/// Where the viewer is: world space, metres; looks along -Z of `orientation`. Always finite and normalised.
+struct Pose {
+  glm::vec3 position{0, 0, 10};
+  glm::quat orientation{1, 0, 0, 0};
+  float field_of_view = 0.785398f;  // radians, the smaller of the two angles
+
+  [[nodiscard]] glm::vec3 right() const { return orientation * glm::vec3(1, 0, 0); }
+  [[nodiscard]] glm::vec3 up() const { return orientation * glm::vec3(0, 1, 0); }
+  [[nodiscard]] glm::vec3 forward() const { return orientation * glm::vec3(0, 0, -1); }
+};
+/// The nearest valid pose: scale and shear of the matrix are taken out, NaN and infinity replaced.
+[[nodiscard]] Pose pose_of(const glm::mat4& world_from_camera, float field_of_view);
+[[nodiscard]] render::Camera camera_of(const Pose& pose);
+
+/// A half line of world space; `direction` is of unit length.
+struct Ray {
+  glm::vec3 origin{0}, direction{0, 0, -1};
+  [[nodiscard]] glm::vec3 at(float distance) const { return origin + direction * distance; }
+};
+/// The ray through `pointer`, in pixels from the upper left of a viewport of `size` pixels.
+[[nodiscard]] Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size);
+
+/// The world point that a gesture under the pointer is about: what the pointer's ray hits, `hit` metres away,
+/// else a point as far away as what EXAMINE turns about.
+struct Navigation;
+[[nodiscard]] glm::vec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit);
+
+/// What a drag with a button does.
+enum class Drag : std::uint8_t { none, rotate, pan, zoom, look, travel };
+enum class DragButton : std::uint8_t { left, right, middle };
+/// `modified`: Shift or Control is held.
+[[nodiscard]] Drag drag_of(NavigationMode mode, DragButton button, bool modified);
+
+/// What the user did since the last step.
+struct NavigationInput {
+  glm::vec2 viewport{1024, 768};  // pixels
+  Drag drag = Drag::none;
+  glm::vec2 moved{0};               // the pointer since the last step, pixels, y down
+  glm::vec2 from_press{0};          // the pointer from where the button went down, pixels, y down
+  std::optional<glm::vec3> target;  // world point under the pointer, for zoom and pan
+  float zoom = 0;                   // wheel notches, positive goes closer
+  glm::vec3 move{0};                // held keys, -1..1: right, up, forward
+  glm::vec2 turn{0};                // held keys, -1..1: right, up
+  bool fast = false;                // Shift is held
+
+  [[nodiscard]] bool any() const {
+    return drag != Drag::none || zoom != 0 || move != glm::vec3(0) || turn != glm::vec2(0);
+  }
+};
+
+/// A way from one pose to another.
+struct Transition {
+  Pose from, to;
+  float elapsed = 0, duration = 0.4f;  // seconds
+};
+
+/// Everything that navigation remembers. A plain value; `step` makes the next one from it.
+struct Navigation {
+  NavigationMode mode = NavigationMode::examine;
+  Pose pose;
+  glm::vec3 center{0};    // what EXAMINE turns about
+  float scene_size = 10;  // metres across; > 0
+  float speed = 1;        // metres a second
+  glm::vec3 velocity{0};  // of the keys, smoothed: right, up, forward; 1 is full speed
+  glm::vec2 turning{0};   // likewise: right, up
+  float zoom_left = 0;    // notches of the wheel still to be gone
+  glm::vec3 zoom_target{0};
+  std::optional<Transition> transition;
+
+  /// True while the view changes by itself.
+  [[nodiscard]] bool moving() const;
+};
+
+/// A Navigation for a world of these bounds, with its viewer at `pose`.
+[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bounds, const Pose& pose);
+
+/// The state `seconds` later. Pure, and independent of how a span of time is cut into steps up to rounding
+/// (paths that turn and move at once: to second order). `seconds` counts as at most a quarter second, so
+/// that a stalled frame throws nobody out of the world.
+[[nodiscard]] Navigation step(const Navigation& state, const NavigationInput& input, float seconds);
+
+/// Changes the mode and stops what the old one was doing.
+[[nodiscard]] Navigation with_mode(Navigation state, NavigationMode mode);
+/// Starts a smooth way (0.4 s) to `pose`.
+[[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose);
+/// Makes `point` what EXAMINE turns about, and slides the view until it is in the middle.
+[[nodiscard]] Navigation look_at_point(Navigation state, const glm::vec3& point);
+/// Where the whole of `bounds` is seen from the present direction, level.
+[[nodiscard]] Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport);
+/// Where a world without a Viewpoint is first seen from: all of it, from +Z.
+[[nodiscard]] Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport);
+
+/// The Viewpoints that a list for the user has: those with a description, and the first, which is bound at
+/// start (VRML97 6.53). Indices into `viewpoints`.
+[[nodiscard]] std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints);
+/// What to call it: its description, else its DEF name, else its number.
+[[nodiscard]] std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t index);
+/// For messages: "the world has 1 'Front', 2 'Back'".
+[[nodiscard]] std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints);
+/// The Viewpoint with this description or DEF name, else with this number, counted from 1.
+[[nodiscard]] std::optional<std::size_t> find_viewpoint(const std::vector<render::ViewpointState>& viewpoints,
+                                                        std::string_view name);
+
+}  // namespace gs::app

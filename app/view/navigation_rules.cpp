@@ -1,0 +1,107 @@
+#include "app/view/navigation.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace gs::app {
+
+const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
+  static constexpr std::array<NavigationModeRow, kNavigationModeCount> kRows = {{
+      {NavigationMode::none, "NONE", "None", "The world moves the viewer"},
+      {NavigationMode::examine, "EXAMINE", "Examine", "Turn the object about"},
+      {NavigationMode::fly, "FLY", "Fly", "Move freely in all directions"},
+      {NavigationMode::walk, "WALK", "Walk", "Move on the level"},
+      {NavigationMode::pan, "", "Pan", "Slide the view"},
+  }};
+  return kRows;
+}
+
+const NavigationModeRow& row_of(NavigationMode mode) { return navigation_modes()[static_cast<std::size_t>(mode)]; }
+
+NavigationRules navigation_rules(const render::NavigationState& navigation) {
+  NavigationRules rules;
+  rules.speed = navigation.speed;
+  bool any = false;
+  std::optional<NavigationMode> start;
+  for (const std::string& type : navigation.types) {
+    any |= type == "ANY";
+    for (const NavigationModeRow& row : navigation_modes()) {
+      if (row.type.empty() || row.type != type) continue;
+      rules.allowed[static_cast<std::size_t>(row.mode)] = true;
+      if (!start) start = row.mode;
+    }
+  }
+  if (!any && !start) {
+    any = true;
+    start = NavigationMode::walk;
+  }
+  if (any) rules.allowed.fill(true);
+  rules.start = start.value_or(NavigationMode::examine);
+  return rules;
+}
+
+NavigationRules default_navigation_rules(const vrml::Bounds& bounds, bool has_viewpoint) {
+  NavigationRules rules;
+  rules.allowed.fill(true);
+  rules.start = has_viewpoint ? NavigationMode::walk : NavigationMode::examine;
+  const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
+  if (std::isfinite(size) && size > 0) rules.speed = size / 8;
+  return rules;
+}
+
+Drag drag_of(NavigationMode mode, DragButton button, bool modified) {
+  const bool left = button == DragButton::left;
+  const bool right = button == DragButton::right;
+  switch (mode) {
+    case NavigationMode::none:
+      return Drag::none;
+    case NavigationMode::examine:
+      if (left) return modified ? Drag::pan : Drag::rotate;
+      return right ? Drag::pan : Drag::zoom;
+    case NavigationMode::pan:
+      if (left) return modified ? Drag::zoom : Drag::pan;
+      return right ? Drag::pan : Drag::zoom;
+    case NavigationMode::fly:
+    case NavigationMode::walk:
+      if (left) return modified ? Drag::pan : Drag::travel;
+      return right ? Drag::look : Drag::pan;
+  }
+  return Drag::none;
+}
+
+std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints) {
+  std::vector<std::size_t> listed;
+  for (std::size_t i = 0; i < viewpoints.size(); ++i)
+    if (i == 0 || !viewpoints[i].description.empty()) listed.push_back(i);
+  return listed;
+}
+
+std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t index) {
+  if (!viewpoint.description.empty()) return viewpoint.description;
+  if (!viewpoint.name.empty()) return viewpoint.name;
+  return "Viewpoint " + std::to_string(index + 1);
+}
+
+std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {
+  if (viewpoints.empty()) return "the world has none";
+  std::string text = "the world has";
+  for (std::size_t i = 0; i < viewpoints.size() && i < 20; ++i)
+    text += (i ? ", " : " ") + std::to_string(i + 1) + " '" + viewpoint_label(viewpoints[i], i) + "'";
+  return text;
+}
+
+std::optional<std::size_t> find_viewpoint(const std::vector<render::ViewpointState>& viewpoints,
+                                          std::string_view name) {
+  for (std::size_t i = 0; i < viewpoints.size(); ++i)
+    if (viewpoints[i].description == name || viewpoints[i].name == name) return i;
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error != std::errc() || end != name.data() + name.size() || number < 1 || number > viewpoints.size())
+    return std::nullopt;
+  return number - 1;
+}
+
+}  // namespace gs::app

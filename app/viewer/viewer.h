@@ -1,0 +1,33 @@
+#pragma once
+
+#include "app/world/world_loader.h"
+#include "render/draw/renderer.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Discs that a window draws when nobody says how many.
+inline constexpr std::size_t kWindowBudget = 2'000'000;
+
+struct ViewerOptions {
+  std::vector<std::string> files;       // opened at start, each in a viewport as far as there are
+  int width = 1024, height = 768;       // of the window
+  int samples = 4;                      // anti-aliasing
+  std::optional<bool> headlight;        // in place of what the worlds say
+  std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
+  std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
+  std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
+  render::SplatPath splats = render::SplatPath::automatic;
+};
+
+/// Opens a window and runs until the user quits. `load`: how worlds are read. Main thread. Returns the exit status: 0,
+/// or 1 with the reason in `error` when there is no window system or no OpenGL 3.3.
+[[nodiscard]] int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error);
+
+}  // namespace gs::app

@@ -1,0 +1,257 @@
+#include "app/viewer/viewer_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr float kLeastSpeed = 1e-4f, kMostSpeed = 1e6f;
+
+}  // namespace
+
+void Viewer::handle(const WindowEvent& event) {
+  using Kind = WindowEvent::Kind;
+  switch (event.kind) {
+    case Kind::key_down: {
+      if (handle_command(event) || ui_.wants_keys()) return;
+      if (!event.control && !event.alt && handle_view_key(event.key)) return;
+      Pane& pane = panes_.at(panes_.active());
+      if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
+      return;
+    }
+    case Kind::key_up:
+    case Kind::focus_lost:  // whatever was held, and wherever
+      for (std::size_t i = 0; i < kMostViewports; ++i) (void)panes_.at(i).input.take(event, NavigationMode::none);
+      if (event.kind == Kind::focus_lost) router_.release();
+      return;
+    case Kind::button_down:
+    case Kind::button_up:
+    case Kind::pointer:
+    case Kind::wheel:
+    case Kind::drop:
+      return handle_pointer(event);
+    case Kind::refresh:
+      return;
+  }
+}
+
+void Viewer::handle_pointer(const WindowEvent& event) {
+  using Kind = WindowEvent::Kind;
+  if ((event.kind == Kind::button_down || event.kind == Kind::wheel) && ui_.wants_pointer()) return;
+  const std::optional<std::size_t> place = router_.route(event, places());
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (place && *place < sight.size()) {
+    const std::size_t target = sight[*place];
+    if (event.kind == Kind::button_down || event.kind == Kind::drop) activate(target);
+    Pane& pane = panes_.at(target);
+    if (const View* seen = pane.view()) point_at(target, pane.input.take(event, seen->navigation.mode));
+  }
+  if (event.kind == Kind::drop) open_files(event.paths);
+}
+
+bool Viewer::handle_command(const WindowEvent& event) {
+  switch (event.key) {
+    case Key::f1:
+      ui_.toggle_help();
+      return true;
+    case Key::f2:
+      ui_.toggle_statistics();
+      return true;
+    case Key::f3:
+      ui_.toggle_log();
+      return true;
+    case Key::f4:
+      ui_.toggle_clouds();
+      return true;
+    case Key::f5:
+      panes_.reload();
+      return true;
+    case Key::f6:
+      choose_layout(next_layout(panes_.layout()));
+      return true;
+    case Key::f11:
+      window_->toggle_full_screen();
+      return true;
+    case Key::escape:
+      close_or_cancel();
+      return true;
+    case Key::tab: {
+      const std::size_t count = panes_.documents().entries().size();
+      if (!event.control || count == 0) return false;
+      select_file((panes_.selected().value_or(0) + (event.shift ? count - 1 : 1)) % count);
+      return true;
+    }
+    default:
+      break;
+  }
+  return event.control && !event.alt && handle_control_key(event.key);
+}
+
+bool Viewer::handle_control_key(Key key) {
+  if (key == letter_key('Q')) return window_->close(), true;
+  if (key == letter_key('O')) return ui_.show_open_panel(), true;
+  const int digit = static_cast<int>(key) - '0';
+  if (digit < 1 || digit > static_cast<int>(kMostViewports)) return false;
+  activate(static_cast<std::size_t>(digit - 1));
+  return true;
+}
+
+bool Viewer::handle_view_key(Key key) {
+  if (key == letter_key('L')) return toggle_link(), true;
+  View* seen = view();
+  if (!seen) return false;
+  switch (key) {
+    case Key::page_down:
+      step_viewpoint(1);
+      return true;
+    case Key::page_up:
+      step_viewpoint(-1);
+      return true;
+    case Key::home:
+      reset();
+      return true;
+    case Key::plus:
+      change_speed(std::sqrt(2.0f));
+      return true;
+    case Key::minus:
+      change_speed(std::sqrt(0.5f));
+      return true;
+    default:
+      break;
+  }
+  if (key == letter_key('F')) return fit(), true;
+  if (key == letter_key('H')) return seen->headlight = !seen->headlight, true;
+  const int digit = static_cast<int>(key) - '0';
+  if (digit < 1 || digit >= kNavigationModeCount) return false;
+  choose_mode(static_cast<NavigationMode>(digit));
+  return true;
+}
+
+void Viewer::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
+  if (!gesture.needs_target && !gesture.double_click) return;
+  InputTracker& input = panes_.at(pane).input;
+  View& seen = *panes_.at(pane).view();
+  const Viewport place = place_of(pane);
+  Navigation& navigation = seen.navigation;
+  const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
+  const std::optional<float> hit = distance_under(seen, ray, place.size());
+  if (gesture.needs_target) input.set_target(target_of(navigation, ray, hit));
+  const bool turns = navigation.mode == NavigationMode::examine || navigation.mode == NavigationMode::pan;
+  if (!gesture.double_click || !turns || !hit) return;
+  navigation = look_at_point(navigation, ray.at(*hit));
+  leader_ = pane;
+}
+
+std::optional<float> Viewer::distance_under(const View& seen, const Ray& ray, const glm::vec2& size) {
+  PickOptions options;
+  options.pixel = 2 * std::tan(seen.navigation.pose.field_of_view / 2) / std::max(1.0f, std::min(size.x, size.y));
+  options.clouds = seen.look;
+  const std::optional<Hit> hit = picker_.pick(*seen.list, ray, options);
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
+
+// What the user can ask for -----------------------------------------------------------------------
+
+void Viewer::choose_mode(NavigationMode mode) {
+  View* seen = view();
+  if (!seen) return;
+  if (!seen->rules.allows(mode)) {
+    ui_.show_notice("This world does not allow " + std::string(row_of(mode).label), false);
+    return;
+  }
+  seen->navigation = with_mode(seen->navigation, mode);
+  panes_.at(panes_.active()).input.release();
+}
+
+void Viewer::bind_viewpoint(std::size_t index) {
+  View* seen = view();
+  if (!seen || index >= seen->list->viewpoints.size()) return;
+  const render::ViewpointState& viewpoint = seen->list->viewpoints[index];
+  seen->viewpoint = index;
+  seen->home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  seen->navigation = travel_to(seen->navigation, seen->home);
+  leader_ = panes_.active();
+}
+
+void Viewer::step_viewpoint(int direction) {
+  const View* seen = view();
+  const std::vector<std::size_t> listed = seen ? listed_viewpoints(seen->list->viewpoints) : std::vector<std::size_t>{};
+  if (listed.empty()) return;
+  const auto place = std::find(listed.begin(), listed.end(), seen->viewpoint.value_or(listed.front()));
+  const std::size_t index = place == listed.end() ? 0 : static_cast<std::size_t>(place - listed.begin());
+  const std::size_t count = listed.size();
+  const std::size_t next = listed[(index + (direction > 0 ? 1 : count - 1)) % count];
+  bind_viewpoint(next);
+  ui_.show_notice(viewpoint_label(seen->list->viewpoints[next], next), false);
+}
+
+void Viewer::fit() {
+  View* seen = view();
+  if (!seen || seen->list->bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
+  const Viewport place = place_of(panes_.active());
+  Navigation& navigation = seen->navigation;
+  navigation = travel_to(navigation, pose_that_fits(navigation.pose, seen->list->bounds, place.size()));
+  navigation.center = seen->list->bounds.center();
+  leader_ = panes_.active();
+}
+
+void Viewer::reset() {
+  View* seen = view();
+  if (!seen) return;
+  seen->navigation = travel_to(seen->navigation, seen->home);
+  if (!seen->list->bounds.empty()) seen->navigation.center = seen->list->bounds.center();
+  leader_ = panes_.active();
+}
+
+void Viewer::change_speed(float factor) {
+  Navigation& navigation = view()->navigation;
+  if (navigation.speed <= 0) return;
+  navigation.speed = std::clamp(navigation.speed * factor, kLeastSpeed, kMostSpeed);
+  std::string number = std::to_string(navigation.speed);
+  number.resize(std::min<std::size_t>(number.size(), 6));
+  ui_.show_notice("Speed " + number + " m/s", false);
+}
+
+void Viewer::open_files(const std::vector<std::string>& paths) {
+  ui_.clear_notice();
+  // What the user gives may be read by what he gives, as on the command line.
+  load_.allowed.insert(load_.allowed.end(), paths.begin(), paths.end());
+  panes_.open(paths);
+}
+
+void Viewer::answer_question(bool allow) {
+  if (!questions_.current()) return;
+  if (allow) load_.allowed.push_back(questions_.current()->folder);
+  for (const std::string& world : questions_.answer(allow)) panes_.reload(world);
+}
+
+void Viewer::select_file(std::size_t index) {
+  ui_.clear_notice();
+  panes_.select(index);
+}
+
+void Viewer::choose_layout(ViewportLayout layout) {
+  router_.release();
+  panes_.set_layout(layout);
+  if (linked_) panes_.link(panes_.active());
+}
+
+void Viewer::activate(std::size_t pane) {
+  const std::vector<std::size_t> sight = panes_.visible();
+  panes_.activate(pane);
+  if (panes_.visible() != sight) router_.release();
+}
+
+void Viewer::toggle_link() {
+  linked_ = !linked_;
+  if (linked_) panes_.link(panes_.active());
+  ui_.show_notice(linked_ ? "The viewports move as one" : "Each viewport moves by itself", false);
+}
+
+void Viewer::close_or_cancel() {
+  if (!ui_.close_one()) (void)panes_.cancel(panes_.active());
+}
+
+}  // namespace gs::app

@@ -1,0 +1,191 @@
+#include "app/viewer/viewer_panes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+
+View* Pane::view() {
+  const auto place = views.find(shown);
+  return place == views.end() ? nullptr : &place->second;
+}
+
+const View* Pane::view() const {
+  const auto place = views.find(shown);
+  return place == views.end() ? nullptr : &place->second;
+}
+
+void Panes::start(std::span<const std::string> paths) {
+  std::size_t count = 0;
+  for (const std::string& path : paths) {
+    if (path.empty()) continue;
+    documents_.add(path);
+    if (count < kMostViewports) panes_[count].wanted = path;
+    ++count;
+  }
+  layout_ = layout_for(count);
+}
+
+void Panes::open(std::span<const std::string> paths) {
+  bool first = true;
+  for (const std::string& path : paths) {
+    if (path.empty()) continue;
+    documents_.add(path);
+    if (std::exchange(first, false)) {
+      want(active_, path);
+      continue;
+    }
+    for (const std::size_t i : visible())
+      if (panes_[i].wanted.empty() && !wanted_by_any(path)) want(i, path);
+  }
+}
+
+void Panes::select(std::size_t file) {
+  if (file < documents_.entries().size()) want(active_, documents_.entries()[file].path);
+}
+
+void Panes::reload() { documents_.reload(panes_[active_].wanted); }
+
+bool Panes::cancel(std::size_t pane) {
+  if (pane >= kMostViewports || !loading(pane)) return false;
+  const std::string path = panes_[pane].wanted;
+  documents_.give_up(path);
+  if (documents_.find(path)) return true;
+  for (Pane& each : panes_)
+    if (each.wanted == path) each.wanted = each.shown;
+  return true;
+}
+
+void Panes::set_layout(ViewportLayout layout) {
+  layout_ = layout;
+  release_input();
+  for (const std::size_t i : visible())
+    if (panes_[i].wanted.empty()) fill(i);
+}
+
+void Panes::fill(std::size_t pane) {
+  for (const DocumentList::Entry& entry : documents_.entries())
+    if (!wanted_by_any(entry.path)) {
+      panes_[pane].wanted = entry.path;
+      return;
+    }
+  const Pane& model = panes_[active_];
+  panes_[pane].wanted = model.wanted;
+  panes_[pane].shown = model.shown;
+  panes_[pane].log = model.log;
+  if (const View* view = model.view()) panes_[pane].views[model.shown] = *view;
+}
+
+void Panes::activate(std::size_t pane) {
+  if (pane >= kMostViewports || pane == active_) return;
+  const std::vector<std::size_t> sight = visible();
+  if (std::find(sight.begin(), sight.end(), pane) == sight.end() && panes_[pane].wanted.empty()) return;
+  panes_[active_].input.release();
+  active_ = pane;
+}
+
+std::optional<DocumentList::Reading> Panes::begin_loading() {
+  if (auto reading = documents_.begin(panes_[active_].wanted)) return reading;
+  for (const std::size_t i : visible())
+    if (auto reading = documents_.begin(panes_[i].wanted)) return reading;
+  return std::nullopt;
+}
+
+void Panes::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
+  const std::optional<std::string> path = documents_.preview(reading, document);
+  if (!path) return;
+  for (Pane& pane : panes_) {
+    const auto place = pane.views.find(*path);
+    if (place == pane.views.end()) continue;
+    place->second = grown(place->second, document, place->second.home_size);
+    if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
+  }
+}
+
+void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport) {
+  const std::shared_ptr<Document> before = documents_.document_of(reading);
+  const bool grows = before && before->is_preview;
+  const std::optional<std::string> path = documents_.deliver(reading, document);
+  if (!path) return;
+  for (Pane& pane : panes_) {
+    const auto place = pane.views.find(*path);
+    if (place == pane.views.end()) continue;
+    place->second =
+        grows ? grown(place->second, document, place->second.home_size) : renewed(place->second, document, viewport);
+    if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
+  }
+}
+
+std::vector<std::size_t> Panes::fail(std::uint64_t reading) {
+  std::vector<std::size_t> waited;
+  const std::optional<std::string> path = documents_.fail(reading);
+  if (!path) return waited;
+  for (std::size_t i = 0; i < kMostViewports; ++i)
+    if (panes_[i].wanted == *path) waited.push_back(i);
+  if (documents_.find(*path)) return waited;
+  for (const std::size_t i : waited) panes_[i].wanted = panes_[i].shown;
+  for (const std::size_t i : waited) {
+    if (!panes_[i].wanted.empty()) continue;
+    for (const DocumentList::Entry& entry : documents_.entries())
+      if (!wanted_by_any(entry.path)) {
+        panes_[i].wanted = entry.path;
+        break;
+      }
+  }
+  return waited;
+}
+
+std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::string_view viewpoint) {
+  std::vector<Change> changes;
+  const std::vector<std::size_t> sight = visible();
+  for (std::size_t i = 0; i < sight.size() && i < places.size(); ++i) {
+    Pane& pane = panes_[sight[i]];
+    if (View* view = pane.view()) fit_home(*view, places[i].size());
+    std::shared_ptr<Document> document = documents_.document(pane.wanted);
+    if (!document || (pane.shown == pane.wanted && pane.view())) continue;
+    Change change{sight[i], false, true};
+    pane.shown = pane.wanted;
+    pane.input.release();
+    pane.log = document->world.diagnostics;
+    if (!pane.view()) {
+      change.first = true;
+      pane.views[pane.shown] = view_of(std::move(document), places[i].size(), viewpoint, &change.found);
+    }
+    changes.push_back(change);
+  }
+  return changes;
+}
+
+void Panes::link(std::size_t leader) {
+  const View* from = panes_[leader].view();
+  if (!from) return;
+  for (const std::size_t i : visible())
+    if (View* view = i == leader ? nullptr : panes_[i].view()) link_view(*view, *from);
+}
+
+void Panes::release_input() {
+  for (Pane& pane : panes_) pane.input.release();
+}
+
+std::optional<std::size_t> Panes::selected() const {
+  const std::vector<DocumentList::Entry>& entries = documents_.entries();
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i].path == panes_[active_].wanted) return i;
+  return std::nullopt;
+}
+
+void Panes::want(std::size_t pane, const std::string& path) {
+  panes_[pane].wanted = path;
+  cancel_unwanted();
+}
+
+bool Panes::wanted_by_any(std::string_view path) const {
+  return std::any_of(panes_.begin(), panes_.end(), [&](const Pane& pane) { return pane.wanted == path; });
+}
+
+void Panes::cancel_unwanted() {
+  for (const DocumentList::Entry& entry : documents_.entries())
+    if (entry.reading != 0 && !wanted_by_any(entry.path)) documents_.cancel(entry.path);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,181 @@
+#include "app/viewer/viewer_session.h"
+
+#include <algorithm>
+
+namespace gs::app {
+namespace {
+
+// Discs of streams that may be decoded for one frame of all viewports: some 20 ms of one core.
+constexpr std::size_t kMostDecoded = 250'000;
+constexpr double kMostUninterrupted = 0.4;  // seconds of drawing before events are looked for
+constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
+
+}  // namespace
+
+Viewport Viewer::area() const {
+  const glm::ivec2 size = window_->framebuffer_size();
+  Viewport result;
+  result.top = std::min(ui_.top_height(), std::max(0, size.y - 1));
+  result.width = std::max(1, size.x);
+  result.height = std::max(1, size.y - result.top - ui_.bottom_height());
+  return result;
+}
+
+Viewport Viewer::place_of(std::size_t pane) const {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  for (std::size_t i = 0; i < sight.size(); ++i)
+    if (sight[i] == pane) return rectangles[i];
+  return area();
+}
+
+void Viewer::draw_viewports() {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  std::vector<std::size_t> cloud_pixels, cloud_viewports;
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    const View* seen = panes_.at(sight[i]).view();
+    const bool clouds = seen && seen->document->has_clouds();
+    cloud_pixels.push_back(clouds ? rectangles[i].pixels() : 0);
+    cloud_viewports.push_back(clouds ? 1 : 0);
+  }
+  const std::vector<std::size_t> budgets =
+      shares_of(options_.budget > 0 ? options_.budget : kWindowBudget, cloud_pixels);
+  const std::vector<std::size_t> decoded = shares_of(kMostDecoded, cloud_viewports);
+  bool pending = false;
+  std::size_t discs = 0;
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    render::DrawOptions draw;
+    draw.x = rectangles[i].left;
+    draw.y = window_->framebuffer_size().y - rectangles[i].top - rectangles[i].height;
+    draw.width = rectangles[i].width;
+    draw.height = rectangles[i].height;
+    draw.budget = budgets[i];
+    draw.most_decoded = decoded[i];
+    draw_viewport(sight[i], draw);
+    pending |= panes_.at(sight[i]).statistics.pending;
+    discs += panes_.at(sight[i]).statistics.vectors;
+  }
+  refinement_.note(pending, discs, frames_wanted_ > 0 || moving());
+}
+
+void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
+  static const render::RenderList kNothing;
+  Pane& pane = panes_.at(index);
+  draw.viewport = static_cast<std::uint32_t>(index);
+  draw.samples = options_.samples;
+  draw.background = options_.background;
+  draw.splats = options_.splats;
+  const View* seen = pane.view();
+  if (!seen) {
+    if (!draw.background) draw.background = kEmptyBackground;
+    pane.statistics = renderer_->draw(kNothing, render::Camera{}, draw);
+    return;
+  }
+  // However long a picture takes, who does something is answered; the whole picture comes when nobody does.
+  draw.go_on = [this, begin = Window::now()] {
+    if (Window::now() - begin < kMostUninterrupted) return true;
+    window_->poll();
+    return !window_->should_close() && !window_->has_events();
+  };
+  draw.headlight = seen->headlight;
+  draw.clouds = seen->look;
+  pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
+}
+
+// The user interface ------------------------------------------------------------------------------
+
+// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
+std::string Viewer::progress_of(const std::string& path) const {
+  std::string text = file_label(path);
+  for (const Reader& one : readers_) {
+    if (one.reading.path != path || one.state.received == 0) continue;
+    const auto megabytes = [](std::uint64_t bytes) {
+      const std::uint64_t tenths = (bytes + 50'000) / 100'000;
+      return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
+    };
+    text +=
+        ": " + megabytes(one.state.received) + (one.state.total ? " of " + megabytes(*one.state.total) : "") + " MB";
+    if (one.state.waiting > 1) text += ", " + std::to_string(one.state.waiting) + " files to come";
+  }
+  return text;
+}
+
+void Viewer::describe_viewports(UiModel& model) const {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    const Pane& pane = panes_.at(sight[i]);
+    UiViewport viewport;
+    viewport.place = rectangles[i];
+    if (pane.view()) viewport.label = file_label(pane.shown);
+    if (panes_.loading(sight[i])) viewport.loading = progress_of(pane.wanted);
+    viewport.active = sight[i] == panes_.active();
+    model.viewports.push_back(std::move(viewport));
+  }
+  model.layout = panes_.layout();
+  model.linked = linked_;
+}
+
+UiModel Viewer::model() {
+  UiModel model;
+  for (const DocumentList::Entry& entry : panes_.documents().entries()) model.files.push_back(file_label(entry.path));
+  model.file = panes_.selected();
+  describe_viewports(model);
+  if (const FolderQuestions::Question* question = questions_.current())
+    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
+  const Pane& pane = panes_.at(panes_.active());
+  model.statistics = pane.statistics;
+  model.frame_ms = frame_ms_;
+  model.frames_a_second = frames_a_second_;
+  model.gl_renderer = renderer_->gl_renderer();
+  model.log = &pane.log;
+  model.travel_anchor = pane.input.travel_anchor();
+  model.pointer = pane.input.pointer();
+  const View* seen = pane.view();
+  if (!seen) return model;
+  model.has_world = true;
+  const auto& viewpoints = seen->list->viewpoints;
+  for (const std::size_t index : listed_viewpoints(viewpoints)) {
+    if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
+    model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
+  }
+  model.mode = seen->navigation.mode;
+  model.rules = seen->rules;
+  model.speed = seen->navigation.speed;
+  model.headlight = seen->headlight;
+  model.look = seen->look;
+  model.has_surface_clouds = seen->document->has_surface_clouds;
+  model.has_volumes = seen->document->has_volumes;
+  model.bounds = seen->list->bounds;
+  model.looking = seen->navigation.pose.forward();
+  for (const render::SplatItem& item : seen->list->splats)
+    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
+  return model;
+}
+
+void Viewer::apply(const UiActions& actions) {
+  if (actions.open) open_files({*actions.open});
+  if (actions.file) select_file(*actions.file);
+  if (actions.layout) choose_layout(*actions.layout);
+  if (actions.toggle_link) toggle_link();
+  if (actions.allow_folder) answer_question(*actions.allow_folder);
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (actions.cancel_loading && *actions.cancel_loading < sight.size())
+    (void)panes_.cancel(sight[*actions.cancel_loading]);
+  View* seen = view();
+  if (!seen) return;
+  if (actions.viewpoint) {
+    const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
+    if (*actions.viewpoint < listed.size()) bind_viewpoint(listed[*actions.viewpoint]);
+  }
+  if (actions.previous_viewpoint) step_viewpoint(-1);
+  if (actions.next_viewpoint) step_viewpoint(1);
+  if (actions.mode) choose_mode(*actions.mode);
+  if (actions.reset) reset();
+  if (actions.fit) fit();
+  if (actions.toggle_headlight) seen->headlight = !seen->headlight;
+  if (actions.look) seen->look = *actions.look;
+}
+
+}  // namespace gs::app

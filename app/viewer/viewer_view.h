@@ -1,0 +1,59 @@
+#pragma once
+
+#include "app/session/documents.h"
+#include "app/view/navigation.h"
+#include "render/scene/cloud_look.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+namespace gs::app {
+
+/// How one viewport looks at a document, which others may look at in other ways. A document lives as long as a view
+/// of it, or a list that has it.
+struct View {
+  std::shared_ptr<Document> document;
+  std::shared_ptr<const render::RenderList> list;  // the document's, or its own where that depends on the viewer
+  glm::vec3 collected_for{0, 0, 10};               // the viewer's place for which `list` was made
+  NavigationRules rules;
+  Navigation navigation;
+  Pose home;                             // of the bound Viewpoint, or the first view of the whole
+  glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
+  std::optional<std::size_t> viewpoint;  // the bound one
+  bool headlight = true;
+  render::CloudLook look;
+};
+
+/// A view from where a document is first seen: at the Viewpoint named `viewpoint`, else at the first one, else so
+/// that the whole is in view. `found`: false when a name was given that no Viewpoint has.
+[[nodiscard]] View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint,
+                           bool* found = nullptr);
+
+/// The view of a document that was read again: as `before`, as far as the new world allows it.
+[[nodiscard]] View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
+
+/// For a viewport of another size, chooses the first view of the whole anew, and goes there if nobody has moved yet.
+/// Does nothing where a Viewpoint is bound.
+void fit_home(View& view, const glm::vec2& viewport);
+
+/// The view of a document of which more has come: as `before`; who has not moved sees all of it.
+[[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
+
+/// Gathers again when the viewer has come so far that other levels of detail may be due. True when the list was made
+/// anew. Views of one document are to be followed on one thread.
+bool follow_viewer(View& view);
+
+/// The pose that stands to `to` as `pose` stands to `from`: moved with the centre and grown with the diagonal. The
+/// same where both bounds are equal, or one of them is empty.
+[[nodiscard]] Pose linked_pose(const Pose& pose, const vrml::Bounds& from, const vrml::Bounds& to);
+
+/// Makes `view` look at its world as `leader` looks at the leader's, and stops what it was doing. Does nothing in a
+/// world whose author lets nobody move.
+void link_view(View& view, const View& leader);
+
+}  // namespace gs::app

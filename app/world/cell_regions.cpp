@@ -1,0 +1,86 @@
+#include "app/world/cell_regions.h"
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace gs::app {
+namespace {
+
+constexpr int kParts = 8;     // of a box, an axis, that are looked at one by one
+constexpr int kPasses = 5;    // each looks closer at what the last one found, down to 1/32768 of the whole
+constexpr float kAll = 0.9f;  // of the volume: so much is as good as everything
+
+bool outside(const glm::vec3& lower, const glm::vec3& upper, const qnv::LodView& view) {
+  return std::any_of(view.planes.begin(), view.planes.end(), [&](const glm::vec4& plane) {
+    // The corner that lies furthest inwards.
+    const glm::vec3 p(plane.x >= 0 ? upper.x : lower.x, plane.y >= 0 ? upper.y : lower.y,
+                      plane.z >= 0 ? upper.z : lower.z);
+    return plane != glm::vec4(0) && plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0;
+  });
+}
+
+// The box around the parts of a box that a view may see; nothing where it sees none.
+std::optional<qnv::Box> seen_part(const qnv::Box& box, const qnv::LodView& view) {
+  const glm::vec3 step = (box.upper - box.lower) / static_cast<float>(kParts);
+  std::optional<qnv::Box> seen;
+  for (int i = 0; i < kParts * kParts * kParts; ++i) {
+    const glm::vec3 at(static_cast<float>(i % kParts), static_cast<float>(i / kParts % kParts),
+                       static_cast<float>(i / (kParts * kParts)));
+    const glm::vec3 lower = box.lower + at * step, upper = lower + step;
+    if (outside(lower, upper, view)) continue;
+    if (!seen) seen = qnv::Box{lower, upper};
+    seen->lower = glm::min(seen->lower, lower);
+    seen->upper = glm::max(seen->upper, upper);
+  }
+  return seen;
+}
+
+// Of the box, counting axes along which it has no extent as seen wholly.
+float share(const qnv::Box& part, const qnv::Box& all) {
+  float share = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float extent = all.upper[axis] - all.lower[axis];
+    if (extent > 0) share *= (part.upper[axis] - part.lower[axis]) / extent;
+  }
+  return share;
+}
+
+}  // namespace
+
+net::CellBox cell_box(const qnv::Box& box, const qnv::Box& all) {
+  net::CellBox result{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double begin = all.lower[axis], extent = static_cast<double>(all.upper[axis]) - begin;
+    const auto part = [&](double value, bool up) {
+      if (!(extent > 0)) return up ? 65535.0 : 0.0;
+      const double scaled = (value - begin) / extent * 65535;
+      // The directory's own steps must not be rounded twice.
+      const double nearest = std::round(scaled);
+      const double exact = std::abs(scaled - nearest) < 1e-2 ? nearest : up ? std::ceil(scaled) : std::floor(scaled);
+      return std::clamp(exact, 0.0, 65535.0);
+    };
+    const auto at = static_cast<std::size_t>(axis);
+    result[at] = static_cast<std::uint16_t>(part(box.lower[axis], false));
+    result[at + 3] = static_cast<std::uint16_t>(part(box.upper[axis], true));
+  }
+  return result;
+}
+
+std::vector<net::Region> regions_of(std::span<const qnv::LodView> views, const qnv::Box& all) {
+  std::vector<net::Region> regions;
+  for (const qnv::LodView& view : views) {
+    std::optional<qnv::Box> seen = all;
+    for (int pass = 0; pass < kPasses && seen; ++pass) seen = seen_part(*seen, view);
+    if (!seen || share(*seen, all) > kAll || regions.size() >= net::kMostRegions) continue;
+    const net::Region region{cell_box(*seen, all), 1};
+    if (std::find(regions.begin(), regions.end(), region) == regions.end()) regions.push_back(region);
+  }
+  return regions;
+}
+
+}  // namespace gs::app

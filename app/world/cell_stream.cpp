@@ -1,0 +1,102 @@
+#include "app/world/cell_stream.h"
+
+#include "app/world/cell_regions.h"
+#include "net/base/schemes.h"
+
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+constexpr std::uint16_t kCellsPort = 6635;             // MPLS in UDP, RFC 7510
+constexpr std::uint64_t kAnyRate = 1'000'000'000;      // bits a second: the server grants what it likes
+constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // bytes taken in between two looks at the clock
+constexpr std::size_t kMostEarly = std::size_t{64} << 20;
+constexpr std::size_t kSlot = 0;
+
+}  // namespace
+
+CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink, std::function<void()> wake)
+    : name_(net::url_for_messages(url.text())), sink_(std::move(sink)) {
+  const auto place = net::host_and_port(url.authority);
+  if (!place) {
+    problem_ = name_ + ": expected cells://HOST:PORT/PATH";
+    return;
+  }
+  net::CellClientOptions client;
+  client.rate = options.rate > 0 ? options.rate : kAnyRate;
+  client.loss = options.loss;
+  client.loss_seed = options.loss_seed;
+  client.reach = options.reach;
+  auto started = net::CellClientDriver::start(client, place->host, place->port.value_or(kCellsPort), std::move(wake));
+  if (auto* error = std::get_if<net::UdpError>(&started)) {
+    problem_ = name_ + ": " + error->message;
+    return;
+  }
+  driver_ = std::move(std::get<std::unique_ptr<net::CellClientDriver>>(started));
+  net::CellWish wish;
+  wish.path = url.path.empty() ? "/" : url.path;
+  wish.budget = options.budget;
+  wish.repair = options.repair;
+  driver_->want(kSlot, std::move(wish));
+}
+
+bool CellStream::step() {
+  if (over_) return false;
+  if (!driver_) {
+    end(problem_);
+    return true;
+  }
+  if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views))
+    driver_->prefer(kSlot, regions_of(views, feed_->stream()->header().description.box), {});
+  bool any = false;
+  for (net::CellEvent& event : driver_->poll(kAtOnce)) {
+    if (over_) break;
+    take(event);
+    any = true;
+  }
+  return any;
+}
+
+void CellStream::take(net::CellEvent& event) {
+  using Kind = net::CellEvent::Kind;
+  if (event.kind == Kind::granted) {
+    // Asked again after lost contact, a server may have another version of the file by then.
+    if (version_ && *version_ != event.version)
+      return end(name_ +
+                 ": the file changed on the server while it was read; shown is what came before, and reading it again "
+                 "shows the new one");
+    version_ = event.version;
+    answered_ = true;
+    if (!std::exchange(granted_, true)) sink_.granted();
+  } else if (event.kind == Kind::base) {
+    if (std::exchange(base_, true)) return;
+    sink_.base(std::move(event.bytes));
+    for (const net::CellEvent& early : std::exchange(early_, {})) sink_.piece(early);
+  } else if (event.kind == Kind::piece && !base_) {
+    // Of no use without the base, which is on its way.
+    early_bytes_ += event.bytes.size() + sizeof event;
+    if (early_bytes_ <= kMostEarly) early_.push_back(std::move(event));
+  } else if (event.kind == Kind::piece) {
+    sink_.piece(event);
+  } else if (event.kind == Kind::ended) {
+    sink_.ended(std::nullopt);
+  } else if (event.kind == Kind::complete) {
+    end(std::nullopt);
+  } else if (event.kind == Kind::refused || event.kind == Kind::failed) {
+    answered_ = answered_ || event.kind == Kind::refused;
+    end(name_ + ": " + event.text);
+  }
+}
+
+void CellStream::end(const std::optional<std::string>& problem) {
+  over_ = true;
+  if (driver_) last_ = driver_->statistics();
+  driver_.reset();
+  sink_.ended(problem);
+}
+
+net::CellClientStatistics CellStream::statistics() const { return driver_ ? driver_->statistics() : last_; }
+
+}  // namespace gs::app

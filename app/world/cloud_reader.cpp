@@ -1,0 +1,350 @@
+#include "app/world/cloud_reader.h"
+
+#include "app/base/gunzip.h"
+#include "app/formats/volume/volume.h"
+#include "net/base/file.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_volume.h"
+#include "qnv/lod/lod.h"
+#include "qnv/records/record.h"
+#include "qnv/stream/loss.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using vrml::Severity;
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+// Vectors of a volume that is only looked at.
+constexpr std::uint64_t kMostGradients = std::uint64_t{1} << 24;
+// What a vector takes: as it is kept and drawn; in cuts and caches of a packed stream; while gradients are sorted.
+constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
+constexpr std::chrono::milliseconds kCancelWait{50};
+constexpr const char* kLate = "the time for loading is over; the rest of the file is left out";
+
+class CloudFileReader {
+ public:
+  CloudFileReader(const CloudFile& file, vrml::Diagnostics& diagnostics, const LoadLimit& limit,
+                  const WorldBudget& budget)
+      : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
+
+  std::optional<qnv::Cloud> levels(qnv::LodStream::Opened opened);
+  std::optional<qnv::Cloud> stream();
+  std::optional<qnv::Cloud> cloud(const ContentType& type);
+  std::optional<qnv::Cloud> volume();
+
+ private:
+  void report(Severity severity, std::string message) {
+    diagnostics_.add({severity, file_.path, {}, std::move(message)});
+  }
+
+  const CloudFile& file_;
+  std::vector<std::byte> arrived_;  // with losses
+  vrml::Diagnostics& diagnostics_;
+  LoadLimit limit_;
+  WorldBudget budget_;
+};
+
+// Read with pread and not through a mapping: someone may truncate the file while it is looked at.
+class FileSource : public qnv::ChunkSource {
+ public:
+  explicit FileSource(net::RandomAccessFile file) : file_(std::move(file)) {}
+  [[nodiscard]] std::uint64_t size() const override { return file_.size(); }
+  [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override {
+    return file_.read(offset, to);
+  }
+
+ private:
+  net::RandomAccessFile file_;
+};
+
+// A packed stream is kept as it came, or where it lies; views decode what they show.
+std::optional<qnv::Cloud> CloudFileReader::levels(qnv::LodStream::Opened opened) {
+  auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
+  if (!made) return std::nullopt;
+  const std::shared_ptr<qnv::LodStream> stream = hold_levels(std::move(*made), budget_, false);
+  for (const qnv::StreamProblem& problem : stream->problems())
+    if (!(file_.cut && problem.message.starts_with("ends ")))
+      report(Severity::warning, "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  qnv::Cloud cloud;
+  cloud.description = stream->header().description;
+  cloud.color = stream->header().color;
+  cloud.levels = stream;
+  return cloud;
+}
+
+std::optional<qnv::Cloud> CloudFileReader::stream() {
+  const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
+  if (as_it_lies && qnv::is_stream(file_.bytes)) {
+    const auto source = stream_source(file_.path);
+    // Not another file that has come to lie there.
+    if (source && source->size() == file_.bytes.size())
+      if (auto cloud = levels(qnv::LodStream::open(source))) return cloud;
+  }
+  if (!is_gzip(file_.bytes)) {
+    std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
+                                                  : std::vector<std::byte>(file_.bytes.begin(), file_.bytes.end());
+    if (file_.loss > 0) arrived_ = bytes;
+    if (auto cloud = levels(qnv::LodStream::open(std::move(bytes)))) return cloud;
+  }
+  qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
+  bool late = false;
+  const auto push = [&](std::span<const std::byte> bytes) {
+    while (!bytes.empty() && !late) {
+      const std::size_t size = std::min(bytes.size(), kReadBytes);
+      if (!decoder.push(bytes.first(size))) return false;
+      bytes = bytes.subspan(size);
+      late = limit_.over();
+    }
+    return !late;
+  };
+  if (is_gzip(file_.bytes)) {
+    const auto problem =
+        gunzip(file_.bytes, budget_, [&](std::string_view piece) { return push(std::as_bytes(std::span(piece))); });
+    if (problem && !file_.cut) report(Severity::warning, *problem);
+  } else {
+    (void)push(arrived_.empty() ? file_.bytes : std::span<const std::byte>(arrived_));
+  }
+  if (!decoder.header() || !(file_.cut || late)) decoder.finish();
+  if (late) report(Severity::error, kLate);
+  for (const qnv::StreamProblem& problem : decoder.problems())
+    report(decoder.header() ? Severity::warning : Severity::error,
+           "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  if (decoder.refused_chunks() > 0 && !decoder.full())
+    report(Severity::warning, std::to_string(decoder.refused_chunks()) + " chunks make no sense and are left out");
+  if (decoder.full())
+    report(Severity::error,
+           "vectors take " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
+  if (!decoder.header()) return std::nullopt;
+  return decoder.cloud();
+}
+
+std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
+  UnpackedBytes unpacked;
+  std::span<const std::byte> bytes = file_.bytes;
+  if (is_gzip(bytes) && !type.unpacks_itself) {
+    unpacked = unpack_gzip(bytes, budget_, vrml::Resource::files);
+    if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
+    bytes = unpacked.bytes.span();
+  }
+  ImportedCloud imported = type.import_cloud(bytes, budget_);
+  if (const auto* problem = std::get_if<std::string>(&imported)) {
+    report(Severity::error, *problem);
+    return std::nullopt;
+  }
+  auto& cloud = std::get<qnv::Cloud>(imported);
+  for (const auto& [key, value] : cloud.description.metadata)
+    if (!file_.cut && key.ends_with(" missing")) report(Severity::error, "the file ends early: " + key + ": " + value);
+  return std::move(cloud);
+}
+
+std::optional<qnv::Cloud> CloudFileReader::volume() {
+  if (file_.cut) {
+    report(Severity::error, "a volume cannot be read in part");
+    return std::nullopt;
+  }
+  auto opened = open_volume(file_.path, {}, file_.origin, budget_);
+  if (const auto* problem = std::get_if<std::string>(&opened)) {
+    // It names the file itself.
+    const bool named = problem->starts_with(file_.path + ": ");
+    report(Severity::error, named ? problem->substr(file_.path.size() + 2) : *problem);
+    return std::nullopt;
+  }
+  qnv::GradientOptions options;
+  options.vectors = std::min(kMostGradients, most_gradients(*budget_));
+  vrml::Share share(budget_, vrml::Resource::vectors);
+  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread was faster
+  Deadline deadline(limit_);
+  auto found = qnv::gradient_vectors(std::get<qnv::VolumeSource>(opened), options, &deadline.progress);
+  if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
+    report(Severity::error,
+           deadline.progress.cancelled ? "the time for loading is over before the volume was read" : problem->message);
+    return std::nullopt;
+  }
+  return std::move(std::get<qnv::Cloud>(found));
+}
+
+qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
+  if (value <= points.front().value) return points.front().color;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const qnv::TransferPoint &a = points[i - 1], &b = points[i];
+    if (value > b.value) continue;
+    const float t = b.value > a.value ? (value - a.value) / (b.value - a.value) : 1;
+    const auto mix = [t](std::uint8_t from, std::uint8_t to) {
+      return static_cast<std::uint8_t>(static_cast<float>(from) +
+                                       t * (static_cast<float>(to) - static_cast<float>(from)) + 0.5f);
+    };
+    return {mix(a.color.r, b.color.r), mix(a.color.g, b.color.g), mix(a.color.b, b.color.b)};
+  }
+  return points.back().color;
+}
+
+}  // namespace
+
+std::uint64_t most_gradients(const vrml::Budget& budget) {
+  return budget.left(vrml::Resource::vectors) / kGradientBytes;
+}
+
+std::size_t most_decoded_vectors(const vrml::Budget& budget) {
+  return static_cast<std::size_t>(budget.left(vrml::Resource::vectors) / kDecodedBytes);
+}
+
+std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream, const WorldBudget& budget,
+                                            bool grows) {
+  struct Held {
+    std::unique_ptr<qnv::LodStream> stream;
+    vrml::Share share, arrived;
+  };
+  // Of a stream that says that it is small, so much; of any other, half of what is left.
+  constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMostCounted = std::uint64_t{1} << 40;
+  const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMostCounted);
+  const std::uint64_t bytes = std::min(wanted, budget->left(vrml::Resource::vectors) / 2);
+  auto held = std::make_shared<Held>(Held{std::move(stream), vrml::Share(budget, vrml::Resource::vectors), {}});
+  (void)held->share.grow(bytes);
+  qnv::LodLimits limits;
+  limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
+  limits.discs = held->share.amount() / kLevelBytes;
+  if (grows) {
+    // The directory stands at the end.
+    const std::uint64_t directory = held->stream->header().directory, left = budget->left(vrml::Resource::files) / 2;
+    held->arrived = vrml::Share(budget, vrml::Resource::files);
+    (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
+    limits.arrived_bytes = kAtLeast + held->arrived.amount();
+  }
+  held->stream->set_limits(limits);
+  return {held, held->stream.get()};
+}
+
+bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget) {
+  return cloud.size() * kHeldBytes <= budget.left(vrml::Resource::vectors);
+}
+
+std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget) {
+  struct Held {
+    qnv::Cloud cloud;
+    vrml::Share share;
+  };
+  auto held = std::make_shared<Held>(Held{std::move(cloud), vrml::Share(budget, vrml::Resource::vectors)});
+  if (!held->share.grow(held->cloud.size() * kHeldBytes)) return nullptr;
+  return {held, &held->cloud};
+}
+
+std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
+  auto opened = net::open_file(path);
+  auto* file = std::get_if<net::RandomAccessFile>(&opened);
+  return file ? std::make_shared<const FileSource>(std::move(*file)) : nullptr;
+}
+
+Deadline::Deadline(const LoadLimit& limit)
+    : thread_([this, limit](const std::stop_token& stop) {
+        std::unique_lock lock(mutex_);
+        // Nothing ever comes true: it waits for the time, or for the end of the work. Who cancels wakes nobody.
+        while (!stop.stop_requested() && !limit.over()) {
+          const auto next = limit.cancelled ? std::min(limit.at, Clock::now() + kCancelWait) : limit.at;
+          (void)done_.wait_until(lock, stop, next, [] { return false; });
+        }
+        if (!stop.stop_requested()) progress.cancelled = true;
+      }) {}
+
+Deadline::~Deadline() = default;
+
+std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& file, vrml::Diagnostics& diagnostics,
+                                     const LoadLimit& limit, const WorldBudget& budget) {
+  CloudFileReader reader(file, diagnostics, limit, budget);
+  if (file.bytes.empty()) {
+    diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
+    return std::nullopt;
+  }
+  if (type.content == ContentClass::stream) return reader.stream();
+  if (type.content == ContentClass::cloud) return reader.cloud(type);
+  return reader.volume();
+}
+
+vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, const std::string& url) {
+  const auto make = [&](std::string_view type) { return scene.create(*vrml::built_in_node_type(type)); };
+  for (const auto& [key, value] : cloud.description.metadata)
+    if (key == "title" && !value.empty())
+      if (const vrml::NodeId info = make("WorldInfo")) {
+        scene.set<vrml::SFString>(info, "title", vrml::SFString(value));
+        scene.add_root(info);
+      }
+  const vrml::NodeId shape = make("Shape"), appearance = make("Appearance"), material = make("Material"),
+                     qnv = make("QNV");
+  if (!qnv) return qnv;
+  vrml::MFString urls;
+  urls.push_back(vrml::SFString(url));
+  scene.set(qnv, "url", std::move(urls));
+  if (cloud.description.kind == qnv::Kind::volume) scene.set<vrml::SFString>(qnv, "profile", "VOLUME");
+  const qnv::Box& box = cloud.description.box;
+  if (!box.empty()) {
+    scene.set<vrml::SFVec3f>(qnv, "bboxCenter", box.lower * 0.5f + box.upper * 0.5f);
+    scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
+  }
+  scene.set<vrml::SFNode>(appearance, "material", material);
+  scene.set<vrml::SFNode>(shape, "appearance", appearance);
+  scene.set<vrml::SFNode>(shape, "geometry", qnv);
+  scene.add_root(shape);
+  return qnv;
+}
+
+std::vector<qnv::TransferPoint> transfer_of(const vrml::MFFloat& numbers) {
+  constexpr std::size_t kNumbers = 5;
+  const auto unit = [](float v) { return v >= 0 ? std::min(v, 1.0f) : 0.0f; };
+  const auto byte = [&](float v) { return static_cast<std::uint8_t>(unit(v) * 255 + 0.5f); };
+  std::vector<qnv::TransferPoint> points;
+  for (std::size_t i = 0; i + kNumbers <= numbers.size(); i += kNumbers)
+    points.push_back(
+        {unit(numbers[i]), {byte(numbers[i + 1]), byte(numbers[i + 2]), byte(numbers[i + 3])}, unit(numbers[i + 4])});
+  std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
+  return points;
+}
+
+std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene, vrml::NodeId node) {
+  const auto& words = scene.get<vrml::MFInt32>(node, "vectors");
+  const auto& center = scene.get<vrml::SFVec3f>(node, "bboxCenter");
+  const auto& size = scene.get<vrml::SFVec3f>(node, "bboxSize");
+  qnv::Cloud cloud;
+  qnv::Description& d = cloud.description;
+  if (words.size() < 2) return "vectors holds no record; expected two numbers each";
+  const bool volume = scene.get<vrml::SFString>(node, "profile").view() == "VOLUME";
+  const float largest = volume ? 1 : std::max({size.x * size.y, size.y * size.z, size.z * size.x});
+  d.box.lower = center - size * 0.5f;
+  d.box.upper = center + size * 0.5f;
+  const bool framed = size.x >= 0 && size.y >= 0 && size.z >= 0 && largest > 0 && std::isfinite(largest) &&
+                      std::isfinite(d.box.size().x + d.box.size().y + d.box.size().z);
+  const qnv::RecordFrame frame = framed ? qnv::frame_for(d.box, largest) : qnv::RecordFrame{};
+  if (!framed || !qnv::valid(frame)) return "vectors need the box that they lie in; expected bboxCenter and bboxSize";
+  const std::size_t count = words.size() / 2;
+  std::vector<std::byte> records;
+  records.reserve(count * qnv::kRecordBytes);
+  for (std::size_t i = 0; i < count * 2; ++i)
+    for (int shift = 0; shift < 32; shift += 8)
+      records.push_back(static_cast<std::byte>(static_cast<std::uint32_t>(words[i]) >> shift & 255));
+  std::vector<std::uint8_t> classes(count);
+  cloud.positions.resize(count);
+  cloud.normals.resize(count);
+  cloud.weights.resize(count);
+  qnv::unpack_records(records, frame, cloud.positions.data(), cloud.normals.data(), cloud.weights.data(),
+                      classes.data());
+  for (const float weight : cloud.weights) d.total += weight;
+  d.box = frame.box();
+  d.two_sided = true;  // nothing says that what they cover is closed
+  d.transfer = transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));
+  if (volume) {
+    d.kind = qnv::Kind::volume;
+    d.spacing = std::max({frame.cell.x, frame.cell.y, frame.cell.z});
+    cloud.classes = std::move(classes);
+  } else if (!d.transfer.empty()) {
+    for (const std::uint8_t c : classes) cloud.colors.push_back(color_at(d.transfer, static_cast<float>(c) / 255));
+  }
+  return cloud;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,224 @@
+#include "app/base/temporary_file.h"
+#include "app/world/world_loading_state.h"
+#include "qnv/stream/container.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+// Bytes of streams, volumes and other programs' splats become vectors.
+namespace gs::app {
+namespace {
+
+using vrml::Severity;
+
+std::string file_name_of(const Found& found) {
+  net::Url as_file = found.url;
+  as_file.scheme = "file";
+  return std::filesystem::path(found.local ? found.path : net::path_of_url(as_file)).filename().string();
+}
+
+}  // namespace
+
+CloudTaker::CloudTaker(World& world, Place place, Show show)
+    : world_(world),
+      place_(std::move(place)),
+      show_(std::move(show)),
+      held_bytes_(world.budget, vrml::Resource::files),
+      decoded_(world.budget, vrml::Resource::vectors) {}
+
+bool CloudTaker::begin(const Found& found) {
+  found_ = found;
+  return true;
+}
+
+bool CloudTaker::whole_file(const net::MappedFile& file, const std::string& path) {
+  way_ = Way::done;
+  read_whole(file.bytes(), path);
+  return true;
+}
+
+void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string& path) {
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (is_outline_stream(bytes)) {
+    world_.report(Severity::warning, place_.file, place_.location,
+                  "QNV: " + path + " is a stream of outlines, which an OutlineGroup takes; expected vectors");
+    return;
+  }
+  if (!type.is_cloud()) {
+    world_.report(Severity::warning, place_.file, place_.location,
+                  "QNV: " + path + " is " + std::string(type.name) + "; expected a QNV stream");
+    return;
+  }
+  CloudFile file{path, bytes, cut};
+  file.origin = {world_.reader_of(found_.origin), file_name_of(found_)};
+  if (!place_.is_node) {
+    file.loss = world_.options.loss;
+    file.loss_seed = world_.options.loss_seed;
+  }
+  auto cloud = read_cloud(type, file, world_.world.diagnostics, world_.limit, world_.budget);
+  if (!cloud) return;
+  if (auto held = hold_cloud(std::move(*cloud), world_.budget))
+    show_(std::move(held));
+  else
+    give_up(vrml::Resource::vectors);
+}
+
+void CloudTaker::give_up(vrml::Resource resource) {
+  way_ = Way::done;
+  bytes_ = {};
+  held_bytes_.shrink_to(0);
+  world_.report(Severity::error, found_.path, {},
+                world_.budget->refusal(resource) + "; the vectors, or the finer ones, are left out");
+}
+
+bool CloudTaker::count_decoded() {
+  const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
+  return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
+}
+
+void CloudTaker::more(std::span<const std::byte> bytes) {
+  if (way_ == Way::done) return;
+  if (way_ == Way::pushed) return feed_->push(bytes);
+  if (way_ == Way::decoded) {
+    (void)decoder_->push(bytes);
+    if (count_decoded() && !decoder_->full()) return show_records(false);
+    show_records(true);
+    return give_up(vrml::Resource::vectors);
+  }
+  if (!held_bytes_.grow(bytes.size())) return give_up(vrml::Resource::files);
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  if (way_ == Way::unknown) choose_way();
+}
+
+// A stream of QNV shows from its first bytes on. Everything else is read when it is there as a whole.
+void CloudTaker::choose_way() {
+  if (!qnv::is_stream(bytes_)) {
+    if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
+    return;
+  }
+  // Of cells the loss is that of the line.
+  if (world_.options.loss > 0 && !place_.is_node && found_.url.scheme != "cells") {
+    way_ = Way::whole;
+    return;
+  }
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  const auto header = qnv::decode_header(bytes_, header_bytes, need_more);
+  if (need_more) return;
+  if (!std::holds_alternative<qnv::StreamHeader>(header)) {
+    way_ = Way::whole;  // whose reader says best what is wrong
+    return;
+  }
+  const auto& known = std::get<qnv::StreamHeader>(header);
+  if (known.payload == qnv::Payload::outlines) {
+    way_ = Way::whole;  // whose reader says what they are
+    return;
+  }
+  if (known.payload == qnv::Payload::packed) {
+    directory_ = known.directory;
+    auto begun = qnv::LodStream::begin(bytes_);
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {
+      way_ = Way::pushed;
+      start_feed(hold_levels(std::move(*stream), world_.budget, true));
+      bytes_ = {};
+      return;
+    }
+  }
+  way_ = Way::decoded;
+  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*world_.budget));
+  (void)decoder_->push(std::exchange(bytes_, {}));
+  show_records(false);
+}
+
+void CloudTaker::start_feed(std::shared_ptr<qnv::LodStream> stream) {
+  qnv::Cloud cloud;
+  cloud.description = stream->header().description;
+  cloud.color = stream->header().color;
+  cloud.levels = std::move(stream);
+  feed_ = std::make_shared<StreamFeed>(cloud.levels, [waker = world_.waker] { waker->wake(); });
+  world_.world.feeds.push_back(feed_);
+  show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
+}
+
+// Again whenever a quarter more has come: making a cloud takes time in proportion to it.
+void CloudTaker::show_records(bool last) {
+  const std::size_t vectors = decoder_->vectors();
+  if (vectors == 0 || (!last && vectors < shown_ + shown_ / 4 + 1000)) return;
+  if (vectors == shown_) return;
+  shown_ = vectors;
+  show_(std::make_shared<const qnv::Cloud>(decoder_->cloud()));
+}
+
+void CloudTaker::end(const std::optional<std::string>& problem) {
+  if (problem)
+    world_.report(Severity::warning, place_.file, place_.location,
+                  (place_.is_node ? "QNV: " : "") + *problem + "; shown is what has come");
+  if (way_ == Way::done) return;
+  const bool part = cut || problem;
+  if (way_ == Way::pushed) {
+    feed_->finish();
+  } else if (way_ == Way::decoded) {
+    if (!part) decoder_->finish();
+    report_problems(decoder_->problems(), Severity::warning);
+    if (decoder_->refused_chunks() > 0)
+      world_.report(Severity::warning, found_.path, {},
+                    std::to_string(decoder_->refused_chunks()) + " chunks make no sense and are left out");
+    show_records(true);
+    decoder_.reset();
+  } else {
+    cut = part;
+    read_bytes();
+  }
+}
+
+void CloudTaker::read_bytes() {
+  const std::string name = found_.local ? found_.path : file_name_of(found_);
+  const ContentType& type = content_type_of(name, first_bytes(bytes_));
+  if (type.content != ContentClass::volume || found_.local) {
+    read_whole(bytes_, name);
+  } else {
+    // Volumes are read by slices from a file.
+    const TemporaryFile file(name, bytes_);
+    if (file.problem().empty())
+      read_whole(bytes_, file.path());
+    else
+      world_.report(Severity::error, found_.path, {}, file.problem());
+  }
+  bytes_ = {};
+}
+
+bool CloudTaker::seek(RangedStream::Place place) {
+  if (way_ != Way::pushed) return false;
+  place.directory = directory_;
+  if (directory_ == 0 || directory_ >= place.total || directory_ < place.front) return false;
+  world_.streams.push_back(std::make_unique<RangedStream>(*world_.network(), feed_, std::move(place)));
+  return true;
+}
+
+void CloudTaker::piece(const net::CellEvent& event) {
+  if (way_ == Way::pushed) {
+    feed_->add_loose(event.name.chunk, event.bytes);
+  } else if (way_ == Way::decoded && event.records) {
+    // The records stand where they do in the chunk; what is before them comes another time, or never.
+    const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
+    std::vector<std::byte> payload(head.begin(), head.end());
+    payload.resize(head.size() + event.offset);
+    payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
+    const qnv::ByteRange missing{head.size(), head.size() + event.offset};
+    decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
+    show_records(false);
+  }
+}
+
+void CloudTaker::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
+  for (const qnv::StreamProblem& problem : problems)
+    world_.report(severity, found_.path, {}, "byte " + std::to_string(problem.offset) + ": " + problem.message);
+}
+
+void CloudTaker::missing(const std::string& why) {
+  if (!told) world_.report(Severity::warning, place_.file, place_.location, "QNV: " + why_missing(place_.urls, why));
+}
+
+}  // namespace gs::app

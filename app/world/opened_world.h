@@ -1,0 +1,39 @@
+#pragma once
+
+#include "render/image/image.h"
+#include "render/scene/render_list.h"
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+class StreamFeed;
+
+/// A folder with something that a world refers to and may not read; the user may allow it.
+struct OutsideFolder {
+  std::string folder;
+  std::string reference;  // the first, as the world has it
+  friend bool operator==(const OutsideFolder&, const OutsideFolder&) = default;
+};
+
+/// A world that was read, with everything a picture of it needs.
+struct OpenedWorld {
+  std::string title;                        // WorldInfo.title or the file's name
+  std::string path;                         // as it was asked for
+  std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
+  render::Images images;
+  render::Clouds clouds;
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
+  vrml::Diagnostics diagnostics;
+  std::vector<OutsideFolder> outside;
+  bool truncated = false;    // the file ends before the world does
+  std::size_t bytes = 0;     // of the file itself, as it lies on disk
+  double parse_seconds = 0;  // of the file itself, without what it refers to
+};
+
+}  // namespace gs::app

@@ -1,0 +1,51 @@
+#include "app/world/world_loading_state.h"
+#include "qnv/lod/lod_source.h"
+
+#include <utility>
+#include <variant>
+
+// Bytes of streams of outlines become polygons of OutlineGroup nodes.
+namespace gs::app {
+
+void OutlineReader::more(std::span<const std::byte> bytes) {
+  (void)decoder_.push(bytes);
+  show();
+}
+
+// What came as cells is a whole chunk of the file.
+void OutlineReader::piece(const net::CellEvent& event) {
+  const auto chunk = qnv::sound_chunk(event.bytes);
+  if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_.add(sound->type, sound->payload);
+  show();
+}
+
+void OutlineReader::show() {
+  if (!decoder_.header()) return;
+  const std::vector<qnv::OutlineBatch> batches = decoder_.take();
+  if (batches.empty()) return;
+  outlines_.add(decoder_.header()->outlines, batches);
+  changed_ = true;
+}
+
+void OutlineReader::end(const std::string& file, bool whole) {
+  if (whole) decoder_.finish();
+  show();
+  if (whole) outlines_.complete();
+  changed_ = true;
+  for (const qnv::StreamProblem& problem : decoder_.problems())
+    world_.report(decoder_.refused() ? vrml::Severity::error : vrml::Severity::warning, file, {},
+                  "byte " + std::to_string(problem.offset) + ": " + problem.message);
+  if (outlines_.full())
+    world_.report(vrml::Severity::error, file, {},
+                  world_.budget->refusal(vrml::Resource::nodes) + "; the rest of the polygons is left out");
+  const std::size_t refused = decoder_.refused_records();
+  if (refused > 0)
+    world_.report(vrml::Severity::warning, file, {},
+                  std::to_string(refused) + " polygons are damaged and are left out");
+}
+
+std::vector<vrml::NodeId> OutlineReader::take_changed() {
+  return std::exchange(changed_, false) ? outlines_.nodes() : std::vector<vrml::NodeId>();
+}
+
+}  // namespace gs::app

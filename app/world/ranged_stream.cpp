@@ -1,0 +1,146 @@
+#include "app/world/ranged_stream.h"
+
+#include "qnv/stream/container.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+// A gap that is read rather than asked for around: another question costs about as much.
+constexpr std::uint64_t kJoin = 16384;
+constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes that are asked for at a time
+constexpr std::size_t kMostOpen = 3;                        // such batches, so that the line never falls silent
+constexpr unsigned kMostFailures = 5;
+constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
+constexpr std::uint64_t kMostDirectory = std::uint64_t{256} << 20;
+constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // of vectors; see Urgency
+
+std::size_t payload_bytes(std::span<const std::byte> chunk) {
+  return std::to_integer<std::size_t>(chunk[2]) | std::to_integer<std::size_t>(chunk[3]) << 8;
+}
+
+}  // namespace
+
+RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place)
+    : loader_(loader), feed_(std::move(feed)), place_(std::move(place)) {
+  if (place_.total - place_.directory > kMostDirectory)
+    give_up("its directory is too long");
+  else
+    directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
+  // The order of the stream is a good one as long as views cannot choose.
+  if (!over_ && place_.total - place_.directory > kLongDirectory)
+    front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
+}
+
+net::RequestId RangedStream::request(std::vector<net::ByteRange> ranges, int priority) {
+  net::Request wanted;
+  wanted.url = place_.url;
+  wanted.from = place_.from;
+  wanted.ranges = std::move(ranges);
+  wanted.priority = priority;
+  wanted.validator = place_.validator;
+  return loader_.request(std::move(wanted));
+}
+
+bool RangedStream::ask_for_more() {
+  if (over_ || directory_request_) return false;
+  (void)feed_->take_wanted(wanted_);
+  bool any = false;
+  while (open_.size() < kMostOpen) {
+    Batch batch;
+    std::uint64_t bytes = 0;
+    for (const qnv::ChunkRange& chunk : wanted_) {
+      if (bytes >= kBatch) break;
+      if (!asked_.insert(chunk.offset).second) continue;
+      batch.chunks.push_back(chunk);
+      bytes += chunk.bytes;
+    }
+    if (batch.chunks.empty()) break;
+    net::RangeSet ranges;
+    for (const qnv::ChunkRange& chunk : batch.chunks) ranges.add({chunk.offset, chunk.offset + chunk.bytes});
+    const net::RequestId id = request(ranges.joined(kJoin), kChunkPriority);
+    open_.emplace(id.value, std::move(batch));
+    any = true;
+  }
+  return any;
+}
+
+bool RangedStream::take(net::LoadEvent& event) {
+  if (front_request_ && event.id == *front_request_) {
+    if (const auto* data = std::get_if<net::LoadData>(&event.what)) feed_->push(data->bytes);
+    if (!std::holds_alternative<net::LoadHead>(event.what) && !std::holds_alternative<net::LoadData>(event.what))
+      stop_front();
+    return true;
+  }
+  const bool of_directory = directory_request_ && event.id == *directory_request_;
+  const auto batch = open_.find(event.id.value);
+  if (!of_directory && batch == open_.end()) return false;
+  if (const auto* data = std::get_if<net::LoadData>(&event.what)) {
+    if (of_directory)
+      directory_.insert(directory_.end(), data->bytes.begin(), data->bytes.end());
+    else
+      take_data(batch->second, *data);
+  } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+    loader_.cancel(event.id);
+    give_up("it has changed on the server; reading it again shows the new one");
+  } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+    failures_ = 0;
+    if (of_directory) {
+      directory_request_.reset();
+      stop_front();
+      feed_->set_directory(std::exchange(directory_, {}));
+    } else {
+      open_.erase(batch);
+    }
+  } else if (const auto* error = std::get_if<net::LoadError>(&event.what)) {
+    if (of_directory || ++failures_ >= kMostFailures || error->kind == net::LoadErrorKind::changed) {
+      give_up(error->message);
+    } else {
+      for (const qnv::ChunkRange& chunk : batch->second.chunks) asked_.erase(chunk.offset);
+      open_.erase(batch);
+    }
+  }
+  return true;
+}
+
+// Ranges begin where chunks do, and those between are whole as well.
+void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
+  std::vector<std::byte> run;
+  if (const auto before = batch.runs.find(data.offset); before != batch.runs.end()) {
+    run = std::move(before->second);
+    batch.runs.erase(before);
+  }
+  std::uint64_t at = data.offset - run.size();
+  run.insert(run.end(), data.bytes.begin(), data.bytes.end());
+  std::span<const std::byte> rest(run);
+  while (rest.size() >= qnv::kChunkHeaderBytes) {
+    const std::size_t size = qnv::kChunkHeaderBytes + payload_bytes(rest);
+    if (rest.size() < size) break;
+    asked_.insert(at);
+    feed_->add(at, {rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size)});
+    at += size;
+    rest = rest.subspan(size);
+  }
+  if (!rest.empty()) batch.runs[at + rest.size()] = {rest.begin(), rest.end()};
+}
+
+void RangedStream::stop_front() {
+  if (front_request_) loader_.cancel(*front_request_);
+  front_request_.reset();
+}
+
+void RangedStream::give_up(const std::string& why) {
+  over_ = true;
+  for (const auto& [id, batch] : open_) loader_.cancel({id});
+  if (directory_request_) loader_.cancel(*directory_request_);
+  stop_front();
+  open_.clear();
+  directory_request_.reset();
+  feed_->fail("no finer vectors of " + place_.url + " can be read: " + why);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,400 @@
+#include "app/formats/texture_image.h"
+#include "app/world/world_loading_state.h"
+#include "net/base/schemes.h"
+#include "vrml/scene/prototype.h"
+
+#include <algorithm>
+#include <utility>
+
+// What the nodes of a scene refer to.
+namespace gs::app {
+namespace {
+
+using vrml::NodeId;
+using vrml::Severity;
+
+// Texts of different sites that name the same share nothing: what one may have, another may not.
+std::string key_of(const std::vector<net::Url>& places, const net::Origin& from) {
+  std::string key = from.site() + "\n";
+  for (const net::Url& url : places) key += url.text() + "\n";
+  return key;
+}
+
+}  // namespace
+
+std::string why_missing(const vrml::MFString& urls, const std::string& why) {
+  if (urls.empty()) return "has no url";
+  std::string text = "cannot find '" + std::string(urls.front().view().substr(0, 200)) + "'";
+  if (urls.size() > 1) text += " or the " + std::to_string(urls.size() - 1) + " others of its url list";
+  return why.empty() ? text : text + " (" + why.substr(0, 300) + ")";
+}
+
+/// A picture that textures show.
+struct WorldLoading::State::SharedImage final : Taker {
+  SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
+      : world(state),
+        file(node.text->file_name()),
+        place(node.location),
+        urls(std::move(list)),
+        held(state.budget, vrml::Resource::files) {}
+
+  bool begin(const Found& where) override {
+    name = where.path;
+    return true;
+  }
+  bool whole_file(const net::MappedFile& mapped, const std::string&) override {
+    decode(mapped.bytes());
+    return true;
+  }
+  void more(std::span<const std::byte> piece) override {
+    if (over) return;
+    if (held.grow(piece.size())) {
+      bytes.insert(bytes.end(), piece.begin(), piece.end());
+    } else {
+      leave_out(world.budget->refusal(vrml::Resource::files));
+      bytes = {};
+    }
+  }
+  void end(const std::optional<std::string>& problem) override {
+    if (problem) world.report(Severity::warning, file, place, "ImageTexture: " + *problem);
+    if (!over) decode(bytes);
+    bytes = {};
+    held.shrink_to(0);
+  }
+  void leave_out(const std::string& why) {
+    over = true;
+    world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + why + "; left out");
+  }
+  void decode(std::span<const std::byte> from) {
+    over = true;
+    auto decoded = decode_texture(from, world.budget);
+    if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
+    Texture& texture = std::get<Texture>(decoded);
+    if (!texture.note.empty())
+      world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + texture.note);
+    image = std::move(texture.image);
+    for (const vrml::Node* node : nodes) world.world.images[node] = image;
+    world.changed = true;
+  }
+  void missing(const std::string& why) override {
+    over = true;
+    if (!told) world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
+  }
+  void add(const vrml::Node* node) {
+    if (image)
+      world.world.images[node] = image;
+    else if (!over)
+      nodes.push_back(node);
+  }
+
+  State& world;
+  std::string file, name;
+  vrml::SourceLocation place;
+  vrml::MFString urls;
+  std::vector<std::byte> bytes;
+  vrml::Share held;  // of these
+  std::vector<const vrml::Node*> nodes;
+  std::shared_ptr<const render::Image> image;
+  bool over = false;
+};
+
+/// Vectors that QNV nodes show.
+struct WorldLoading::State::SharedCloud {
+  std::shared_ptr<const qnv::Cloud> cloud;
+  std::vector<std::pair<std::shared_ptr<SceneTaker>, NodeId>> nodes;
+};
+
+// In the order of VRML97 4.5.3: as seen from the file that uses a PROTO, then from the one that declares it.
+SceneTaker::Reference SceneTaker::refer(const vrml::MFString& list, const vrml::SceneGraph& text) const {
+  const auto own = origins_.find(scene), source = origins_.find(&text);
+  // Of a text that nobody knows, nothing is trusted.
+  Reference reference{{},
+                      source == origins_.end() ? net::Origin{"data:", net::AddressSpace::global} : source->second,
+                      list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
+  std::vector<net::Url> bases;
+  // What came over a network has no business with the names of files.
+  if (own != origins_.end() && (!own->second.is_file() || reference.from.is_file()))
+    bases.push_back(net::parse_url(own->second.url));
+  if (&text != scene) bases.push_back(net::parse_url(reference.from.url));
+  std::unordered_set<std::string> seen;
+  for (const vrml::SFString& url : list) {
+    const net::Url parsed = net::parse_url(net::tidy_url(url.view()));
+    for (const net::Url& base : bases) {
+      net::Url resolved = net::resolve(base, parsed);
+      if (seen.insert(resolved.text()).second) reference.places.push_back(std::move(resolved));
+    }
+  }
+  return reference;
+}
+
+SceneTaker::Reference SceneTaker::refer(NodeId id) const {
+  const int slot = scene->node(id).type->find_field("url")->slot;
+  return refer(scene->get<vrml::MFString>(id, "url"), scene->text_of(id, slot));
+}
+
+void SceneTaker::ask_for(Reference reference, NodeId id, std::shared_ptr<Taker> taker, Urgency urgency) {
+  auto fetch = std::make_unique<Fetch>();
+  fetch->candidates = std::move(reference.places);
+  fetch->from = std::move(reference.from);
+  fetch->reference = std::move(reference.first);
+  fetch->node = id ? &scene->node(id) : nullptr;
+  fetch->taker = std::move(taker);
+  world_.fetch(std::move(fetch), urgency);
+}
+
+void SceneTaker::look_for_references() {
+  if (!scene || refused || !world_.options.references) return;
+  if (parser_) {
+    open_.clear();
+    for (const NodeId id : parser_->open_nodes()) open_.insert(id.index);
+  } else {
+    open_.clear();
+  }
+  for (const NodeId id : std::exchange(later_, {})) visit(id);
+  // Looking may make nodes: those of PROTO instances.
+  while (looked_at_ < scene->node_count()) visit(scene->id_at(++looked_at_));
+  look_for_prototypes();
+}
+
+void SceneTaker::visit(NodeId id) {
+  const vrml::Node& node = scene->node(id);
+  if (node.in_prototype_body) return;
+  if (open_.contains(id.index)) {
+    later_.push_back(id);
+    return;
+  }
+  if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
+    used_types_.insert(node.type);
+    if (node.type->name == "QNV") replace_fallback(id);
+    return;
+  }
+  if (node.type->kind != vrml::NodeType::Kind::built_in) return;
+  if (node.type->name == "Inline") visit_inline(id);
+  if (node.type->name == "ImageTexture") visit_image(id);
+  if (node.type->name == "QNV") visit_cloud(id);
+  if (node.type->name == "OutlineGroup") visit_outlines(id);
+}
+
+void SceneTaker::look_for_prototypes() {
+  std::unordered_map<std::string, SceneTaker*> fresh;  // EXTERNPROTOs of one file are one library
+  for (const auto& type : scene->types()) {
+    if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
+        !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
+      continue;
+    Reference reference = refer(type->url, *scene);
+    std::vector<net::Url> files = reference.places;
+    for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
+    const std::string fragment = files.empty() ? std::string() : reference.places.front().fragment;
+    SceneTaker*& known = fresh[key_of(files, reference.from)];
+    if (known) {
+      known->types.push_back(type.get());
+      known->fragments.push_back(fragment);
+      continue;
+    }
+    auto library = std::make_shared<SceneTaker>(world_, Role::library, this);
+    known = library.get();
+    library->what = "EXTERNPROTO " + type->name;
+    library->place_file = scene->file_name();
+    library->urls = type->url;
+    library->types = {type.get()};
+    library->fragments = {fragment};
+    libraries_.push_back(library);
+    ++awaited_libraries_;
+    ask_for(std::move(reference), {}, std::move(library), Urgency::prototypes);
+  }
+}
+
+void SceneTaker::take_library(SceneTaker& library) {
+  if (library.scene && !library.refused) {
+    origins_.insert(library.origins_.begin(), library.origins_.end());
+    vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
+    const std::string& file = attached.file_name();
+    for (std::size_t i = 0; i < library.types.size(); ++i) {
+      vrml::NodeType& type = *library.types[i];
+      const std::string& name = library.fragments[i];
+      const vrml::NodeType* source = vrml::find_prototype(attached, name);
+      if (!source || !source->prototype)
+        report(Severity::error, {},
+               file + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " + type.name);
+      else
+        to_resolve_.emplace_back(&type, source);
+    }
+  }
+  --awaited_libraries_;
+  resolve_types();
+  look_for_references();
+  settle();
+}
+
+// Instances whose own fields are still being read must wait for them.
+void SceneTaker::resolve_types() {
+  std::unordered_set<const vrml::NodeType*> open_types;
+  if (parser_)
+    for (const NodeId id : parser_->open_nodes()) open_types.insert(scene->node(id).type);
+  std::erase_if(to_resolve_, [&](const auto& one) {
+    if (open_types.contains(one.first)) return false;
+    if (!vrml::resolve_external(*scene, *one.first, *one.second))
+      report(Severity::error, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
+    world_.changed = true;
+    return true;
+  });
+}
+
+void SceneTaker::visit_inline(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (scene->inlined(id) || list.empty()) return;
+  auto inner = std::make_shared<SceneTaker>(world_, Role::inlined, this);
+  inner->what = "Inline";
+  inner->urls = list;
+  inner->inline_node = id;
+  inner->place_file = scene->node(id).text->file_name();
+  inner->place = scene->node(id).location;
+  inner_.push_back(inner);
+  ask_for(refer(id), id, std::move(inner), Urgency::inline_scene);
+}
+
+void SceneTaker::visit_image(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  Reference reference = refer(id);
+  auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
+  const bool fresh = !shared;
+  if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), list);
+  shared->add(&scene->node(id));
+  if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
+}
+
+// From its own records, else from the first file of its url list; the node's transfer function goes before the
+// stream's.
+void SceneTaker::visit_cloud(NodeId id) {
+  const vrml::Node& node = scene->node(id);
+  if (world_.world.clouds.contains(&node)) return;
+  if (!scene->get<vrml::MFInt32>(id, "vectors").empty()) {
+    auto made = inline_cloud(*scene, id);
+    if (const auto* problem = std::get_if<std::string>(&made))
+      report_at(node, "QNV: " + *problem);
+    else if (auto held = hold_cloud(std::move(std::get<qnv::Cloud>(made)), world_.budget))
+      world_.world.clouds[&node] = std::move(held);
+    else
+      report_at(node, "QNV: " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
+    return;
+  }
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  Reference reference = refer(id);
+  auto& shared = world_.shared_clouds[key_of(reference.places, reference.from)];
+  if (shared) {
+    shared->nodes.emplace_back(shared_from_this(), id);
+    if (shared->cloud) set_cloud(id, shared->cloud);
+    return;
+  }
+  shared = std::make_shared<WorldLoading::State::SharedCloud>();
+  shared->nodes.emplace_back(shared_from_this(), id);
+  auto taker =
+      std::make_shared<CloudTaker>(world_, CloudTaker::Place{node.text->file_name(), node.location, list, true},
+                                   [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                     shared->cloud = cloud;
+                                     for (const auto& [scene_taker, of] : shared->nodes)
+                                       scene_taker->set_cloud(of, cloud);
+                                   });
+  ask_for(std::move(reference), id, std::move(taker), Urgency::vectors);
+}
+
+/// Polygons of an OutlineGroup that its url names.
+struct WorldLoading::State::OutlineTaker final : Taker {
+  OutlineTaker(State& state, std::shared_ptr<SceneTaker> scene_taker, NodeId id, vrml::MFString list)
+      : owner(std::move(scene_taker)),
+        node(id),
+        urls(std::move(list)),
+        place(owner->scene->node(id).location),
+        world(state),
+        reader(state, *owner->scene, id) {}
+
+  bool begin(const Found& found) override {
+    name = found.path;
+    return true;
+  }
+  void more(std::span<const std::byte> bytes) override {
+    reader.more(bytes);
+    show();
+  }
+  void piece(const net::CellEvent& event) override {
+    reader.piece(event);
+    show();
+  }
+  void end(const std::optional<std::string>& problem) override {
+    if (problem)
+      world.report(Severity::warning, owner->scene->file_name(), place,
+                   "OutlineGroup: " + *problem + "; shown is what has come");
+    reader.end(name, !problem && !cut);
+    show();
+  }
+  void missing(const std::string& why) override {
+    if (!told)
+      world.report(Severity::warning, owner->scene->file_name(), place, "OutlineGroup: " + why_missing(urls, why));
+  }
+  void show() {
+    for (const NodeId changed : reader.take_changed()) owner->outlines_changed(changed);
+  }
+
+  std::shared_ptr<SceneTaker> owner;
+  NodeId node;
+  vrml::MFString urls;
+  vrml::SourceLocation place;
+  State& world;
+  OutlineReader reader;
+  std::string name;
+};
+
+void SceneTaker::visit_outlines(NodeId id) {
+  const auto& list = scene->get<vrml::MFString>(id, "url");
+  if (list.empty()) return;
+  ask_for(refer(id), id, std::make_shared<WorldLoading::State::OutlineTaker>(world_, shared_from_this(), id, list),
+          Urgency::vectors);
+}
+
+void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
+  const vrml::Node* node = &scene->node(id);
+  world_.changed = true;
+  std::shared_ptr<const qnv::Cloud>& held = world_.world.clouds[node];
+  auto transfer = transfer_of(scene->get<vrml::MFFloat>(id, "transfer"));
+  if (transfer.empty()) {
+    held = cloud;
+  } else {
+    held = nullptr;
+    if (has_room_for(*cloud, *world_.budget)) {
+      qnv::Cloud own = *cloud;
+      own.description.transfer = std::move(transfer);
+      held = hold_cloud(std::move(own), world_.budget);
+    }
+    if (!held) {
+      held = cloud;
+      report_at(*node,
+                "QNV: with a transfer of its own, " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
+    }
+  }
+  const auto fallback = fallbacks_.find(id.index);
+  if (fallback == fallbacks_.end()) return;
+  vrml::Node& instance = scene->node(fallback->second);
+  instance.expansion = {};
+  instance.expansion.push_back(id);
+}
+
+// A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
+// there, they are shown in the place of its body.
+void SceneTaker::replace_fallback(NodeId id) {
+  const vrml::NodeType& native = *vrml::built_in_node_type("QNV");
+  const NodeId made = scene->create(native, scene->node(id).location);
+  if (!made) return;
+  const vrml::Node& instance = scene->node(id);
+  vrml::Node& node = scene->node(made);
+  for (const vrml::InterfaceDeclaration& declaration : native.interfaces) {
+    const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
+    if (declaration.slot < 0 || !own || own->type != declaration.type) continue;
+    node.values[declaration.slot] = instance.values[own->slot];
+    scene->set_text(made, declaration.slot, vrml::text_of_field(*scene, id, *own));
+  }
+  fallbacks_[made.index] = id;  // the new node is looked at like any other
+}
+
+}  // namespace gs::app

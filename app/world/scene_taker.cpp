@@ -1,0 +1,295 @@
+#include "app/base/text.h"
+#include "app/formats/mesh_import.h"
+#include "app/world/world_loading_state.h"
+#include "vrml/scene/prototype.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+// Bytes of scenes become nodes; what the nodes refer to is in scene_references.cpp.
+namespace gs::app {
+namespace {
+
+using vrml::Severity;
+
+}  // namespace
+
+SceneTaker::SceneTaker(World& world, Role given_role, SceneTaker* given_outer)
+    : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, vrml::Resource::files) {}
+
+bool SceneTaker::leads_back(const Found& found) const {
+  std::size_t depth = 0;
+  for (const SceneTaker* scene_taker = outer; scene_taker; scene_taker = scene_taker->outer, ++depth)
+    if (scene_taker->found_.url.text() == found.url.text() || depth >= world_.budget->limits().inline_depth)
+      return true;
+  return false;
+}
+
+bool SceneTaker::begin(const Found& found) {
+  if (outer && leads_back(found)) {
+    world_.report(Severity::error, place_file, place, what + " leads back to " + found.path + "; left out");
+    refused = true;
+    finished_reading();
+    return false;
+  }
+  errors_before_ = world_.world.diagnostics.errors();
+  found_ = found;
+  own_ = std::make_unique<vrml::SceneGraph>(found.path, world_.budget);
+  scene = own_.get();
+  origins_ = {{scene, found.origin}};
+  return true;
+}
+
+bool SceneTaker::whole_file(const net::MappedFile& file, const std::string& path) {
+  const auto bytes = file.bytes();
+  type_ = &content_type_of(path, first_bytes(bytes));
+  if (type_->content == ContentClass::vrml || is_outline_stream(bytes)) return false;
+  bytes_ = bytes.size();
+  if (type_->is_cloud())
+    (void)cloud_taker().whole_file(file, path);
+  else
+    read_mesh(bytes);
+  refused = refused || (type_->is_cloud() && !cloud_node_);
+  whole_file_read_ = true;
+  return true;
+}
+
+void SceneTaker::more(std::span<const std::byte> bytes) {
+  bytes_ += bytes.size();
+  if (refused) return;
+  if (!type_ || type_->content == ContentClass::mesh) {
+    if (!waiting_share_.grow(bytes.size())) {
+      report(Severity::error, {}, world_.budget->refusal(vrml::Resource::files) + "; left out");
+      refused = true;
+      waiting_ = {};
+      return;
+    }
+    waiting_.insert(waiting_.end(), bytes.begin(), bytes.end());
+    if (type_ || !choose_type(false)) return;
+    bytes = waiting_;
+    if (type_->content == ContentClass::mesh) return;
+    read_rest(bytes);
+    waiting_ = {};
+    waiting_share_.shrink_to(0);
+    return;
+  }
+  read_rest(bytes);
+}
+
+// By the first bytes, the name, or what the server says. False while more bytes are needed to tell.
+bool SceneTaker::choose_type(bool last) {
+  if (!last && waiting_.size() < kTypeBytes) return false;
+  const std::string name = found_.local ? found_.path : found_.url.path;
+  const auto first = first_bytes(waiting_);
+  type_ = content_type_by_mark(first);
+  if (!type_) type_ = &content_type_of(name, first);
+  return true;
+}
+
+void SceneTaker::read_rest(std::span<const std::byte> bytes) {
+  if (!outlines_ && !cloud_taker_ && type_->is_cloud() && is_outline_stream(bytes))
+    outlines_ = std::make_unique<OutlineReader>(world_, *scene);
+  if (outlines_) {
+    outlines_->more(bytes);
+    return show_outlines();
+  }
+  if (type_->is_cloud()) return cloud_taker().more(bytes);
+  if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
+  if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(world_.budget);
+  is_gzip_known_ = true;
+  if (gunzip_)
+    gunzip_->push(bytes, [this](std::string_view piece) {
+      parser_->push(piece);
+      return !scene->exhausted();
+    });
+  else
+    parser_->push(text_of(bytes));
+  world_.changed = true;
+  attach();
+  look_for_references();
+}
+
+CloudTaker& SceneTaker::cloud_taker() {
+  if (!cloud_taker_) {
+    const std::weak_ptr<SceneTaker> self = weak_from_this();
+    cloud_taker_ = std::make_shared<CloudTaker>(world_, CloudTaker::Place{found_.path, {}, {}, false},
+                                                [self](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                                  if (const auto taker = self.lock()) taker->show_cloud(cloud);
+                                                });
+    cloud_taker_->begin(found_);
+  }
+  cloud_taker_->cut = cut;
+  return *cloud_taker_;
+}
+
+void SceneTaker::show_outlines() {
+  for (const vrml::NodeId id : outlines_->take_changed()) outlines_changed(id);
+  attach();
+  look_for_references();  // textures
+}
+
+void SceneTaker::outlines_changed(vrml::NodeId id) {
+  shown_open_.push_back(&scene->node(id));
+  world_.changed = true;
+}
+
+void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
+  auto read =
+      import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
+  refused = !read;
+  if (refused) return;
+  own_ = std::move(read);
+  scene = own_.get();
+  origins_ = {{scene, found_.origin}};
+  world_.changed = true;
+}
+
+void SceneTaker::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
+  if (!cloud_node_) {
+    const std::string path = found_.local ? net::url_of_path(found_.path).path : found_.url.path;
+    cloud_node_ = add_cloud_shape(*scene, *cloud, path.substr(path.rfind('/') + 1));
+    if (!cloud_node_) return;
+    attach();
+  }
+  world_.world.clouds[&scene->node(cloud_node_)] = cloud;
+  world_.changed = true;
+}
+
+void SceneTaker::end(const std::optional<std::string>& problem) {
+  if (problem) {
+    world_.report(Severity::error, found_.path, {}, *problem);
+    whole = false;
+  }
+  if (!whole_file_read_ && !refused) {
+    if (!type_) choose_type(true);
+    if (type_->content == ContentClass::mesh) {
+      read_mesh(std::exchange(waiting_, {}));
+    } else if (type_->is_cloud() && !cloud_taker_ && !outlines_ && is_outline_stream(waiting_)) {
+      read_rest(std::exchange(waiting_, {}));
+    }
+    if (outlines_) {
+      outlines_->end(found_.path, !cut && !problem);
+      show_outlines();
+      refused = outlines_->empty();
+      outlines_.reset();
+    } else if (type_->is_cloud()) {
+      if (!cloud_taker_) read_rest(std::exchange(waiting_, {}));
+      cloud_taker().cut = cut || problem;
+      cloud_taker_->end(std::nullopt);
+      refused = !cloud_node_;
+    } else if (type_->content == ContentClass::vrml) {
+      if (!parser_) read_rest(std::exchange(waiting_, {}));
+      end_text(problem.has_value());
+    }
+  }
+  if (refused && world_.world.diagnostics.errors() == errors_before_)
+    world_.report(Severity::error, found_.path, {}, "holds nothing to show");
+  world_.changed = true;
+  finished_reading();
+}
+
+void SceneTaker::end_text(bool had_problem) {
+  if (gunzip_) {
+    if (const auto damage = gunzip_->finish(); damage && !cut && !had_problem) {
+      report(Severity::error, {}, *damage);
+      whole = false;
+    }
+  }
+  const vrml::ParseOutcome outcome = parser_->finish();
+  refused = outcome == vrml::ParseOutcome::refused;
+  whole = whole && (outcome == vrml::ParseOutcome::complete || cut);
+  parser_.reset();
+  if (!had_problem && !cut) complete_outlines();
+}
+
+// Polygons that have not come now never will.
+void SceneTaker::complete_outlines() {
+  for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
+    const vrml::NodeId id = scene->id_at(i);
+    const vrml::Node& node = scene->node(id);
+    if (node.type != vrml::built_in_node_type("OutlineGroup")) continue;
+    scene->set<vrml::SFBool>(id, "complete", true);
+    shown_open_.push_back(&node);
+  }
+}
+
+bool SceneTaker::seek(RangedStream::Place place_in_stream) {
+  if (!cloud_taker_ || !cloud_taker_->seek(std::move(place_in_stream))) return false;
+  finished_reading();
+  return true;
+}
+
+void SceneTaker::piece(const net::CellEvent& event) {
+  bytes_ += event.bytes.size();
+  if (cloud_taker_) cloud_taker_->piece(event);
+  if (!outlines_) return;
+  outlines_->piece(event);
+  show_outlines();
+}
+
+std::shared_ptr<StreamFeed> SceneTaker::follow() {
+  auto feed = cloud_taker_ ? cloud_taker_->follow() : nullptr;
+  if (feed) finished_reading();
+  return feed;
+}
+
+void SceneTaker::missing(const std::string& why) {
+  refused = true;
+  if (!outer)
+    world_.report(Severity::error, world_.world.path, {}, why.empty() ? "cannot be found" : why);
+  else if (!told && (role == Role::inlined || what != "EXTERNPROTO QNV"))
+    world_.report(Severity::warning, place_file, place, what + ": " + why_missing(urls, why));
+  finished_reading();
+}
+
+// Nothing more comes of the file itself.
+void SceneTaker::finished_reading() {
+  text_ended_ = true;
+  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - world_.started).count();
+  if (!refused) {
+    attach();
+    look_for_references();
+  }
+  settle();
+}
+
+// An Inline's content shows as soon as there is any.
+void SceneTaker::attach() {
+  if (role != Role::inlined || !own_ || refused || own_->roots().empty()) return;
+  outer->scene->attach_inline(inline_node, std::move(own_));
+}
+
+// A library is of use when all that it uses itself is there.
+void SceneTaker::settle() {
+  if (settled_ || !text_ended_ || awaited_libraries_ > 0) return;
+  settled_ = true;
+  if (role != Role::library) return;
+  outer->take_library(*this);
+}
+
+// Those that were open the last time may have grown since, and be complete now.
+void SceneTaker::forget_open(render::MeshCache& meshes) {
+  if (!scene) return;
+  for (const vrml::Node* node : shown_open_) meshes.erase(node);
+  shown_open_.clear();
+  if (parser_)
+    for (const vrml::NodeId id : parser_->open_nodes()) {
+      shown_open_.push_back(&scene->node(id));
+      meshes.erase(shown_open_.back());
+      // What it refines changes with it.
+      if (shown_open_.back()->type != vrml::built_in_node_type("OutlineGroup")) continue;
+      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
+      if (!refined) continue;
+      shown_open_.push_back(&scene->node(refined));
+      meshes.erase(shown_open_.back());
+    }
+  for (const auto& inner : inner_) inner->forget_open(meshes);
+}
+
+std::unique_ptr<vrml::SceneGraph> SceneTaker::release() {
+  if (refused) own_.reset();
+  return std::move(own_);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,94 @@
+#include "app/world/stream_feed.h"
+
+#include <utility>
+
+namespace gs::app {
+
+StreamFeed::StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake)
+    : stream_(std::move(stream)), wake_(std::move(wake)) {}
+
+void StreamFeed::push(std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);
+  front_.insert(front_.end(), bytes.begin(), bytes.end());
+}
+
+void StreamFeed::set_directory(std::vector<std::byte> chunks) {
+  const std::lock_guard lock(mutex_);
+  directory_ = std::move(chunks);
+}
+
+void StreamFeed::add(std::uint64_t offset, std::vector<std::byte> chunk) {
+  const std::lock_guard lock(mutex_);
+  chunks_.push_back({offset, std::move(chunk)});
+}
+
+void StreamFeed::add_loose(std::uint32_t number, std::vector<std::byte> chunk) {
+  // Behind the end of any stream, so that it stands nowhere else.
+  constexpr std::uint64_t kNowhere = std::uint64_t{1} << 62;
+  add(kNowhere + number, std::move(chunk));
+}
+
+void StreamFeed::finish() {
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+}
+
+void StreamFeed::fail(std::string why) {
+  const std::lock_guard lock(mutex_);
+  problem_ = std::move(why);
+}
+
+std::string StreamFeed::take_problem() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(problem_, {});
+}
+
+bool StreamFeed::take_wanted(std::vector<qnv::ChunkRange>& ranges) {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(wanted_is_new_, false)) return false;
+  ranges = wanted_;
+  return true;
+}
+
+bool StreamFeed::take_views(std::vector<qnv::LodView>& views) {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(views_are_new_, false)) return false;
+  views = views_;
+  return true;
+}
+
+bool StreamFeed::apply() {
+  std::vector<std::byte> front, directory;
+  std::vector<Chunk> chunks;
+  bool finished = false;
+  {
+    const std::lock_guard lock(mutex_);
+    front.swap(front_);
+    directory.swap(directory_);
+    chunks.swap(chunks_);
+    finished = std::exchange(finished_, false);
+  }
+  if (!front.empty()) stream_->push(front);
+  if (finished) stream_->finish();
+  if (!directory.empty()) (void)stream_->set_directory(directory);
+  for (const Chunk& chunk : chunks) (void)stream_->add(chunk.offset, chunk.bytes);
+  return !front.empty() || !directory.empty() || !chunks.empty() || finished;
+}
+
+void StreamFeed::ask() {
+  std::vector<qnv::ChunkRange> wanted = stream_->wanted_by_all();
+  std::vector<qnv::LodView> views = stream_->views();
+  if (wanted == asked_ && views == told_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_is_new_ = wanted_is_new_ || wanted != asked_;
+    views_are_new_ = views_are_new_ || views != told_;
+    wanted_ = wanted;
+    views_ = views;
+  }
+  asked_ = std::move(wanted);
+  told_ = std::move(views);
+  if (wake_) wake_();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,155 @@
+#include "app/world/world_loading_state.h"
+
+#include <algorithm>
+#include <utility>
+
+// What comes as cells.
+namespace gs::app {
+namespace {
+
+void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) {
+  sum.datagrams += more.datagrams;
+  sum.lost += more.lost;
+  sum.foreign += more.foreign;
+  sum.refused_for_space += more.refused_for_space;
+  sum.damaged_pdus += more.damaged_pdus;
+  sum.bytes += more.bytes;
+  sum.parity += more.parity;
+  sum.rebuilt += more.rebuilt;
+  sum.loss_event_rate = std::max(sum.loss_event_rate, more.loss_event_rate);
+  sum.round_trip = std::max(sum.round_trip, more.round_trip);
+  sum.granted += more.granted;
+  sum.server_rate += more.server_rate;
+}
+
+// A text may have anyone sent datagrams, so they are few: 16 greetings of 256 bytes for each server that does not
+// answer.
+constexpr std::size_t kMostUnanswered = 4;      // at once
+constexpr std::size_t kMostSilentServers = 16;  // of one world
+
+}  // namespace
+
+struct WorldLoading::State::Cells {
+  std::unique_ptr<CellStream> stream;
+  std::string server;
+  Fetch* fetch = nullptr;            // null: it is not waited for
+  std::shared_ptr<StreamFeed> feed;  // of the views that see to the rest
+};
+
+// False: not for this text.
+bool WorldLoading::State::begin_cells(Fetch& fetch, const net::Url& url) {
+  if (fetch.from.is_user()) {
+    open_cells(fetch, url);
+    return true;
+  }
+  if (silent_servers.contains(url.authority) || silent_servers.size() >= kMostSilentServers) {
+    fail_candidate(fetch, net::url_for_messages(url.text()) + (silent_servers.contains(url.authority)
+                                                                   ? ": its server has not answered before"
+                                                                   : ": too many servers have not answered"));
+    return false;
+  }
+  waiting_cells.push_back(&fetch);
+  return true;
+}
+
+void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
+  auto one = std::make_shared<Cells>();
+  one->fetch = &fetch;
+  one->server = url.authority;
+  CellStreamOptions settings;
+  settings.rate = options.rate;
+  settings.loss = options.loss;
+  settings.loss_seed = options.loss_seed;
+  settings.reach = fetch.from.reach();
+  if (fetch.max_bytes != Fetch::kNoLimit)
+    settings.budget = fetch.max_bytes;
+  else
+    settings.repair = options.by_view;
+  CellStream::Sink sink;
+  Cells* const at = one.get();
+  sink.granted = [this, at, url] {
+    Found found;
+    found.url = url;
+    found.fragment = std::exchange(found.url.fragment, {});
+    found.url.has_fragment = false;
+    found.path = net::url_for_messages(url.text());
+    found.origin = {found.url.text(), net::AddressSpace::global};
+    if (!at->fetch) return;
+    begin_taking(*at->fetch, found);
+    if (at->fetch->refused) finish(*std::exchange(at->fetch, nullptr), std::nullopt);
+  };
+  sink.base = [this, at](const std::vector<std::byte>& bytes) {
+    if (!at->fetch) return;
+    deliver(*at->fetch, bytes);
+    if (!options.by_view) return;
+    at->feed = at->fetch->taker->follow();
+    if (!at->feed) return;
+    at->stream->follow(at->feed);
+    ended.push_back(std::exchange(at->fetch, nullptr));
+  };
+  sink.piece = [this, at](const net::CellEvent& event) {
+    if (at->feed) {
+      received += event.bytes.size();
+      at->feed->add_loose(event.name.chunk, event.bytes);
+      fed = true;
+    } else if (at->fetch && event.bytes.size() <= at->fetch->max_bytes - at->fetch->received) {
+      received += event.bytes.size();
+      at->fetch->received += event.bytes.size();
+      at->fetch->taker->piece(event);
+    }
+  };
+  sink.ended = [this, at](const std::optional<std::string>& problem) {
+    if (at->feed && problem) at->feed->fail("no finer vectors come: " + *problem);
+    if (!at->fetch) return;
+    if (!at->stream->answered()) silent_servers.insert(at->server);
+    Fetch& ending = *std::exchange(at->fetch, nullptr);
+    if (ending.begun) return finish(ending, problem);
+    fail_candidate(ending, problem.value_or(""));
+    begin_next_candidate(ending);
+  };
+  one->stream = std::make_unique<CellStream>(url, settings, std::move(sink), [waker = waker] { waker->wake(); });
+  cells.push_back(std::move(one));
+}
+
+bool WorldLoading::State::step_cells() {
+  bool any = false;
+  const auto unanswered = [this] {
+    return std::count_if(cells.begin(), cells.end(),
+                         [](const auto& one) { return !one->stream->over() && !one->stream->answered(); });
+  };
+  while (!waiting_cells.empty() && unanswered() < static_cast<std::ptrdiff_t>(kMostUnanswered)) {
+    Fetch& next = *waiting_cells.front();
+    waiting_cells.pop_front();
+    const net::Url url = next.candidates[next.next - 1];
+    if (!silent_servers.contains(url.authority))
+      open_cells(next, url);
+    else if (!begin_cells(next, url))
+      begin_next_candidate(next);
+    any = true;
+  }
+  // What comes may lead to more of them.
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::shared_ptr<Cells> one = cells[i];
+    any = one->stream->step() || any;
+  }
+  std::erase_if(cells, [this](const auto& one) {
+    const bool over = one->stream->over() || (!one->fetch && !one->feed);
+    if (over) add(ended_cells, one->stream->statistics());
+    return over;
+  });
+  return any;
+}
+
+void WorldLoading::State::stop_cells(const Fetch* fetch) {
+  std::erase(waiting_cells, fetch);
+  for (const auto& one : cells)
+    if (one->fetch == fetch) one->fetch = nullptr;
+}
+
+net::CellClientStatistics WorldLoading::State::cell_statistics() const {
+  net::CellClientStatistics sum = ended_cells;
+  for (const auto& one : cells) add(sum, one->stream->statistics());
+  return sum;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,28 @@
+#include "app/world/world_loader.h"
+
+#include "app/world/stream_feed.h"
+#include "app/world/world_loading.h"
+
+#include <new>
+
+namespace gs::app {
+
+OpenedWorld world_without_memory(const std::string& path) {
+  OpenedWorld none;
+  none.path = path;
+  none.truncated = true;
+  none.diagnostics.add({vrml::Severity::error, path, {}, "there is not enough memory to open it"});
+  return none;
+}
+
+OpenedWorld load_world(const std::string& path, const LoadOptions& options) try {
+  WorldLoading loading(path, options);
+  while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
+  OpenedWorld world = loading.take();
+  for (const auto& feed : world.feeds) (void)feed->apply();
+  return world;
+} catch (const std::bad_alloc&) {
+  return world_without_memory(path);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,341 @@
+#include "app/world/world_loading.h"
+
+#include "app/base/local_file.h"
+#include "app/base/text.h"
+#include "app/world/importance.h"
+#include "app/world/world_loading_state.h"
+#include "net/base/schemes.h"
+#include "net/load/transport.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using vrml::Severity;
+
+constexpr std::size_t kLocalBytes = std::size_t{4} << 20;  // of a local file, between two looks at the clock
+
+std::string title_of(const vrml::SceneGraph& scene) {
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::NodeId id = scene.id_at(i);
+    const vrml::Node& node = scene.node(id);
+    if (node.in_prototype_body || node.type->name != "WorldInfo" || node.type->kind != vrml::NodeType::Kind::built_in)
+      continue;
+    std::string title = scene.get<vrml::SFString>(id, "title").str();
+    if (!title.empty()) return title;
+  }
+  return {};
+}
+
+}  // namespace
+
+WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
+    : options(given),
+      limit(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                               std::chrono::duration<double>(std::clamp(given.timeout_seconds, 0.0, 1e6))),
+            given.cancelled),
+      budget(std::make_shared<vrml::Budget>(given.limits)) {
+  budget->stop_when([time = limit] { return time.over(); });
+  world.path = asked;
+  world.title = file_name(asked);
+}
+
+WorldLoading::State::~State() = default;
+
+void WorldLoading::State::start() {
+  const net::Url asked = net::parse_url(world.path);
+  root = std::make_shared<SceneTaker>(*this, SceneTaker::Role::root, nullptr);
+  auto first = std::make_unique<Fetch>();
+  if (asked.scheme.empty() || asked.scheme == "file") {
+    const std::string path = asked.scheme.empty() ? world.path : net::path_of_url(asked);
+    std::error_code error;
+    const std::filesystem::path absolute = std::filesystem::absolute(path, error);
+    first->candidates = {net::url_of_path(error ? path : absolute.lexically_normal().string())};
+    first->given_path = path;
+    policy = policy_of_world(path, options.allowed);
+  } else {
+    first->candidates = {asked};
+  }
+  first->max_bytes = options.max_bytes;
+  first->taker = root;
+  fetch(std::move(first), Urgency::world);
+}
+
+void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
+  if (stopped || too_many_files) return;
+  // It is a fetch that asks for more, which stopping ends: the next step does so.
+  too_many_files = ++files > budget->limits().files;
+  if (too_many_files) return;
+  wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
+  fetches.push_back(std::move(wanted));
+  begin_next_candidate(*fetches.back());
+}
+
+void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
+  while (fetch.next < fetch.candidates.size()) {
+    const net::Url& url = fetch.candidates[fetch.next++];
+    if (const auto refused = policy.refuse(fetch.from, url)) {
+      fail_candidate(fetch, refused->message, refused->folder);
+      continue;
+    }
+    if (url.scheme.empty() || url.scheme == "file" || url.scheme == "data") {
+      local.push_back(&fetch);
+      return;
+    }
+    if (options.offline) {
+      fail_candidate(fetch, net::url_for_messages(url.text()) + ": the network is not used (--offline)");
+      continue;
+    }
+    if (const net::Scheme* scheme = net::find_scheme(url.scheme);
+        scheme && scheme->transport == net::TransportKind::cells) {
+      if (begin_cells(fetch, url)) return;
+      continue;
+    }
+    std::vector<net::ByteRange> ranges;
+    if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
+    fetch.front = options.by_view && ranges.empty() && url.path.ends_with(".qnv");
+    if (fetch.front) ranges = {{0, kFrontBytes}};
+    return ask(fetch, std::move(ranges));
+  }
+  ended.push_back(&fetch);
+  fetch.taker->told = fetch.told;
+  fetch.taker->missing(fetch.first_problem);
+}
+
+void WorldLoading::State::fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder) {
+  const bool known = !folder.empty() && !refuse_folder(folder, fetch.reference);
+  if (!fetch.first_problem.empty()) return;
+  fetch.first_problem = why;
+  fetch.told = known;
+}
+
+// True when nobody has been told of this folder yet.
+bool WorldLoading::State::refuse_folder(const std::string& folder, const std::string& reference) {
+  constexpr std::size_t kMostFolders = 64;
+  const auto same = [&](const OutsideFolder& one) { return one.folder == folder; };
+  if (std::any_of(world.outside.begin(), world.outside.end(), same)) return false;
+  if (world.outside.size() < kMostFolders) world.outside.push_back({folder, reference});
+  return true;
+}
+
+// Local files and data: URLs
+
+bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
+  Found found;
+  found.url = url;
+  found.fragment = std::exchange(found.url.fragment, {});
+  found.url.has_fragment = false;
+  if (url.scheme == "data") {
+    auto decoded = net::decode_data_url(url.text());
+    if (!decoded) {
+      fail_candidate(fetch, "malformed data: URL");
+      return false;
+    }
+    fetch.data = std::move(decoded->bytes);
+    fetch.rest = fetch.data;
+    found.path = "data: URL";
+    // A text inside another has its origin; one that the user was given by a URL may be anyone's.
+    found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
+  } else {
+    found.local = true;
+    LocalFile file = open_local_file(url, policy, fetch.from, fetch.given_path);
+    if (!file.file) {
+      fail_candidate(fetch, file.problem, file.folder);
+      return false;
+    }
+    fetch.file = std::move(file.file);
+    fetch.rest = fetch.file->bytes();
+    found.path = fetch.given_path.empty() ? file.path : fetch.given_path;
+    if (fetch.given_path.empty()) found.url = net::url_of_path(file.path);
+    found.origin = {found.url.text()};
+  }
+  fetch.total = fetch.rest.size();
+  if (fetch.rest.size() > fetch.max_bytes) {
+    fetch.cut = true;
+    fetch.rest = fetch.rest.first(static_cast<std::size_t>(fetch.max_bytes));
+  }
+  begin_taking(fetch, found);
+  if (!fetch.refused && fetch.file && !fetch.cut && fetch.taker->whole_file(*fetch.file, found.path)) {
+    received += fetch.rest.size();
+    fetch.received = fetch.rest.size();
+    fetch.rest = {};
+  }
+  return true;
+}
+
+void WorldLoading::State::local_step() {
+  Fetch& fetch = *local.front();
+  if (!fetch.begun) {
+    const net::Url url = fetch.candidates[fetch.next - 1];
+    if (!begin_local(fetch, url)) {
+      local.pop_front();
+      return begin_next_candidate(fetch);
+    }
+  }
+  if (!fetch.refused && !fetch.rest.empty()) {
+    const auto piece = fetch.rest.first(std::min(kLocalBytes, fetch.rest.size()));
+    fetch.rest = fetch.rest.subspan(piece.size());
+    deliver(fetch, piece);
+  }
+  if (!fetch.refused && !fetch.rest.empty()) return;
+  local.pop_front();
+  finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
+}
+
+// What has come
+
+void WorldLoading::State::begin_taking(Fetch& fetch, const Found& found) {
+  fetch.begun = true;
+  fetch.refused = !fetch.taker->begin(found);
+}
+
+void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes) {
+  if (fetch.max_bytes != Fetch::kNoLimit && bytes.size() > fetch.max_bytes - fetch.received)
+    bytes = bytes.first(static_cast<std::size_t>(fetch.max_bytes - fetch.received));
+  fetch.received += bytes.size();
+  received += bytes.size();
+  fetch.taker->cut = fetch.cut;
+  if (!bytes.empty()) fetch.taker->more(bytes);
+}
+
+void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
+  ended.push_back(&fetch);
+  fetch.taker->cut = fetch.cut;
+  if (!fetch.refused) fetch.taker->end(problem);
+}
+
+void WorldLoading::State::stop(const std::string& why) {
+  if (std::exchange(stopped, true)) return;
+  const bool cancelled = limit.cancelled && *limit.cancelled;
+  if (!cancelled) report(Severity::error, root && root->scene ? root->scene->file_name() : world.path, {}, why);
+  for (const auto& [id, fetch] : by_request) loader->cancel(fetch->request);
+  by_request.clear();
+  local.clear();
+  // What has come of each is kept. What is begun meanwhile is refused, since this has stopped.
+  for (std::size_t i = 0; i < fetches.size(); ++i) {
+    Fetch& fetch = *fetches[i];
+    if (std::find(ended.begin(), ended.end(), &fetch) != ended.end()) continue;
+    fetch.taker->cut = true;
+    stop_cells(&fetch);
+    if (fetch.begun && !fetch.refused) fetch.taker->end(std::nullopt);
+    if (fetch.taker == root) root->whole = false;
+  }
+  ended.clear();
+  fetches.clear();
+  is_done = true;
+}
+
+bool WorldLoading::State::step(std::chrono::milliseconds wait) {
+  bool busy = false;
+  // First, so that however short the time is, something shows.
+  if (!local.empty()) {
+    local_step();
+    busy = true;
+  }
+  if (!is_done && !fetches.empty() && ended.size() < fetches.size() && limit.over())
+    stop("the time for loading is over; what is missing is left out");
+  if (!is_done && too_many_files)
+    stop("refers to more than " + std::to_string(budget->limits().files) + " files; the rest is left out");
+  if (is_done && streams.empty() && cells.empty()) return false;
+  if (loader) busy = take_events() || busy;
+  busy = step_cells() || busy;
+  for (const auto& stream : streams) busy = stream->ask_for_more() || busy;
+  std::erase_if(streams, [](const auto& stream) { return stream->over(); });
+  for (Fetch* fetch : std::exchange(ended, {}))
+    std::erase_if(fetches, [fetch](const auto& one) { return one.get() == fetch; });
+  if (!is_done && fetches.empty()) is_done = true;
+  if (!busy && !is_done) set_priorities();
+  if (busy || (is_done && !taken)) return !is_done || !streams.empty() || !cells.empty();
+  waker->wait(std::min(wait, kLongestWait));
+  return true;
+}
+
+void WorldLoading::State::set_priorities() {
+  if (!loader || by_request.empty() || !root || !root->scene) return;
+  const auto now = Clock::now();
+  if (now < next_priorities) return;
+  next_priorities = now + std::chrono::milliseconds(200);
+  std::unordered_set<const vrml::Node*> wanted;
+  for (const auto& [id, fetch] : by_request)
+    if (fetch->node) wanted.insert(fetch->node);
+  const auto importance = importance_of(*root->scene, wanted, viewer);
+  for (const auto& [id, fetch] : by_request) {
+    const auto known = importance.find(fetch->node);
+    if (known == importance.end()) continue;
+    const int size = static_cast<int>(std::clamp(known->second, 0.0f, 1.0f) * (kUrgencyStep - 1));
+    const int priority = fetch->priority / kUrgencyStep * kUrgencyStep + size;
+    if (priority == fetch->priority) continue;
+    fetch->priority = priority;
+    loader->set_priority(fetch->request, priority);
+  }
+}
+
+// WorldLoading
+
+WorldLoading::WorldLoading(const std::string& asked, const LoadOptions& options)
+    : state_(std::make_unique<State>(asked, options)) {
+  state_->start();
+}
+WorldLoading::~WorldLoading() = default;
+
+bool WorldLoading::step(std::chrono::milliseconds wait) { return state_->step(wait); }
+bool WorldLoading::done() const { return state_->is_done; }
+void WorldLoading::wake() { state_->waker->wake(); }
+bool WorldLoading::changed() const { return state_->changed; }
+bool WorldLoading::streaming() const { return !state_->streams.empty() || !state_->cells.empty(); }
+net::CellClientStatistics WorldLoading::cells() const { return state_->cell_statistics(); }
+bool WorldLoading::fed() { return std::exchange(state_->fed, false); }
+void WorldLoading::look_from(const glm::vec3& viewer) { state_->viewer = viewer; }
+
+render::RenderList WorldLoading::collect(const glm::vec3& viewer) {
+  State& s = *state_;
+  s.changed = false;
+  if (!s.root->scene || s.root->refused) return {};
+  s.root->forget_open(s.meshes);
+  return render::collect(*s.root->scene, s.world.images, s.meshes, viewer, s.world.clouds);
+}
+
+LoadingState WorldLoading::state() const {
+  LoadingState result;
+  result.received = state_->received;
+  result.files = state_->files;
+  result.waiting = state_->fetches.size();
+  std::uint64_t left = 0;
+  bool known = true;
+  for (const auto& fetch : state_->fetches) {
+    known = known && fetch->total;
+    if (fetch->total) left += std::max(*fetch->total, fetch->received) - fetch->received;
+  }
+  if (known) result.total = result.received + left;
+  return result;
+}
+
+const vrml::Diagnostics& WorldLoading::diagnostics() const { return state_->world.diagnostics; }
+const std::vector<std::shared_ptr<StreamFeed>>& WorldLoading::feeds() const { return state_->world.feeds; }
+const std::string& WorldLoading::title() const { return state_->world.title; }
+
+OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
+  State& s = *state_;
+  s.taken = true;
+  s.budget->stop_when({});
+  OpenedWorld world = std::move(s.world);
+  world.bytes = s.root->bytes();
+  world.parse_seconds = s.root->seconds();
+  world.truncated = !s.root->whole;
+  world.scene = s.root->release();
+  if (world.scene)
+    if (std::string title = title_of(*world.scene); !title.empty()) world.title = std::move(title);
+  if (meshes) {
+    s.root->forget_open(s.meshes);
+    *meshes = std::move(s.meshes);
+  }
+  s.meshes = {};
+  return world;
+}
+
+}  // namespace gs::app

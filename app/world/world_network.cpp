@@ -1,0 +1,218 @@
+#include "app/base/local_file.h"
+#include "app/world/world_loading_state.h"
+#include "net/base/schemes.h"
+#include "net/load/transport.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+#include <variant>
+
+// What comes over the network, as the loader tells it.
+namespace gs::app {
+namespace {
+
+constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are simply read
+
+std::string without_fragment(net::Url url) {
+  url.fragment.clear();
+  url.has_fragment = false;
+  return url.text();
+}
+
+}  // namespace
+
+net::Loader* WorldLoading::State::network() {
+  if (loader) return loader.get();
+  net::LoaderOptions settings;
+  settings.cache_folder = options.cache_folder;
+  settings.memory = options.memory;
+  settings.policy = policy;
+  settings.bytes_per_second = options.rate / 8;
+  settings.wake = [waker = waker] { waker->wake(); };
+  loader = net::Loader::create(std::move(settings));
+  return loader.get();
+}
+
+void Waker::wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    awake_ = true;
+  }
+  something_.notify_one();
+}
+
+void Waker::wait(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  something_.wait_for(lock, time, [this] { return awake_; });
+  awake_ = false;
+}
+
+void WorldLoading::State::ask(Fetch& fetch, std::vector<net::ByteRange> ranges) {
+  net::Request request;
+  request.url = without_fragment(fetch.candidates[fetch.next - 1]);
+  request.priority = fetch.priority;
+  request.from = fetch.from;
+  request.max_bytes = std::min(fetch.max_bytes, request.max_bytes);
+  request.ranges = std::move(ranges);
+  request.validator = fetch.validator;
+  fetch.request = network()->request(std::move(request));
+  by_request[fetch.request.value] = &fetch;
+}
+
+bool WorldLoading::State::take_events() {
+  std::vector<net::LoadEvent> polled = loader->poll();
+  events.insert(events.end(), std::make_move_iterator(polled.begin()), std::make_move_iterator(polled.end()));
+  const bool any = !events.empty() || loader->queued_bytes() > 0;
+  while (!events.empty()) {
+    net::LoadEvent event = std::move(events.front());
+    events.pop_front();
+    const auto known = by_request.find(event.id.value);
+    if (known != by_request.end()) {
+      take(*known->second, event);
+      continue;
+    }
+    for (const auto& stream : streams)
+      if (stream->take(event)) break;
+    fed = true;
+  }
+  return any;
+}
+
+void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
+  const auto over = [&] {
+    by_request.erase(fetch.request.value);
+    fetch.request = {};
+  };
+  if (auto* head = std::get_if<net::LoadHead>(&event.what)) {
+    fetch.total = head->total;
+    fetch.cut = head->total && *head->total > fetch.max_bytes;
+    if (fetch.front && !take_front(fetch, *head)) return;
+    fetch.content_type = head->content_type;
+    Found found;
+    found.url = net::parse_url(head->url);
+    found.fragment = fetch.candidates[fetch.next - 1].fragment;
+    found.path = net::url_for_messages(head->url);
+    found.origin = head->origin();
+    if (!fetch.begun) begin_taking(fetch, found);
+  } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
+    if (!fetch.refused) deliver(fetch, data->bytes);
+  } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+    over();
+    if (fetch.front && fetch.total && fetch.received < *fetch.total && !fetch.refused) return take_rest(fetch);
+    return finish(fetch, std::nullopt);
+  } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+    if (fetch.received > 0) {
+      loader->cancel(fetch.request);
+      over();
+      return finish(fetch,
+                    "the file changed on the server while it was read; shown is what came before, and reading "
+                    "it again shows the new one");
+    }
+  } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
+    over();
+    if (fetch.begun) return finish(fetch, error->message);
+    fail_candidate(fetch, error->message);
+    return begin_next_candidate(fetch);
+  }
+  if (!fetch.refused) return;
+  loader->cancel(fetch.request);
+  over();
+  finish(fetch, std::nullopt);
+}
+
+// Of a long stream only the front is asked for at first. False: all of it was asked for instead.
+bool WorldLoading::State::take_front(Fetch& fetch, const net::LoadHead& head) {
+  fetch.validator = head.validator;
+  if (head.accepts_ranges && head.total && *head.total >= kWorthChoosing) return true;
+  fetch.front = false;
+  if (head.total && *head.total <= kFrontBytes) return true;
+  loader->cancel(fetch.request);
+  by_request.erase(fetch.request.value);
+  ask(fetch, {});
+  return false;
+}
+
+void WorldLoading::State::take_rest(Fetch& fetch) {
+  fetch.front = false;
+  RangedStream::Place place;
+  place.url = without_fragment(fetch.candidates[fetch.next - 1]);
+  place.from = fetch.from;
+  place.validator = fetch.validator;
+  place.front = fetch.received;
+  place.total = *fetch.total;
+  if (fetch.taker->seek(std::move(place)))
+    ended.push_back(&fetch);
+  else
+    ask(fetch, {{fetch.received, *fetch.total}});
+}
+
+ReadFile WorldLoading::State::reader_of(const net::Origin& origin) {
+  return [this, origin](const std::string& name) -> BytesResult {
+    const net::Url url = net::resolve(net::parse_url(origin.url), net::parse_url(net::tidy_url(name)));
+    const auto refused = policy.refuse(origin, url);
+    if (refused && !refused->folder.empty()) (void)refuse_folder(refused->folder, name);
+    if (refused) return name + ": " + refused->message;
+    if (url.scheme == "file") {
+      LocalFile local_file = open_local_file(url, policy, origin);
+      if (!local_file.folder.empty()) (void)refuse_folder(local_file.folder, name);
+      if (!local_file.file) return local_file.problem;
+      return shared_bytes(std::move(*local_file.file));
+    }
+    if (url.scheme == "data") {
+      auto decoded = net::decode_data_url(url.text());
+      if (!decoded) return std::string("malformed data: URL");
+      return shared_bytes(std::move(decoded->bytes));
+    }
+    if (options.offline) return name + ": the network is not used (--offline)";
+    return read_now(without_fragment(url), origin);
+  };
+}
+
+// An importer cannot go on without. What comes meanwhile for others waits.
+BytesResult WorldLoading::State::read_now(const std::string& url, const net::Origin& from) {
+  net::Request wanted;
+  wanted.url = url;
+  wanted.from = from;
+  wanted.priority = static_cast<int>(Urgency::world) * kUrgencyStep;
+  const net::RequestId id = network()->request(std::move(wanted));
+  std::vector<std::byte> bytes;
+  vrml::Share share(budget, vrml::Resource::files);
+  std::optional<std::string> problem = "the time for loading is over";
+  bool over = false;
+  while (!over && !limit.over()) {
+    for (net::LoadEvent& event : loader->poll()) {
+      if (event.id != id) {
+        events.push_back(std::move(event));
+      } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
+        if (over) continue;
+        if (!share.grow(data->bytes.size())) {
+          over = true;
+          problem = budget->refusal(vrml::Resource::files);
+          continue;
+        }
+        bytes.insert(bytes.end(), data->bytes.begin(), data->bytes.end());
+      } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
+        bytes.clear();
+      } else if (std::holds_alternative<net::LoadDone>(event.what)) {
+        over = true;
+        problem.reset();
+      } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
+        over = true;
+        problem = std::move(error->message);
+      }
+    }
+    if (!over && loader->queued_bytes() == 0) waker->wait(kLongestWait);
+  }
+  loader->cancel(id);
+  received += bytes.size();
+  if (problem) return std::move(*problem);
+  struct Held {
+    std::vector<std::byte> bytes;
+    vrml::Share share;
+  };
+  const auto held = std::make_shared<const Held>(Held{std::move(bytes), std::move(share)});
+  return SharedBytes{held, held->bytes};
+}
+
+}  // namespace gs::app

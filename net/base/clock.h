@@ -1,0 +1,14 @@
+#pragma once
+
+#include "net/base/token_bucket.h"
+
+#include <chrono>
+
+namespace gs::net {
+
+/// The present by the steady clock of the system. On any thread.
+[[nodiscard]] inline Instant clock_now() {
+  return std::chrono::duration_cast<Instant>(std::chrono::steady_clock::now().time_since_epoch());
+}
+
+}  // namespace gs::net

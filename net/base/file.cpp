@@ -1,0 +1,192 @@
+#include "net/base/file.h"
+
+#include "net/base/descriptor.h"
+
+#include <atomic>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace gs::net {
+namespace {
+
+std::string reason(int code) { return std::generic_category().message(code); }
+
+FileError cannot_open(const std::string& path, const std::string& why) { return {"cannot open " + path + ": " + why}; }
+FileError cannot_write(const std::string& path, const std::string& why) {
+  return {"cannot write " + path + ": " + why};
+}
+
+/// What stands at a place that should be a regular file, or nothing when it is one.
+std::optional<std::string> not_a_regular_file(const struct stat& status) {
+  if (S_ISREG(status.st_mode)) return std::nullopt;
+  if (S_ISDIR(status.st_mode)) return "it is a folder; expected a file";
+  if (S_ISFIFO(status.st_mode)) return "it is a pipe; expected a regular file";
+  if (S_ISSOCK(status.st_mode)) return "it is a socket; expected a regular file";
+  return "it is a device; expected a regular file";
+}
+
+/// A regular file that was opened for reading.
+struct Regular {
+  Descriptor file;
+  std::uint64_t size = 0;
+};
+
+std::variant<Regular, FileError> open_regular(const std::string& path) {
+  if (path.empty()) return FileError{"cannot open a file without a name"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot open a file whose name has a zero byte"};
+  // Not waiting for the other end of a pipe, nor taking a terminal over.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  struct stat status {};
+  if (!file) {
+    const int code = errno;
+    // A socket cannot be opened at all, and the system's word for that says little.
+    if (::stat(path.c_str(), &status) == 0)
+      if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+    return cannot_open(path, reason(code));
+  }
+  if (::fstat(file.get(), &status) != 0) return cannot_open(path, reason(errno));
+  if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
+  return Regular{std::move(file), static_cast<std::uint64_t>(status.st_size)};
+}
+
+/// Reads up to `size` bytes; fewer when the file became shorter. -1 with errno when the disk fails.
+ssize_t read_all(int file, std::byte* to, std::size_t size) {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t got = ::read(file, to + done, size - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return -1;
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return static_cast<ssize_t>(done);
+}
+
+bool write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// Makes the new name durable. Not every file system can; the file is in place either way.
+void sync_folder(const std::string& folder) {
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened) (void)::fsync(opened.get());
+}
+
+/// The text of errno when one step fails, for `write_file_atomically`.
+std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& temporary, const std::string& target,
+                                           std::optional<mode_t> mode, std::span<const std::byte> bytes) {
+  struct stat status {};
+  // Not asked for in vain: who is confined may not.
+  const bool other_mode = mode && (::fstat(file.get(), &status) != 0 || (status.st_mode & 07777) != *mode);
+  if (!write_all(file.get(), bytes) || (other_mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
+      !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0)
+    return reason(errno);
+  return std::nullopt;
+}
+
+/// A new file next to the target, with the rights that the user gives to new files; -1 and errno.
+int create_temporary(const std::string& folder, std::string& name) {
+  static std::atomic<unsigned> counter{0};
+  constexpr int kTries = 1000;  // names left behind by processes that were killed
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    name = folder + ".ghostspace-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
+}
+
+}  // namespace
+
+std::optional<std::string> MappedFile::changed() const {
+  if (!file_) return std::nullopt;
+  if (!mapping_.lost() && stamp_of(file_) == stamp_) return std::nullopt;
+  return "the file was changed while it was read; reading it again shows what it is now";
+}
+
+std::size_t RandomAccessFile::read(std::uint64_t offset, std::span<std::byte> to) const {
+  std::size_t done = 0;
+  while (done < to.size() && offset + done < size_) {
+    const ssize_t got = ::pread(file_.get(), to.data() + done, to.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+std::variant<RandomAccessFile, FileError> open_file(const std::string& path) {
+  auto opened = open_regular(path);
+  if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
+  auto& [file, size] = std::get<Regular>(opened);
+  return RandomAccessFile(std::move(file), size);
+}
+
+std::variant<MappedFile, FileError> map_file(const std::string& path) {
+  auto opened = open_regular(path);
+  if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
+  auto& [file, length] = std::get<Regular>(opened);
+  const auto size = static_cast<std::size_t>(length);
+  MappedFile result;
+  if (size >= MappedFile::kMappedSize) {
+    result.stamp_ = stamp_of(file);
+    if (auto mapping = GuardedMapping::of(file.get(), size)) {
+      result.mapping_ = std::move(*mapping);
+      result.file_ = std::move(file);
+      return result;
+    }
+  }
+  result.copy_.resize(size);
+  const ssize_t count = read_all(file.get(), result.copy_.data(), size);
+  if (count < 0) return FileError{"cannot read " + path + ": " + reason(errno)};
+  result.copy_.resize(static_cast<std::size_t>(count));
+  return result;
+}
+
+std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
+  if (path.empty()) return FileError{"cannot write a file without a name"};
+  if (path.find('\0') != std::string::npos) return FileError{"cannot write a file whose name has a zero byte"};
+  std::string target = path;
+  std::optional<mode_t> mode;
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0) {
+    if (S_ISLNK(status.st_mode)) {
+      std::error_code error;
+      target = std::filesystem::canonical(path, error).string();
+      if (error) return cannot_write(path, "it is a link to nothing: " + error.message());
+      if (::stat(target.c_str(), &status) != 0) return cannot_write(path, reason(errno));
+    }
+    if (const auto what = not_a_regular_file(status)) return cannot_write(path, *what);
+    // A file that one may not write is not to be replaced through the back door of its folder.
+    if (::access(target.c_str(), W_OK) != 0) return cannot_write(path, reason(errno));
+    mode = status.st_mode & 07777;
+  } else if (errno != ENOENT) {
+    return cannot_write(path, reason(errno));
+  }
+
+  const std::size_t slash = target.rfind('/');
+  const std::string folder = slash == std::string::npos ? "./" : target.substr(0, slash + 1);
+  std::string temporary;
+  Descriptor file(create_temporary(folder, temporary));
+  if (!file) return cannot_write(path, reason(errno));
+  if (const auto why = fill_and_rename(file, temporary, target, mode, bytes)) {
+    ::unlink(temporary.c_str());
+    return cannot_write(path, *why);
+  }
+  sync_folder(folder);
+  return std::nullopt;
+}
+
+}  // namespace gs::net

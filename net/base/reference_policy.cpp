@@ -1,0 +1,128 @@
+#include "net/base/reference_policy.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "net/base/schemes.h"
+
+namespace gs::net {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Below are the services of systems (RFC 6335): name servers, clocks.
+constexpr std::uint16_t kFirstFreePort = 1024;
+
+std::string known_schemes(bool from_network_only) {
+  std::string result;
+  for (const Scheme& scheme : schemes())
+    if (scheme.transport != TransportKind::memory && (scheme.from_network || !from_network_only))
+      result.append(result.empty() ? "" : ", ").append(scheme.name);
+  return result;
+}
+
+bool has_password(const Url& url) { return url.authority.find('@') != std::string::npos; }
+
+bool lies_in(const std::string& path, const std::string& folder) {
+  if (!path.starts_with(folder)) return false;
+  return path.size() == folder.size() || folder.ends_with('/') || path[folder.size()] == '/';
+}
+
+}  // namespace
+
+std::string Origin::site() const {
+  if (is_user() || is_file()) return url.substr(0, url.find(':'));
+  const Url parts = parse_url(url);
+  return parts.scheme + "://" + parts.authority + " " + std::to_string(static_cast<int>(space));
+}
+
+AddressSpace Origin::reach() const {
+  if (is_user()) return AddressSpace::special;
+  // Nothing refers to what is no host.
+  return is_file() ? AddressSpace::loopback : std::max(space, AddressSpace::loopback);
+}
+
+void ReferencePolicy::allow(const std::string& path) {
+  std::error_code error;
+  const std::string real = fs::canonical(path, error).string();
+  if (!error && std::find(allowed_.begin(), allowed_.end(), real) == allowed_.end()) allowed_.push_back(real);
+}
+
+std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, const Url& to) const {
+  const Scheme* const target = find_scheme(to.scheme);
+  if (!target) {
+    if (to.scheme.empty()) return ReferenceRefusal{"it has no scheme; expected one of " + known_schemes(false), {}};
+    return ReferenceRefusal{
+        "the scheme " + to.scheme.substr(0, 32) + ": is not known; expected one of " + known_schemes(false), {}};
+  }
+  if (from.is_user()) return std::nullopt;
+  if (target->transport == TransportKind::file) return refuse_file(from, path_of_url(to));
+  const Url own = parse_url(from.url);
+  if (!from.is_file() && !target->from_network)
+    return ReferenceRefusal{"a document of " +
+                                (own.scheme.empty() ? "unknown origin" : own.scheme.substr(0, 32) + ":") +
+                                " may not refer to " + to.scheme + ":; expected one of " + known_schemes(true),
+                            {}};
+  // A relative reference takes along what the user typed.
+  const bool same_host = own.scheme == to.scheme && own.authority == to.authority;
+  if (has_password(to) && !same_host)
+    return ReferenceRefusal{"a document may not name a user or a password; expected " + to.scheme + "://HOST/PATH", {}};
+  const auto place = host_and_port(to.authority);
+  if (target->transport == TransportKind::cells && place && place->port.value_or(kFirstFreePort) < kFirstFreePort)
+    return ReferenceRefusal{"a document may not have datagrams sent to port " + std::to_string(*place->port) +
+                                "; expected one from " + std::to_string(kFirstFreePort) + " on",
+                            {}};
+  const Scheme* const source = find_scheme(own.scheme);
+  if (source && source->secure && target->has_host && !target->secure)
+    return ReferenceRefusal{"a document of " + own.scheme + ": may not refer to " + to.scheme +
+                                ":, which anyone on the way can change; expected " + own.scheme + ":",
+                            {}};
+  return std::nullopt;
+}
+
+std::optional<ReferenceRefusal> ReferencePolicy::refuse_file(const Origin& from, const std::string& path) const {
+  if (from.is_user()) return std::nullopt;
+  if (!from.is_file()) {
+    const std::string scheme = parse_url(from.url).scheme;
+    return ReferenceRefusal{"a document of " + (scheme.empty() ? "unknown origin" : scheme.substr(0, 32) + ":") +
+                                " may not refer to file:; expected one of " + known_schemes(true),
+                            {}};
+  }
+  std::error_code error;
+  const fs::path real = fs::canonical(path, error);
+  if (error) return std::nullopt;
+  for (const std::string& folder : allowed_)
+    if (lies_in(real.string(), folder)) return std::nullopt;
+  const std::string folder = real.parent_path().string();
+  return ReferenceRefusal{"it lies outside of the world's folder; --allow " + folder + " allows it", folder};
+}
+
+std::optional<std::string> refuse_host(AddressSpace reach, AddressSpace host, const std::string& address) {
+  if (reaches(reach, host)) return std::nullopt;
+  return (address.empty() ? "its address" : "the address " + address) + " is of " + std::string(name_of(host)) +
+         "; a document of " + std::string(name_of(reach)) + " may not reach it";
+}
+
+std::string reference_of_path(std::string_view path) {
+  constexpr std::string_view kPlain = "/-._~!$&'()*+,;=@";
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string result;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       kPlain.find(c) != std::string_view::npos;
+    if (c == '\\')
+      result += '/';
+    else if (plain)
+      result += c;
+    else
+      result.append("%").append(1, kDigits[byte >> 4]).append(1, kDigits[byte & 15]);
+  }
+  // Two slashes would begin the name of a host.
+  const std::size_t first = result.find_first_not_of('/');
+  if (first != std::string::npos && first > 1) result.erase(0, first - 1);
+  return result;
+}
+
+}  // namespace gs::net

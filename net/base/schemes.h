@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "net/base/url.h"
+
+namespace gs::net {
+
+/// Who carries the bytes of a scheme.
+enum class TransportKind { file, http, data, cells, memory };
+
+/// Which of the loader's threads a scheme lives on: disks may block, networks may not.
+enum class Lane { local, network };
+
+/// All that the loader knows of a URL scheme.
+struct Scheme {
+  std::string_view name;
+  TransportKind transport;
+  Lane lane;
+  bool from_network;     // documents that came over a network (and data: documents) may refer to it
+  bool redirect_target;  // a server may redirect to it
+  bool cached;           // answers are kept on disk
+  bool secure;           // nobody on the way can read or change what comes
+  bool has_host;         // the number of transfers of one host is bounded
+};
+
+/// The table of URL schemes, the only one.
+[[nodiscard]] std::span<const Scheme> schemes();
+/// The row of a scheme in lower case, or nothing.
+[[nodiscard]] const Scheme* find_scheme(std::string_view name);
+
+/// A URL as it may stand in messages and logs: without user name and password, without control characters, shortened.
+[[nodiscard]] std::string url_for_messages(std::string_view url);
+
+}  // namespace gs::net

@@ -1,0 +1,205 @@
+#include "net/cells/aal5.h"
+
+#include "net/base/network_bytes.h"
+
+#include <isa-l/crc.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::net {
+namespace {
+
+constexpr std::uint8_t kLastCell = 1, kNoUserData = 4;  // bits of the PTI
+
+struct Trailer {
+  std::uint8_t user_to_user = 0;
+  std::size_t length = 0;
+  std::uint32_t crc = 0;
+};
+
+Trailer trailer_of(const std::array<std::byte, kCellPayload>& payload) {
+  NetworkReader reader{std::span(payload).last<kAal5Trailer>()};
+  Trailer trailer;
+  trailer.user_to_user = reader.integer<std::uint8_t>();
+  (void)reader.integer<std::uint8_t>();  // the common part indicator
+  trailer.length = reader.integer<std::uint16_t>();
+  trailer.crc = reader.integer<std::uint32_t>();
+  return trailer;
+}
+
+/// Cells that stand one behind the other, the last with the trailer, as the PDU
+/// that they are; nothing if they are none.
+std::optional<Pdu> whole_pdu(Vc vc, std::span<const Pdu::Part> parts) {
+  const Trailer trailer = trailer_of(parts.back().payload);
+  if (trailer.length == 0 || cells_of_pdu(trailer.length) != parts.size()) return std::nullopt;
+  Pdu pdu;
+  pdu.vc = vc;
+  pdu.whole = true;
+  pdu.user_to_user = trailer.user_to_user;
+  pdu.bytes.reserve(parts.size() * kCellPayload);
+  for (const Pdu::Part& part : parts) pdu.bytes.insert(pdu.bytes.end(), part.payload.begin(), part.payload.end());
+  if (aal5_crc(std::span(pdu.bytes).first(pdu.bytes.size() - 4)) != trailer.crc) return std::nullopt;
+  pdu.bytes.resize(trailer.length);
+  return pdu;
+}
+
+void hand_out_parts(Vc vc, std::uint64_t key, std::span<const Pdu::Part> parts, std::vector<Pdu>& out) {
+  if (parts.empty()) return;
+  Pdu pdu;
+  pdu.vc = vc;
+  pdu.key = key;
+  pdu.parts.assign(parts.begin(), parts.end());
+  out.push_back(std::move(pdu));
+}
+
+}  // namespace
+
+std::uint32_t aal5_crc(std::span<const std::byte> bytes) {
+  // ISA-L's takes what is not const, and inverts at start and end by itself.
+  return crc32_ieee(0, reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data())), bytes.size());
+}
+
+bool segment(std::span<const std::byte> user, Vc vc, std::uint8_t user_to_user, bool low_priority,
+             std::vector<Cell>& cells) {
+  if (user.empty() || user.size() > kMostPdu) return false;
+  const std::size_t count = cells_of_pdu(user.size());
+  std::vector<std::byte> pdu(user.begin(), user.end());
+  pdu.reserve(count * kCellPayload);
+  pdu.resize(count * kCellPayload - kAal5Trailer);
+  NetworkWriter writer(pdu);
+  writer.integer(user_to_user);
+  writer.integer(std::uint8_t{0});
+  writer.integer(static_cast<std::uint16_t>(user.size()));
+  writer.integer(aal5_crc(pdu));
+  for (std::size_t i = 0; i < count; ++i) {
+    Cell& cell = cells.emplace_back();
+    cell.vc = vc;
+    cell.type = i + 1 == count ? kLastCell : 0;
+    cell.low_priority = low_priority;
+    std::copy_n(pdu.begin() + static_cast<std::ptrdiff_t>(i * kCellPayload), kCellPayload, cell.payload.begin());
+  }
+  return true;
+}
+
+Reassembler::Reassembler(std::size_t most_vcs, std::size_t most_pdu)
+    : most_vcs_(std::max<std::size_t>(most_vcs, 1)), most_cells_(cells_of_pdu(std::min(most_pdu, kMostPdu))) {}
+
+Reassembler::State& Reassembler::state(Vc vc, std::vector<Pdu>& out) {
+  auto found = states_.find(vc);
+  if (found == states_.end()) {
+    if (states_.size() >= most_vcs_) {
+      const auto oldest = std::min_element(states_.begin(), states_.end(), [](const auto& left, const auto& right) {
+        return left.second.used < right.second.used;
+      });
+      lost(oldest->first, oldest->second, std::nullopt, out);
+      states_.erase(oldest);
+    }
+    found = states_.emplace(vc, State{}).first;
+  }
+  found->second.used = ++clock_;
+  return found->second;
+}
+
+void Reassembler::push(const Cell& cell, std::vector<Pdu>& out) {
+  if ((cell.type & kNoUserData) != 0) return;
+  State& state = this->state(cell.vc, out);
+  const bool last = (cell.type & kLastCell) != 0;
+  if (state.next >= most_cells_ || state.parts.size() >= most_cells_) {
+    state.overflow = true;
+    state.parts.clear();
+  }
+  if (!state.overflow) state.parts.push_back({state.next++, last, cell.payload});
+  if (!last) return;
+  if (!state.overflow) end(cell.vc, state, out);
+  const std::uint64_t used = state.used;
+  state = State{};
+  state.used = used;
+}
+
+/// The last cell of a PDU has come.
+void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
+  if (state.placed && state.gap && state.key != 0) return hand_out_parts(vc, state.key, state.parts, out);
+  if (state.gap || !state.placed) return end_after_gap(vc, state, out);
+  if (auto pdu = whole_pdu(vc, state.parts)) {
+    pdu->key = state.key;
+    out.push_back(std::move(*pdu));
+  } else {
+    ++damaged_;
+  }
+}
+
+/// The same behind a gap, in which the PDU may have begun that ends here.
+void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
+  const std::size_t total = cells_of_pdu(trailer_of(state.parts.back().payload).length);
+  // A PDU that had begun in a gap of known length would be shorter than all
+  // that was counted.
+  if (state.placed && total == state.next) return hand_out_parts(vc, 0, state.parts, out);
+  hand_out_parts(vc, 0, std::span(state.parts).first(state.before), out);
+  auto tail = std::span(state.parts).subspan(state.after);
+  if (tail.size() > total) {
+    ++damaged_;
+  } else if (tail.size() == total) {
+    auto pdu = whole_pdu(vc, tail);
+    if (!pdu) ++damaged_;
+    if (pdu) out.push_back(std::move(*pdu));
+  } else {
+    const auto first = static_cast<std::uint32_t>(total - tail.size());
+    for (std::size_t i = 0; i < tail.size(); ++i) tail[i].place = first + static_cast<std::uint32_t>(i);
+    hand_out_parts(vc, 0, tail, out);
+  }
+}
+
+void Reassembler::lost(Vc vc, State& state, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) const {
+  if (state.overflow || cells == std::uint32_t{0}) return;
+  // Without its begin no place is known: only the cells before the first gap
+  // are.
+  const bool countable = state.placed && cells && *cells < most_cells_ && state.next + *cells <= most_cells_;
+  if (!countable) {
+    if (state.placed)
+      hand_out_parts(vc, state.key,
+                     std::span(state.parts).first(state.gap && state.key == 0 ? state.before : state.parts.size()),
+                     out);
+    const std::uint64_t used = state.used;
+    state = State{};
+    state.used = used;
+    state.placed = false;
+    state.gap = true;
+    return;
+  }
+  if (!state.gap) state.before = state.parts.size();
+  state.gap = true;
+  state.after = state.parts.size();
+  state.next += *cells;
+}
+
+void Reassembler::lost(Vc vc, std::optional<std::uint32_t> cells, std::vector<Pdu>& out) {
+  lost(vc, state(vc, out), cells, out);
+}
+
+void Reassembler::lost_anywhere(std::vector<Pdu>& out) {
+  for (auto& [vc, state] : states_) lost(vc, state, std::nullopt, out);
+}
+
+void Reassembler::seek(Vc vc, std::uint64_t key, std::uint32_t place, std::vector<Pdu>& out) {
+  State& state = this->state(vc, out);
+  if (!state.placed || state.overflow || state.key != key || place < state.next) {
+    lost(vc, state, std::nullopt, out);
+    const std::uint64_t used = state.used;
+    state = State{};
+    state.used = used;
+    state.key = key;
+    state.gap = place > 0;
+  } else if (place > state.next) {
+    state.gap = true;
+  }
+  state.next = place;
+  state.overflow = place >= most_cells_;
+}
+
+void Reassembler::finish(std::vector<Pdu>& out) {
+  lost_anywhere(out);
+  states_.clear();
+}
+
+}  // namespace gs::net

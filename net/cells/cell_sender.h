@@ -1,0 +1,85 @@
+#pragma once
+
+#include "net/cells/cell_session.h"
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace gs::net {
+
+struct CellServerOptions {
+  SipKey secret{};                         // random; new with every start
+  std::uint64_t total_rate = 100'000'000;  // bits a second, of all clients together
+  std::uint64_t client_rate = 50'000'000;  // of one
+  std::size_t most_clients = 256, most_of_address = 8;
+  Instant forget{30'000'000};  // a client that has been silent so long
+  CellSession::Options session;
+};
+
+/// A datagram, and where it goes.
+struct OutgoingDatagram {
+  Endpoint to;
+  std::vector<std::byte> bytes;
+};
+
+struct CellServerStatistics {
+  std::uint64_t clients = 0;  // now
+  std::uint64_t accepted = 0, refused = 0,
+                foreign = 0;                             // sessions; requests; datagrams that were none of ours
+  std::uint64_t datagrams = 0, bytes = 0;                // sent
+  std::uint64_t parity_datagrams = 0, parity_bytes = 0;  // of those, parity
+};
+
+/// Serves sources as cells to many clients: the contract, and the share of
+/// each. A state machine without I/O and clock: feed it datagrams, ask it for
+/// those to send and when to ask again. One thread; safe for untrusted
+/// datagrams. Before an address has returned its cookie, nothing is kept of it
+/// and no more is sent to it than came from it.
+class CellServer {
+ public:
+  CellServer(CellServerOptions options, std::shared_ptr<CellLibrary> library);
+
+  void receive(const Endpoint& from, std::span<const std::byte> bytes, Instant now);
+  /// The next datagram to send; nothing until `deadline`.
+  [[nodiscard]] std::optional<OutgoingDatagram> next(Instant now);
+  /// When `next` will have something if nothing is received before;
+  /// Instant::max() for never.
+  [[nodiscard]] Instant deadline(Instant now);
+  /// Says goodbye to everyone: `next` hands out the words.
+  void stop();
+  [[nodiscard]] CellServerStatistics statistics() const;
+
+ private:
+  using Sessions = std::map<Endpoint, std::unique_ptr<CellSession>>;
+  void take_request(const Endpoint& from, const RequestMessage& request, Instant now);
+  CellSession* session_for(const Endpoint& from, const RequestMessage& request, Instant age, Instant now);
+  void open(const Endpoint& from, CellSession& session, const RequestMessage& request);
+  void refuse(const Endpoint& to, const RequestMessage& request, Refusal why, std::string text);
+  void answer(const Endpoint& to, const ContractMessage& message);
+  std::shared_ptr<const ErasureEncoder> encoder(const std::shared_ptr<CellSource>& source, std::size_t cells);
+  void divide(Instant now);
+  void forget(Instant now);
+
+  CellServerOptions options_;
+  std::shared_ptr<CellLibrary> library_;
+  CookieMaker cookies_;
+  Sessions sessions_;
+  std::map<Endpoint, TokenBucket> opens_;  // by client with a session
+  Endpoint turn_;                          // who was served last
+  TokenBucket total_;
+  std::deque<OutgoingDatagram> answers_;
+  struct Shared {
+    std::weak_ptr<CellSource> source;
+    std::weak_ptr<const ErasureEncoder> encoder;
+  };
+  std::map<std::pair<const CellSource*, std::size_t>, Shared> encoders_;
+  CellServerStatistics statistics_;
+};
+
+}  // namespace gs::net

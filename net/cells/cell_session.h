@@ -1,0 +1,115 @@
+#pragma once
+
+#include "net/cells/cell_contract.h"
+#include "net/cells/cell_framing.h"
+#include "net/cells/cell_parity.h"
+#include "net/cells/congestion.h"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace gs::net {
+
+/// One client of a server: what it gets, in which order and how fast. Part of
+/// CellServer; no I/O, no clock.
+class CellSession {
+ public:
+  struct Options {
+    CongestionResponse response = CongestionResponse::equation;
+    double base_loss = 0.3,
+           base_failure = 1e-6;  // the base's first pass: fails so seldom at that loss
+    Instant silence{2'000'000};  // without reports nothing more is sent
+    bool parity = true;          // behind the base, as much as the client's losses ask for
+  };
+  CellSession(const Options& options, std::uint64_t id, std::uint64_t nonce, Instant round_trip, Instant now);
+
+  [[nodiscard]] std::uint64_t id() const { return id_; }
+  [[nodiscard]] std::uint64_t nonce() const { return nonce_; }
+  [[nodiscard]] Instant last_heard() const { return last_heard_; }
+  [[nodiscard]] bool silent(Instant now) const { return now >= last_heard_ + options_.silence; }
+  /// What the client asked for, bytes a second.
+  [[nodiscard]] std::uint64_t wanted() const { return wanted_; }
+  [[nodiscard]] std::uint64_t granted() const { return granted_; }
+  void set_wanted(std::uint64_t bytes_per_second) { wanted_ = bytes_per_second; }
+  void grant(std::uint64_t bytes_per_second, Instant now);
+
+  /// The number of the request that holds a slot; 0 for none.
+  [[nodiscard]] std::uint32_t number(std::size_t slot) const { return slots_[slot].number; }
+  /// Puts a source into a slot; `base` encodes its base. A null source empties
+  /// the slot.
+  void set(const RequestMessage& request, std::shared_ptr<CellSource> source,
+           std::shared_ptr<const ErasureEncoder> base);
+  /// The answer to the request that holds the slot.
+  [[nodiscard]] GrantMessage answer(std::size_t slot) const;
+  /// Whether a slot is filled and no report has shown yet that the client knows
+  /// it.
+  [[nodiscard]] bool unknown(std::size_t slot) const { return slots_[slot].source && !slots_[slot].known; }
+  void report(const ReportMessage& report, Instant now);
+
+  /// When the next datagram of cells may go; Instant::max() if there is none.
+  [[nodiscard]] Instant ready(Instant now);
+  struct Datagram {
+    std::vector<std::byte> bytes;
+    bool parity = false;
+  };
+  /// That datagram; empty if there was none after all.
+  [[nodiscard]] Datagram datagram(Instant now);
+  /// Where the session is, if it is time to say so.
+  [[nodiscard]] Instant sync_due(Instant now) const;
+  [[nodiscard]] SyncMessage sync(Instant now);
+
+ private:
+  struct StreamState {
+    std::vector<bool> sent;
+    std::array<std::uint32_t, kMostRegions + 1> cursors{};  // by region; the last: everywhere
+  };
+  struct Slot {
+    std::uint32_t number = 0;
+    std::shared_ptr<CellSource> source;
+    std::shared_ptr<const ErasureEncoder> base;
+    std::uint8_t weight = 1, cells = kMostCells;
+    std::uint32_t streams = 0;
+    std::uint64_t budget = 0, bytes = 0;
+    bool known = false, base_done = false, ended = false;
+    unsigned base_turn = 0;
+    std::size_t base_sent = 0, base_first = 0;
+    Instant base_next{}, regions_changed{};
+    std::vector<StreamState> states;
+    std::vector<Region> regions;
+    std::deque<ChunkName> wishes;
+    std::map<ChunkName, Instant> wished;  // when it was granted last
+    std::optional<ChunkCutter> cutter;
+    std::uint64_t last_group = 0;  // ended: of parity, the last that may hold something of it
+    double turn = 0;               // bytes by weight
+  };
+  [[nodiscard]] bool base_waits(const Slot& slot) const { return slot.source && !slot.base_done; }
+  [[nodiscard]] Instant slot_ready(const Slot& slot, Instant now) const;
+  bool take_chunk(Slot& slot, std::size_t number, Instant now);
+  std::optional<ChunkName> next_chunk(Slot& slot, Instant now);
+  std::optional<ChunkName> next_wish(Slot& slot, Instant now);
+  std::optional<ChunkName> next_in(Slot& slot, std::size_t region);
+  void put_base(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
+  void put_data(Slot& slot, std::size_t number, Instant now, std::vector<Cell>& cells);
+  [[nodiscard]] Datagram encode(const std::vector<Cell>& cells, bool parity, Instant now);
+  void report_loss(const ReportMessage& report, Instant now);
+  void take_report(Slot& slot, const SlotReport& report, Instant now);
+  void update_rate(Instant now);
+
+  Options options_;
+  std::uint64_t id_, nonce_;
+  std::array<Slot, kMostSlots> slots_;
+  RateController controller_;
+  TokenBucket bucket_;
+  ParitySender parity_;
+  std::uint64_t wanted_ = 0, granted_ = 0, next_ = 0;
+  std::uint32_t last_report_ = 0;
+  bool idle_ = true, sync_now_ = true;
+  Instant last_heard_, last_sync_{}, last_cells_{};
+};
+
+}  // namespace gs::net

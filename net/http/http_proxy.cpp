@@ -1,0 +1,63 @@
+#include "net/http/http_proxy.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "net/base/address_space.h"
+
+namespace gs::net {
+namespace {
+
+std::string lower_name(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return text;
+}
+
+std::string upper_name(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c; });
+  return text;
+}
+
+/// Whether one of the names, domains, addresses or blocks of a list, parted by commas or blanks, means the host.
+bool is_listed_host(const std::string& host, std::string_view list) {
+  const auto address = ip_address_of(host);
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find_first_of(", \t"), list.size());
+    std::string entry = lower_name(std::string(list.substr(0, end)));
+    list.remove_prefix(std::min(end + 1, list.size()));
+    if (entry.starts_with('.')) entry.erase(0, 1);
+    if (entry.ends_with('.')) entry.pop_back();
+    if (entry.empty()) continue;
+    if (entry == "*") return true;
+    if (address) {
+      if (entry.size() > 2 && entry.front() == '[' && entry.back() == ']') entry = entry.substr(1, entry.size() - 2);
+      const auto block = address_block_of(entry);
+      if (block && block->contains(*address)) return true;
+    } else if (host == entry || host.ends_with("." + entry)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string proxy_of(const Url& url, const Environment& environment) {
+  const auto place = host_and_port(url.authority);
+  if (!place) return {};
+  // Of http only in lower case: to a program that a web server runs, HTTP_PROXY is a header of whoever asks.
+  std::string proxy = environment(url.scheme + "_proxy");
+  if (proxy.empty() && url.scheme != "http") proxy = environment(upper_name(url.scheme) + "_PROXY");
+  if (proxy.empty()) proxy = environment("all_proxy");
+  if (proxy.empty()) proxy = environment("ALL_PROXY");
+  if (proxy.empty()) return {};
+  std::string direct = environment("no_proxy");
+  if (direct.empty()) direct = environment("NO_PROXY");
+  std::string host = lower_name(place->host);
+  if (host.ends_with('.')) host.pop_back();
+  return is_listed_host(host, direct) ? std::string() : proxy;
+}
+
+}  // namespace gs::net

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "net/load/load_job.h"
+
+namespace gs::net {
+
+/// What one thread of the loader does: jobs, and which of their transfers run. Time is an argument, so that tests with
+/// the memory transport need neither threads nor patience.
+class LoadEngine final : private TransferSink {
+ public:
+  /// `options`, `queue` and `cache` must outlive it. A null `cache` is none.
+  LoadEngine(const LoaderOptions& options, LoadQueue& queue, HttpCache* cache);
+  ~LoadEngine();
+  LoadEngine(const LoadEngine&) = delete;
+  LoadEngine& operator=(const LoadEngine&) = delete;
+
+  void add_transport(TransportKind kind, std::unique_ptr<Transport> transport);
+
+  // The request must be open in the queue.
+  void request(RequestId id, Request request);
+  void cancel(RequestId id);
+  void set_priority(RequestId id, int priority);
+
+  /// Moves everything on. When to call again at the latest; nothing: when something is asked or a socket is ready.
+  std::optional<TimePoint> step(TimePoint now);
+  [[nodiscard]] std::vector<int> readable() const;
+
+ private:
+  struct Running {
+    LoadJob* job;
+    Fetch* fetch;
+    Transport* transport;
+  };
+  struct Candidate {
+    LoadJob* job;
+    Fetch* fetch;
+  };
+  struct Load {
+    std::size_t all = 0, all_preempted = 0;
+    std::map<std::string, std::size_t> host, host_preempted;
+    std::map<std::uint32_t, std::size_t> viewport;
+  };
+
+  HeadVerdict on_head(TransferId id, const ResponseHead& head) override;
+  DataVerdict on_data(TransferId id, std::span<const std::byte> bytes) override;
+  void on_end(TransferId id, const TransferEnd& end) override;
+
+  void stop(TransferId id);
+  void pump();
+  void hold_back();
+  void schedule();
+  void schedule_equals(std::span<const Candidate> candidates, Load& load);
+  [[nodiscard]] Load count_load() const;
+  [[nodiscard]] bool fits(const LoadJob& job, const Load& load) const;
+  bool make_room(const LoadJob& job, Load& load);
+  void let_run(const Candidate& candidate, Load& load);
+  [[nodiscard]] std::optional<TimePoint> next_deadline() const;
+
+  const LoaderOptions& options_;
+  LoadQueue& queue_;
+  JobContext context_;
+  std::map<TransportKind, std::unique_ptr<Transport>> transports_;
+  std::map<RequestId, std::unique_ptr<LoadJob>> jobs_;
+  std::unordered_map<TransferId, Running> running_;
+  std::set<RequestId> touched_;  // jobs that something happened to
+  std::set<RequestId> pumping_;  // jobs with cached bytes to hand out
+  TransferId last_transfer_ = 0;
+  TimePoint now_{};
+  std::optional<TimePoint> next_ready_;
+  bool schedule_needed_ = false;
+};
+
+}  // namespace gs::net

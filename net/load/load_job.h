@@ -1,0 +1,154 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "net/http/http_cache.h"
+#include "net/load/load_queue.h"
+#include "net/load/transport.h"
+
+namespace gs::net {
+
+/// What jobs share. All on one thread but for the queue.
+struct JobContext {
+  const LoaderOptions& options;
+  LoadQueue& queue;
+  HttpCache* cache = nullptr;  // none: nothing is cached
+  std::function<std::uint64_t()> random;
+  std::function<std::int64_t()> unix_seconds;
+  std::function<void(TransferId)> cancel;
+  /// Resources of which ranges were had: then several can be asked for at once. Bounded.
+  std::map<std::string, bool> ranges_known;
+};
+
+/// A piece of a request that one transfer at a time brings.
+struct Fetch {
+  ByteRange range;
+  std::uint64_t position = 0;  // the next byte to come
+  TransferId transfer = 0;     // 0: not running
+  TimePoint not_before{};
+  unsigned failures = 0;  // since the last progress
+  unsigned attempts = 0;
+  bool conditional = false;  // asks only whether the cached version still holds
+  bool finished = false;
+  bool paused = false;
+  bool preempted = false;  // held back for something more urgent
+
+  /// Of the answer that is coming.
+  struct Answer {
+    std::string redirect;
+    AddressSpace space = AddressSpace::global;  // of the host
+    std::optional<LoadError> error;
+    bool transient = false;
+    std::optional<std::int64_t> retry_after;
+    std::optional<ResponseHead> not_modified;
+    bool whole = false;
+    std::optional<std::uint64_t> end;  // of the body, as a place in the resource
+    std::vector<std::byte> held;       // came while bytes before it are still being read from the cache
+    std::optional<TransferEnd> held_end;
+  } answer;
+};
+
+/// One request on its way: cache, redirects, ranges, versions, retries. It starts nothing itself: the engine starts
+/// what is ready, and tells what comes of it. No threads, no clocks.
+class LoadJob {
+ public:
+  LoadJob(JobContext& context, RequestId id, Request request);
+  ~LoadJob();
+  LoadJob(const LoadJob&) = delete;
+  LoadJob& operator=(const LoadJob&) = delete;
+
+  /// Looks into the cache and plans the first transfers, or fails.
+  void begin();
+  [[nodiscard]] bool over() const { return over_; }
+  [[nodiscard]] RequestId id() const { return id_; }
+  [[nodiscard]] const Request& request() const { return request_; }
+  [[nodiscard]] int priority() const { return request_.priority; }
+  void set_priority(int priority) { request_.priority = priority; }
+  [[nodiscard]] const Scheme* scheme() const { return scheme_; }
+  /// Whose number of transfers is bounded; empty where it is not.
+  [[nodiscard]] const std::string& host() const { return host_; }
+  [[nodiscard]] std::vector<std::unique_ptr<Fetch>>& fetches() { return fetches_; }
+  /// Whether its transfer may start, but for `not_before`.
+  [[nodiscard]] bool ready(const Fetch& fetch) const;
+  [[nodiscard]] TransferRequest describe(const Fetch& fetch) const;
+  void fail(LoadErrorKind kind, const std::string& what, int http_status = 0);
+
+  HeadVerdict on_head(Fetch& fetch, const ResponseHead& head);
+  DataVerdict on_data(Fetch& fetch, std::span<const std::byte> bytes);
+  void on_end(Fetch& fetch, const TransferEnd& end, TimePoint now);
+  /// Hands out cached bytes while there is room. Whether there is more to do at once.
+  bool pump(TimePoint now);
+  [[nodiscard]] bool must_wait(const Fetch& fetch) {
+    return !fetch.answer.held.empty() || context_.queue.room(id_) == 0;
+  }
+  [[nodiscard]] bool has_cached_bytes() const { return trusted_ && !cached_pending().empty(); }
+
+ private:
+  [[nodiscard]] bool whole() const { return request_.ranges.empty(); }
+  [[nodiscard]] std::string key() const;
+  [[nodiscard]] bool may_cache() const;
+  [[nodiscard]] std::optional<std::string> refusal() const;
+  void set_url(std::string url);
+
+  // The version being read
+  void open_version();
+  void look_up();
+  void plan(const RangeSet& missing);
+  void plan_what_is_missing();
+  void emit_head(LoadHead head);
+  /// Everything so far is void. Counts; false when it fails.
+  bool void_version(LoadErrorKind kind, const std::string& why);
+  void restart(LoadErrorKind kind, const std::string& why, TimePoint not_before);
+  bool clamp();  // to the total; false when it fails
+  [[nodiscard]] RangeSet cached_pending() const;
+
+  // Answers
+  HeadVerdict accept(Fetch& fetch, const ResponseHead& head);
+  bool check_answer(Fetch& fetch, const ResponseHead& head);
+  HeadVerdict accept_empty(Fetch& fetch, const ResponseHead& head);
+  void settle_cached(const ResponseHead& head, bool proven);
+  void adopt(const ResponseHead& head, std::optional<std::uint64_t> total);
+  void open_writer(const ResponseHead& head);
+  DataVerdict deliver(Fetch& fetch, std::span<const std::byte> bytes);
+  void end_body(Fetch& fetch, TimePoint now);
+  void follow(const std::string& location, AddressSpace space);
+  void use_confirmed(Fetch& fetch);
+  void retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
+             TimePoint now);
+  void stop(Fetch& fetch);
+  void stop_all();
+  void check_done();
+  void finish(std::variant<LoadDone, LoadError> how);
+
+  JobContext& context_;
+  const RequestId id_;
+  Request request_;
+  const std::string first_url_;
+  std::string url_, host_;
+  const Scheme* scheme_ = nullptr;
+  std::vector<std::unique_ptr<Fetch>> fetches_;
+  RangeSet needed_;  // not handed out yet
+  std::uint64_t received_ = 0;
+  unsigned redirects_ = 0, restarts_ = 0;
+  AddressSpace reach_;  // grows narrower by every host that has had a say
+  bool over_ = false, use_cache_ = true;
+
+  // The version: of the head that was emitted, or of what the cache has
+  bool head_sent_ = false;
+  Validator version_;
+  std::optional<std::uint64_t> total_;
+  bool encoded_ = false, accepts_ranges_ = false;
+  AddressSpace space_ = AddressSpace::global;
+  std::optional<CachedResource> cached_;
+  ByteRange cached_part_;  // what of it is used
+  bool trusted_ = false;   // it is fresh, or confirmed by the server
+  std::unique_ptr<CacheWriter> writer_;
+};
+
+}  // namespace gs::net

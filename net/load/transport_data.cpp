@@ -1,0 +1,171 @@
+#include <algorithm>
+#include <map>
+
+#include "net/base/hexadecimal.h"
+#include "net/load/transport.h"
+
+namespace gs::net {
+namespace {
+
+int base64_value(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;
+  if (c == '/' || c == '_') return 63;
+  return -1;
+}
+
+std::vector<std::byte> percent_decoded(std::string_view text) {
+  std::vector<std::byte> result;
+  result.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    int value = static_cast<unsigned char>(text[i]);
+    if (text[i] == '%' && i + 2 < text.size()) {
+      const int high = hexadecimal_value(text[i + 1]), low = hexadecimal_value(text[i + 2]);
+      if (high >= 0 && low >= 0) {
+        value = high * 16 + low;
+        i += 2;
+      }
+    }
+    result.push_back(static_cast<std::byte>(value));
+  }
+  return result;
+}
+
+std::optional<std::vector<std::byte>> base64_decoded(const std::vector<std::byte>& text) {
+  std::vector<std::byte> result;
+  result.reserve(text.size() / 4 * 3 + 3);
+  unsigned bits = 0, count = 0;
+  bool ended = false;
+  for (const std::byte raw : text) {
+    const char c = static_cast<char>(raw);
+    if (c == ' ' || (c >= '\t' && c <= '\r')) continue;
+    if (c == '=') {
+      ended = true;
+      continue;
+    }
+    const int value = base64_value(c);
+    if (value < 0 || ended) return std::nullopt;
+    bits = (bits << 6 | static_cast<unsigned>(value)) & 0xffffff;
+    if (++count % 4 != 1) result.push_back(static_cast<std::byte>(bits >> (6 - 2 * ((count - 1) % 4))));
+  }
+  if (count % 4 == 1) return std::nullopt;
+  return result;
+}
+
+bool is_base64_mark(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return lower == "base64";
+}
+
+/// Hands the bytes over in the next step; there is nothing to wait for.
+class DataTransport final : public Transport {
+ public:
+  void start(TransferId id, const TransferRequest& request, TimePoint) override { transfers_[id].request = request; }
+  void cancel(TransferId id) override {
+    if (const auto found = transfers_.find(id); found != transfers_.end()) found->second.over = true;
+  }
+  void pause(TransferId id, bool paused) override {
+    if (const auto found = transfers_.find(id); found != transfers_.end()) found->second.paused = paused;
+  }
+  void step(TransferSink& sink, TimePoint) override {
+    for (auto& [id, transfer] : transfers_)
+      if (!transfer.over && !transfer.paused) advance(id, transfer, sink);
+    std::erase_if(transfers_, [](const auto& entry) { return entry.second.over; });
+  }
+  [[nodiscard]] std::optional<TimePoint> deadline(TimePoint now) const override {
+    for (const auto& [id, transfer] : transfers_)
+      if (transfer.over || !transfer.paused) return now;
+    return std::nullopt;
+  }
+
+ private:
+  struct Transfer {
+    TransferRequest request;
+    std::vector<std::byte> bytes;
+    std::size_t next = 0, end = 0;
+    bool begun = false, paused = false, over = false;
+  };
+
+  static void fail(TransferId id, Transfer& transfer, TransferSink& sink, LoadErrorKind kind, std::string message) {
+    transfer.over = true;
+    sink.on_end(id, {LoadError{kind, std::move(message)}, false});
+  }
+
+  static bool begin(TransferId id, Transfer& transfer, TransferSink& sink) {
+    auto decoded = decode_data_url(transfer.request.url);
+    if (!decoded) {
+      fail(id, transfer, sink, LoadErrorKind::bad_request,
+           "it is no data; expected data:[type][;base64],content as in RFC 2397");
+      return false;
+    }
+    transfer.begun = true;
+    transfer.bytes = std::move(decoded->bytes);
+    transfer.end = transfer.bytes.size();
+    ResponseHead head;
+    head.content_type = decoded->media_type;
+    head.accepts_ranges = true;
+    const auto& range = transfer.request.range;
+    if (range && (range->begin > 0 || range->end < transfer.end)) {
+      if (range->begin >= transfer.bytes.size()) {
+        fail(
+            id, transfer, sink, LoadErrorKind::bad_request,
+            "byte " + std::to_string(range->begin) + " was asked for; it has " + std::to_string(transfer.bytes.size()));
+        return false;
+      }
+      head.status = 206;
+      transfer.next = static_cast<std::size_t>(range->begin);
+      transfer.end = static_cast<std::size_t>(std::min<std::uint64_t>(range->end, transfer.bytes.size()));
+      head.content_range = ContentRange{transfer.next, transfer.end, transfer.bytes.size()};
+    }
+    head.content_length = transfer.end - transfer.next;
+    transfer.over = sink.on_head(id, head) != HeadVerdict::take;
+    return !transfer.over && !transfer.paused;
+  }
+
+  static void advance(TransferId id, Transfer& transfer, TransferSink& sink) {
+    constexpr std::size_t kBlock = std::size_t{64} << 10;
+    if (!transfer.begun && !begin(id, transfer, sink)) return;
+    while (transfer.next < transfer.end && !transfer.over && !transfer.paused) {
+      const std::size_t count = std::min(kBlock, transfer.end - transfer.next);
+      const auto block = std::span(transfer.bytes).subspan(transfer.next, count);
+      transfer.next += count;
+      const DataVerdict verdict = sink.on_data(id, block);
+      transfer.over |= verdict == DataVerdict::stop;
+      transfer.paused |= verdict == DataVerdict::pause;
+    }
+    if (transfer.over || transfer.next < transfer.end) return;
+    transfer.over = true;
+    sink.on_end(id, {});
+  }
+
+  std::map<TransferId, Transfer> transfers_;
+};
+
+}  // namespace
+
+std::optional<DataUrl> decode_data_url(std::string_view url) {
+  const std::size_t colon = url.find(':'), comma = url.find(',');
+  if (colon == std::string_view::npos || comma == std::string_view::npos || comma < colon) return std::nullopt;
+  DataUrl result;
+  std::string_view kind = url.substr(colon + 1, comma - colon - 1), content = url.substr(comma + 1);
+  if (!content.starts_with('#')) content = content.substr(0, std::min(content.find('#'), content.size()));
+  const std::size_t mark = kind.rfind(';');
+  const bool base64 = mark != std::string_view::npos && is_base64_mark(kind.substr(mark + 1));
+  if (base64) kind = kind.substr(0, mark);
+  result.media_type = kind.empty() ? "text/plain;charset=US-ASCII" : std::string(kind);
+  if (result.media_type.starts_with(';')) result.media_type.insert(0, "text/plain");
+  result.bytes = percent_decoded(content);
+  if (!base64) return result;
+  auto decoded = base64_decoded(result.bytes);
+  if (!decoded) return std::nullopt;
+  result.bytes = std::move(*decoded);
+  return result;
+}
+
+std::unique_ptr<Transport> make_data_transport() { return std::make_unique<DataTransport>(); }
+
+}  // namespace gs::net

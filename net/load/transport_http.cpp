@@ -1,0 +1,432 @@
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+#include <unordered_map>
+
+#include <curl/curl.h>
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "net/base/reference_policy.h"
+#include "net/http/http_headers.h"
+#include "net/http/http_proxy.h"
+#include "net/load/transport.h"
+
+namespace gs::net {
+namespace {
+
+/// Bodies that nobody wants (of redirects and errors) are read up to here, so that the connection can be used again.
+constexpr std::size_t kMostDiscarded = std::size_t{16} << 10;
+/// Connections that are kept for later.
+constexpr long kIdleConnections = 32;
+/// One block of a compressed body may grow a thousandfold, and is held by curl while we have no room: so it is small.
+constexpr long kCompressedBlock = 16 << 10;
+constexpr long kPlainBlock = 64 << 10;
+
+struct FreeEasy {
+  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
+};
+struct FreeMulti {
+  void operator()(CURLM* multi) const { curl_multi_cleanup(multi); }
+};
+struct FreeList {
+  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+};
+
+struct FreeUrl {
+  void operator()(CURLU* url) const { curl_url_cleanup(url); }
+};
+
+/// Where a host is that a proxy will look up: what its name alone tells. Hosts whose names tell nothing are the
+/// proxy's to refuse.
+AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {
+  const std::unique_ptr<CURLU, FreeUrl> parts(curl_url());
+  char* text = nullptr;
+  // curl writes numbers of any base as addresses.
+  if (curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
+      curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
+    return AddressSpace::special;
+  std::string host = text;
+  curl_free(text);
+  if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.find(']') - 1);
+  if (const auto address = ip_address_of(host)) return space_of(*address);
+  if (host.ends_with('.')) host.pop_back();
+  std::transform(host.begin(), host.end(), host.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return host == "localhost" || host.ends_with(".localhost") ? AddressSpace::loopback : AddressSpace::global;
+}
+
+std::string environment_variable(const std::string& name) {
+  const char* const value = std::getenv(name.c_str());
+  return value ? value : "";
+}
+
+std::string milliseconds(Milliseconds time) { return std::to_string(time.count()) + " ms"; }
+
+/// curl's failures in our words. `detail` is curl's own text.
+TransferEnd describe_failure(CURLcode code, const std::string& detail, const LoaderOptions& options) {
+  const auto end = [&](LoadErrorKind kind, const std::string& what, bool transient) {
+    return TransferEnd{LoadError{kind, detail.empty() ? what : what + " (" + detail + ")", 0}, transient};
+  };
+  switch (code) {
+    case CURLE_URL_MALFORMAT:
+      return end(LoadErrorKind::bad_request, "the URL cannot be understood; expected http://host/path", false);
+    case CURLE_COULDNT_RESOLVE_HOST:
+    case CURLE_COULDNT_RESOLVE_PROXY:
+      return end(LoadErrorKind::unreachable, "there is no such host", false);
+    case CURLE_COULDNT_CONNECT:
+      return end(LoadErrorKind::unreachable, "the server cannot be reached", false);
+    case CURLE_OPERATION_TIMEDOUT:
+      return end(LoadErrorKind::timed_out, "no connection within " + milliseconds(options.connect_timeout), true);
+    case CURLE_PEER_FAILED_VERIFICATION:
+    case CURLE_SSL_CONNECT_ERROR:
+    case CURLE_SSL_CERTPROBLEM:
+    case CURLE_SSL_CIPHER:
+    case CURLE_SSL_CACERT_BADFILE:
+    case CURLE_SSL_ISSUER_ERROR:
+      return end(LoadErrorKind::insecure, "the server cannot be trusted; expected a valid certificate", false);
+    case CURLE_UNSUPPORTED_PROTOCOL:
+    case CURLE_WEIRD_SERVER_REPLY:
+      return end(LoadErrorKind::bad_response, "the server does not speak HTTP", false);
+    case CURLE_BAD_CONTENT_ENCODING:
+      return end(LoadErrorKind::bad_response, "the compressed body is damaged", false);
+    case CURLE_OUT_OF_MEMORY:
+      return end(LoadErrorKind::too_large, "a block of the body decompresses to more than can be held", false);
+    case CURLE_GOT_NOTHING:
+      return end(LoadErrorKind::broken, "the server closed the connection without answer", true);
+    default:
+      return end(LoadErrorKind::broken, "the connection broke", true);
+  }
+}
+
+class CurlTransport final : public HttpTransport {
+ public:
+  explicit CurlTransport(const LoaderOptions& options) : options_(options) {
+    // Counted by curl, and safe beside other threads since 7.84.
+    curl_global_init(CURL_GLOBAL_DEFAULT);
+    multi_.reset(curl_multi_init());
+    CURLM* const multi = multi_.get();
+    curl_multi_setopt(multi, CURLMOPT_MAXCONNECTS, kIdleConnections);
+    curl_multi_setopt(multi, CURLMOPT_PIPELINING, static_cast<long>(CURLPIPE_MULTIPLEX));
+  }
+  ~CurlTransport() override {
+    for (auto& [id, transfer] : transfers_) curl_multi_remove_handle(multi_.get(), transfer->easy.get());
+  }
+
+  void wait(Milliseconds time, std::span<const int> readable) override {
+    std::vector<curl_waitfd> extra;
+    for (const int socket : readable) extra.push_back({socket, CURL_WAIT_POLLIN, 0});
+    curl_multi_poll(multi_.get(), extra.data(), static_cast<unsigned>(extra.size()), static_cast<int>(time.count()),
+                    nullptr);
+  }
+  void wake() override { curl_multi_wakeup(multi_.get()); }
+
+  void start(TransferId id, const TransferRequest& request, TimePoint now) override;
+  void cancel(TransferId id) override {
+    if (const auto found = transfers_.find(id); found != transfers_.end()) found->second->over = dirty_ = true;
+  }
+  void pause(TransferId id, bool paused) override {
+    if (const auto found = transfers_.find(id); found != transfers_.end()) {
+      found->second->wants_pause = paused;
+      dirty_ = true;
+    }
+  }
+  void step(TransferSink& sink, TimePoint now) override;
+  [[nodiscard]] std::optional<TimePoint> deadline(TimePoint now) const override;
+
+ private:
+  struct Transfer {
+    CurlTransport* transport = nullptr;
+    TransferId id = 0;
+    std::unique_ptr<CURL, FreeEasy> easy;
+    std::unique_ptr<curl_slist, FreeList> headers;
+    std::array<char, CURL_ERROR_SIZE> detail{};
+    ResponseHead head;
+    std::size_t header_bytes = 0, discarded = 0;
+    TimePoint progress;                // the start, the end of the headers, or the last byte of the body
+    std::optional<LoadError> failure;  // found by us, not by curl
+    AddressSpace reach = AddressSpace::special;
+    AddressSpace space = AddressSpace::special;  // of the host
+    std::string refused_host;                    // why an address was passed over
+    bool proxied = false;                        // the host's address is the proxy's to find
+    bool head_done = false, discarding = false, enough = false;
+    bool wants_pause = false, paused = false, over = false;
+  };
+
+  static std::size_t header_callback(char* data, std::size_t, std::size_t count, void* user) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    return transfer.transport->on_header(transfer, {data, count}) ? count : 0;
+  }
+  static std::size_t write_callback(char* data, std::size_t, std::size_t count, void* user) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    return transfer.transport->on_body(transfer, {data, count});
+  }
+
+  /// In place of a connection to an address that the text may not reach, none is made.
+  static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
+      return CURL_SOCKET_BAD;
+    return ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+  }
+  /// Before each request, also on a connection that was made for another.
+  static int request_callback(void* user, char* address, char*, int, int) {
+    auto& transfer = *static_cast<Transfer*>(user);
+    if (transfer.proxied) return CURL_PREREQFUNC_OK;
+    return transfer.transport->may_reach(transfer, ip_address_of(std::string(address ? address : "")))
+               ? CURL_PREREQFUNC_OK
+               : CURL_PREREQFUNC_ABORT;
+  }
+
+  bool may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const;
+  void set_options(Transfer& transfer, const TransferRequest& request);
+  bool on_header(Transfer& transfer, std::string_view line);
+  std::size_t on_body(Transfer& transfer, std::string_view bytes);
+  void apply_pauses();
+  void end_refused();
+  void collect();
+  void watch_the_clock();
+  void end(Transfer& transfer, const TransferEnd& how) {
+    transfer.over = true;
+    sink_->on_end(transfer.id, how);
+  }
+  void remove_over();
+  [[nodiscard]] Milliseconds patience(const Transfer& transfer) const {
+    return transfer.head_done ? options_.stall_timeout : options_.head_timeout;
+  }
+
+  const LoaderOptions& options_;
+  std::unique_ptr<CURLM, FreeMulti> multi_;
+  std::unordered_map<TransferId, std::unique_ptr<Transfer>> transfers_;
+  TransferSink* sink_ = nullptr;  // during step
+  TimePoint now_{};
+  bool dirty_ = false;  // something is to be done that no socket tells of
+};
+
+void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoint now) {
+  auto transfer = std::make_unique<Transfer>();
+  transfer->transport = this;
+  transfer->id = id;
+  transfer->progress = now;
+  transfer->reach = request.reach;
+  transfer->easy.reset(curl_easy_init());
+  set_options(*transfer, request);
+  // What is refused already ends in the next step.
+  if (transfer->refused_host.empty()) curl_multi_add_handle(multi_.get(), transfer->easy.get());
+  transfers_[id] = std::move(transfer);
+  dirty_ = true;
+}
+
+bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const {
+  const AddressSpace space = address ? options_.space_of(*address) : AddressSpace::special;
+  const auto why = refuse_host(transfer.reach, space, address ? address_text(*address) : std::string());
+  transfer.refused_host = why.value_or("");
+  transfer.space = space;
+  return !why;
+}
+
+void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
+  CURL* const easy = transfer.easy.get();
+  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
+  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+  // The loader follows redirects itself: each hop is checked, and looked up in the cache.
+  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
+  curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
+  curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
+  curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // not waiting for a name server at the end
+  curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
+  curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
+  curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
+  curl_easy_setopt(easy, CURLOPT_USERAGENT, options_.user_agent.c_str());
+  curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.detail.data());
+  curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, &header_callback);
+  curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
+  curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
+  if (options_.bytes_per_second > 0)
+    curl_easy_setopt(easy, CURLOPT_MAX_RECV_SPEED_LARGE, static_cast<curl_off_t>(options_.bytes_per_second));
+  if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
+  const std::string proxy =
+      options_.proxy_from_environment ? proxy_of(parse_url(request.url), environment_variable) : std::string();
+  curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
+  curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
+  transfer.proxied = !proxy.empty();
+  if (transfer.proxied) {
+    transfer.space = space_by_name(request.url, options_.space_of);
+    transfer.refused_host = refuse_host(transfer.reach, transfer.space).value_or("");
+  }
+  curl_easy_setopt(easy, CURLOPT_OPENSOCKETFUNCTION, &open_socket_callback);
+  curl_easy_setopt(easy, CURLOPT_OPENSOCKETDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_PREREQFUNCTION, &request_callback);
+  curl_easy_setopt(easy, CURLOPT_PREREQDATA, &transfer);
+
+  const auto add = [&transfer](const std::string& name, const std::string& value) {
+    const bool safe =
+        std::none_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+    if (value.empty() || !safe) return;
+    transfer.headers.reset(curl_slist_append(transfer.headers.release(), (name + ": " + value).c_str()));
+  };
+  if (request.range) {
+    const bool open = request.range->end == kOpenEnd;
+    add("Range", "bytes=" + std::to_string(request.range->begin) + "-" +
+                     (open ? std::string() : std::to_string(request.range->end - 1)));
+    add("If-Range", request.if_range);
+    // Ranges of a compressed form would be of no use.
+    add("Accept-Encoding", "identity");
+    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, kPlainBlock);
+  } else {
+    // Only what cannot grow without bound between two of our looks.
+    curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
+    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, kCompressedBlock);
+  }
+  add("If-None-Match", request.if_none_match);
+  add("If-Modified-Since", request.if_modified_since);
+  add("Accept", request.accept);
+  curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
+}
+
+bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
+  if (transfer.over) return false;
+  if (transfer.head_done) return true;  // trailers
+  transfer.header_bytes += line.size();
+  if (transfer.header_bytes > options_.max_header_bytes) {
+    transfer.failure =
+        LoadError{LoadErrorKind::bad_response,
+                  "the server sent more than " + std::to_string(options_.max_header_bytes) + " bytes of headers", 0};
+    return false;
+  }
+  if (line.starts_with("HTTP/")) {
+    transfer.head = {};
+    long status = 0;
+    curl_easy_getinfo(transfer.easy.get(), CURLINFO_RESPONSE_CODE, &status);
+    transfer.head.status = static_cast<int>(status);
+    return true;
+  }
+  if (line != "\r\n" && line != "\n") {
+    const std::size_t colon = std::min(line.find(':'), line.size());
+    add_header(transfer.head, line.substr(0, colon), line.substr(std::min(colon + 1, line.size())),
+               options_.unix_seconds());
+    return true;
+  }
+  if (transfer.head.status < 200) return true;  // another head follows
+  finish_head(transfer.head);
+  transfer.head.space = transfer.space;
+  transfer.head_done = true;
+  transfer.progress = now_;
+  const HeadVerdict verdict = sink_->on_head(transfer.id, transfer.head);
+  transfer.discarding = verdict == HeadVerdict::discard;
+  transfer.over |= verdict == HeadVerdict::stop;
+  return !transfer.over;
+}
+
+std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
+  if (transfer.over) return 0;
+  if (transfer.wants_pause) {
+    transfer.paused = true;
+    return CURL_WRITEFUNC_PAUSE;
+  }
+  transfer.progress = now_;
+  if (transfer.discarding) {
+    transfer.discarded += bytes.size();
+    transfer.enough = transfer.discarded > kMostDiscarded;
+    return transfer.enough ? 0 : bytes.size();
+  }
+  const DataVerdict verdict = sink_->on_data(transfer.id, std::as_bytes(std::span(bytes)));
+  transfer.over |= verdict == DataVerdict::stop;
+  transfer.wants_pause |= verdict == DataVerdict::pause;
+  return transfer.over ? 0 : bytes.size();
+}
+
+void CurlTransport::apply_pauses() {
+  for (auto& [id, transfer] : transfers_) {
+    if (transfer->over || transfer->wants_pause == transfer->paused) continue;
+    transfer->paused = transfer->wants_pause;
+    transfer->progress = now_;
+    // Going on may hand over what curl has held back, and that may pause again.
+    curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
+  }
+}
+
+void CurlTransport::step(TransferSink& sink, TimePoint now) {
+  sink_ = &sink;
+  now_ = now;
+  dirty_ = false;
+  remove_over();
+  apply_pauses();
+  int running = 0;
+  curl_multi_perform(multi_.get(), &running);
+  end_refused();
+  collect();
+  watch_the_clock();
+  remove_over();
+  sink_ = nullptr;
+}
+
+/// Those that were never begun.
+void CurlTransport::end_refused() {
+  for (auto& [id, transfer] : transfers_)
+    if (!transfer->over && transfer->proxied && !transfer->refused_host.empty())
+      end(*transfer, {LoadError{LoadErrorKind::forbidden, transfer->refused_host, 0}, false});
+}
+
+void CurlTransport::collect() {
+  int left = 0;
+  while (const CURLMsg* const message = curl_multi_info_read(multi_.get(), &left)) {
+    if (message->msg != CURLMSG_DONE) continue;
+    void* user = nullptr;
+    curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &user);
+    auto& transfer = *static_cast<Transfer*>(user);
+    if (transfer.over) continue;
+    const CURLcode code = message->data.result;
+    if (transfer.failure)
+      end(transfer, {transfer.failure, false});
+    else if (transfer.enough || (code == CURLE_OK && transfer.head_done))
+      end(transfer, {});
+    else if (code == CURLE_OK)
+      end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent no complete head", 0}, false});
+    else if (!transfer.head_done && !transfer.refused_host.empty())
+      end(transfer, {LoadError{LoadErrorKind::forbidden, transfer.refused_host, 0}, false});
+    else
+      end(transfer, describe_failure(code, transfer.detail.data(), options_));
+  }
+}
+
+void CurlTransport::watch_the_clock() {
+  for (auto& [id, transfer] : transfers_) {
+    if (transfer->over || transfer->paused || transfer->wants_pause || now_ - transfer->progress < patience(*transfer))
+      continue;
+    const std::string what =
+        transfer->head_done ? "no byte of the body came within " : "no complete head of an answer came within ";
+    end(*transfer, {LoadError{LoadErrorKind::timed_out, what + milliseconds(patience(*transfer)), 0}, true});
+  }
+}
+
+void CurlTransport::remove_over() {
+  std::erase_if(transfers_, [this](const auto& entry) {
+    if (entry.second->over) curl_multi_remove_handle(multi_.get(), entry.second->easy.get());
+    return entry.second->over;
+  });
+}
+
+std::optional<TimePoint> CurlTransport::deadline(TimePoint now) const {
+  std::optional<TimePoint> first;
+  for (const auto& [id, transfer] : transfers_) {
+    if (transfer->over || transfer->wants_pause != transfer->paused) return now;
+    const TimePoint time = transfer->progress + patience(*transfer);
+    if (!transfer->paused && (!first || time < *first)) first = time;
+  }
+  return dirty_ ? std::optional(now) : first;
+}
+
+}  // namespace
+
+std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options) {
+  return std::make_unique<CurlTransport>(options);
+}
+
+}  // namespace gs::net

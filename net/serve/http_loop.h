@@ -1,0 +1,112 @@
+#pragma once
+
+#include "net/serve/http_site.h"
+
+#include <microhttpd.h>
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gs::net {
+
+/// The thread of an HttpServer: sockets and HTTP by libmicrohttpd, which calls
+/// back from `run` only. Everything but what is said to be for any thread
+/// happens on that thread.
+class HttpLoop {
+ public:
+  explicit HttpLoop(HttpServerOptions options);
+  ~HttpLoop();
+  HttpLoop(const HttpLoop&) = delete;
+  HttpLoop& operator=(const HttpLoop&) = delete;
+
+  /// Opens folder, port and log and begins to serve; why not, else nothing.
+  [[nodiscard]] std::optional<std::string> start();
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Any thread.
+  [[nodiscard]] HttpServerStatistics statistics() const;
+  /// Any thread.
+  void stop(std::chrono::milliseconds grace);
+
+ private:
+  enum class Phase : std::uint8_t { receiving, waiting, sending };
+  struct Connection {
+    HttpLoop* loop = nullptr;
+    MHD_Connection* handle = nullptr;
+    int socket = -1;
+    ClientKey peer{}, client{};  // at its other end; whose request is being answered
+    bool counted = false;
+    bool shared = false;  // by many clients: its peer is a proxy
+    Phase phase = Phase::receiving;
+    Instant since{};         // in this phase, or of the last progress in it
+    std::size_t credit = 0;  // bytes that it may send before its next turn
+    std::uint64_t sent = 0;  // of the body of its answer
+  };
+  struct Request {
+    HttpLoop* loop = nullptr;
+    Connection* connection = nullptr;
+    HttpRequest request;
+    AccessRecord record;
+    Instant begin{};
+    bool seen = false;             // its headers were
+    bool counted = false;          // among those of its client, behind a proxy
+    std::optional<Instant> until;  // waits for what is made
+    std::uint64_t id = 0;
+  };
+  struct Transfer;  // of an answer's body
+  struct Waiting {
+    MHD_Connection* handle = nullptr;
+    std::size_t lane = 0;
+    std::string key;
+    Instant until{};
+  };
+
+  void run();
+  void pace(Instant now);
+  void look_at_made(Instant now);
+  void drop_slow(Instant now);
+  [[nodiscard]] int milliseconds_to_wait(Instant now);
+  [[nodiscard]] bool finished(Instant now);
+  void wake() const;
+  [[nodiscard]] std::string metrics() const;
+  [[nodiscard]] std::optional<std::string> listen();
+
+  MHD_Result handle(Request& request, MHD_Connection* handle, const char* method, const char* version);
+  MHD_Result reply(Request& request, MHD_Connection* handle);
+  MHD_Result queue(Request& request, MHD_Connection* handle, HttpAnswer answer);
+  void completed(Request& request);
+  ssize_t read(Transfer& transfer, std::uint64_t at, char* to, std::size_t most);
+  ssize_t read_paced(Transfer& transfer, std::uint64_t at, char* to, std::size_t most);
+
+  static void* on_target(void* self, const char* target, MHD_Connection* handle);
+  static MHD_Result on_request(void* self, MHD_Connection* handle, const char* url, const char* method,
+                               const char* version, const char* upload, std::size_t* upload_size, void** context);
+  static void on_completed(void* self, MHD_Connection* handle, void** context, MHD_RequestTerminationCode code);
+  static void on_connection(void* self, MHD_Connection* handle, void** context, MHD_ConnectionNotificationCode code);
+
+  HttpServerOptions options_;
+  std::unique_ptr<MadeFiles> made_;
+  std::unique_ptr<HttpSite> site_;
+  ClientLimits limits_;
+  MHD_Daemon* daemon_ = nullptr;
+  Descriptor listener_, wake_;
+  std::uint16_t port_ = 0;
+  std::set<Connection*> connections_;
+  std::map<std::uint64_t, MHD_Connection*> turns_;  // transfers that wait for theirs
+  std::map<std::uint64_t, Waiting> waiting_;        // requests
+  std::uint64_t next_id_ = 1;
+  bool aborting_ = false, quiet_ = false;
+  Instant looked_{};
+  mutable std::mutex mutex_;  // of what follows
+  HttpServerStatistics statistics_;
+  std::optional<Instant> stop_at_;
+  std::thread thread_;
+};
+
+}  // namespace gs::net

@@ -1,0 +1,398 @@
+#include "net/serve/http_site.h"
+
+#include "net/base/siphash.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <span>
+
+#include <fcntl.h>
+
+namespace gs::net {
+namespace {
+
+// Smaller files gain nothing from gzip; larger ones should lie there
+// compressed.
+constexpr std::uint64_t kLeastGzip = 512, kMostGzip = std::uint64_t{64} << 20;
+constexpr std::chrono::milliseconds kGzipWait{5000};
+constexpr const char* kRetrySeconds = "2";
+
+std::string text_tag(const std::string& body) {
+  char tag[32];
+  std::snprintf(tag, sizeof tag, "\"%016llx-t\"",
+                static_cast<unsigned long long>(siphash(SipKey{}, std::as_bytes(std::span(body)))));
+  return tag;
+}
+
+// Where the authority of a target that is a whole URL ends; nothing for others.
+std::optional<std::size_t> end_of_authority(const std::string& target) {
+  const std::size_t scheme = target.find("://");
+  if (target.starts_with('/') || scheme == std::string::npos || scheme >= 8) return std::nullopt;
+  return std::min(target.find_first_of("/?#", scheme + 3), target.size());
+}
+
+// The path and the query of a request's target, which may be a whole URL (RFC
+// 9112 3.2.2).
+std::pair<std::string, std::string> split_target(std::string target) {
+  if (const auto end = end_of_authority(target)) {
+    target = target.substr(*end);
+    if (!target.starts_with('/')) target.insert(0, "/");
+  }
+  target = target.substr(0, target.find('#'));
+  const std::size_t mark = target.find('?');
+  return {target.substr(0, mark), mark == std::string::npos ? std::string() : target.substr(mark + 1)};
+}
+
+bool wants_json(const HttpRequest& request, const std::string& query) {
+  if (query == "json") return true;
+  const std::size_t json = request.accept.find("application/json"), html = request.accept.find("text/html");
+  return json != std::string::npos && (html == std::string::npos || json < html);
+}
+
+}  // namespace
+
+std::uint64_t HttpAnswer::size() const {
+  std::uint64_t all = 0;
+  for (const AnswerPart& part : parts) all += part.size();
+  return all;
+}
+
+std::string message_for_clients(std::string message, const std::string& root) {
+  const auto begins_path = [&](std::size_t at) {
+    return at == 0 || std::string_view(" \t'\"`([{<:=,;|").find(message[at - 1]) != std::string_view::npos;
+  };
+  const std::string inside = root.ends_with('/') ? root : root + "/";
+  for (std::size_t at = 0; (at = message.find(inside, at)) != std::string::npos;)
+    if (begins_path(at))
+      message.erase(at, inside.size());
+    else
+      at += inside.size();
+  for (std::size_t at = 0; (at = message.find('/', at)) != std::string::npos; ++at)
+    if (begins_path(at)) return "it cannot be read; the messages of the server say why";
+  return message;
+}
+
+HttpSite::HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
+                   std::function<std::string()> metrics)
+    : options_(options),
+      names_(options.bind, options.host_names),
+      root_(std::move(folder)),
+      made_(made),
+      metrics_(std::move(metrics)) {}
+
+void HttpSite::add_common(HttpAnswer& answer) { answer.headers.emplace_back("X-Content-Type-Options", "nosniff"); }
+
+// Whether pages of other origins may read the answer (https://fetch.spec.whatwg.org, CORS).
+void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const {
+  auto& headers = answer.headers;
+  const auto lists = [&](const std::string& origin) {
+    return std::find(options_.origins.begin(), options_.origins.end(), origin) != options_.origins.end();
+  };
+  const bool all = lists("*"), this_one = !all && !request.origin.empty() && lists(request.origin);
+  if (!all && !options_.origins.empty()) headers.emplace_back("Vary", "Origin");
+  headers.emplace_back("Cross-Origin-Resource-Policy", all || this_one ? "cross-origin" : "same-origin");
+  if (!all && !this_one) return;
+  headers.emplace_back("Access-Control-Allow-Origin", all ? "*" : request.origin);
+  headers.emplace_back("Access-Control-Expose-Headers",
+                       "Accept-Ranges, Content-Encoding, Content-Length, "
+                       "Content-Range, ETag, Retry-After");
+  if (request.method != "OPTIONS") return;
+  headers.emplace_back("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
+  headers.emplace_back("Access-Control-Allow-Headers",
+                       "Range, If-Range, If-Match, If-None-Match, "
+                       "If-Modified-Since, If-Unmodified-Since, "
+                       "Cache-Control");
+  headers.emplace_back("Access-Control-Max-Age", "86400");
+}
+
+void HttpSite::add_freshness(HttpAnswer& answer) const {
+  answer.headers.emplace_back("Cache-Control", options_.max_age > 0
+                                                   ? "public, max-age=" + std::to_string(options_.max_age)
+                                                   : std::string("no-cache"));
+}
+
+HttpAnswer HttpSite::problem(int status, const std::string& message) {
+  HttpAnswer answer;
+  answer.status = status;
+  answer.parts.push_back({message + "\n", {}});
+  answer.headers.emplace_back("Content-Type", "text/plain; charset=utf-8");
+  answer.headers.emplace_back("Cache-Control", "no-store");
+  if (status == 405) answer.headers.emplace_back("Allow", "GET, HEAD, OPTIONS");
+  if (status == 503 || status == 202) answer.headers.emplace_back("Retry-After", kRetrySeconds);
+  if (status == 429) answer.headers.emplace_back("Retry-After", "1");
+  add_common(answer);
+  return answer;
+}
+
+HttpAnswer HttpSite::text(const HttpRequest& request, const std::string& mime, std::string body) const {
+  HttpAnswer answer;
+  const std::string tag = text_tag(body);
+  answer.headers.emplace_back("ETag", tag);
+  answer.headers.emplace_back("Cache-Control", "no-cache");
+  answer.headers.emplace_back("Vary", "Accept");
+  add_common(answer);
+  Conditions known = request.conditions;
+  known.if_modified_since.clear();
+  known.if_unmodified_since.clear();
+  const Verdict verdict = evaluate(known, tag, 0);
+  if (verdict == Verdict::failed) return problem(412, "there is another version");
+  if (verdict == Verdict::not_modified) {
+    answer.status = 304;
+    return answer;
+  }
+  answer.headers.emplace_back("Content-Type", mime);
+  // Whatever names are in the listing, nothing in it may run.
+  answer.headers.emplace_back("Content-Security-Policy",
+                              "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'");
+  answer.parts.push_back({std::move(body), {}});
+  return answer;
+}
+
+// Both the Host field and a target that is a whole URL say who is asked (RFC 9112 3.2.2).
+bool HttpSite::is_for_us(const HttpRequest& request) const {
+  if (const auto end = end_of_authority(request.target)) {
+    const std::size_t begin = request.target.find("://") + 3;
+    if (!names_.admits(std::string_view(request.target).substr(begin, *end - begin))) return false;
+  }
+  return names_.admits(request.hosts.empty() ? std::string_view() : request.hosts.front());
+}
+
+HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
+  // Not shared with any page: who asks by a foreign name is one.
+  if (request.hosts.size() > 1) return problem(400, "expected one Host field");
+  if (!is_for_us(request)) return problem(421, "this server does not go by the name that was asked for");
+  Reply reply = answer_here(request);
+  if (auto* answer = std::get_if<HttpAnswer>(&reply)) add_sharing(request, *answer);
+  return reply;
+}
+
+HttpAnswer HttpSite::too_many(const HttpRequest& request) const {
+  HttpAnswer answer = problem(429, "too many requests");
+  add_sharing(request, answer);
+  return answer;
+}
+
+HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
+  if (request.method == "OPTIONS") {
+    HttpAnswer answer;
+    answer.status = 204;
+    answer.headers.emplace_back("Allow", "GET, HEAD, OPTIONS");
+    add_common(answer);
+    return answer;
+  }
+  if (request.method != "GET" && request.method != "HEAD") return problem(405, "only GET, HEAD and OPTIONS are served");
+  const auto [path, query] = split_target(request.target);
+  if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
+  if (path == "/metrics") {
+    // On all interfaces any name may be asked for: a page that has its own resolve to this machine must not read this.
+    const bool own = !request.hosts.empty() && names_.is_own(request.hosts.front());
+    if (!request.local || !own) return problem(404, "not found");
+    return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
+  }
+  return get(request, path, query);
+}
+
+HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& path, const std::string& query) const {
+  const auto parsed = parse_request_path(path);
+  if (const auto* refusal = std::get_if<PathRefusal>(&parsed)) return problem(refusal->status, refusal->message);
+  const RequestPath& names = std::get<RequestPath>(parsed);
+  auto opened = root_.open(names);
+  if (const auto* refusal = std::get_if<PathRefusal>(&opened)) {
+    if (refusal->status == 404 && !names.folder)
+      if (auto reply = made(request, names, query, true)) return std::move(*reply);
+    return problem(refusal->status, refusal->message);
+  }
+  ServedFile& found = std::get<ServedFile>(opened);
+  if (!found.folder) {
+    if (!query.empty())
+      if (auto reply = made(request, names, query, false)) return std::move(*reply);
+    return file(request, names, std::move(found));
+  }
+  if (names.folder) return folder(request, names, query);
+  HttpAnswer answer = problem(301, "this is a folder");
+  RequestPath with_slash = names;
+  with_slash.folder = true;
+  answer.headers.emplace_back("Location", with_slash.text() + (query.empty() ? "" : "?" + query));
+  return answer;
+}
+
+HttpSite::Reply HttpSite::folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const {
+  if (query != "json") {
+    RequestPath index = path;
+    index.folder = false;
+    index.names.emplace_back("index.html");
+    auto opened = root_.open(index);
+    if (auto* found = std::get_if<ServedFile>(&opened); found && !found->folder)
+      return file(request, index, std::move(*found));
+  }
+  if (!options_.list) return problem(404, "folders are not listed");
+  FolderPage page = options_.list(root_.list(path), wants_json(request, query));
+  return text(request, page.mime, std::move(page.body));
+}
+
+HttpSite::Reply HttpSite::file(const HttpRequest& request, const RequestPath& path, ServedFile found) const {
+  Representation chosen;
+  chosen.etag = found.stamp.etag();
+  chosen.modified = found.stamp.seconds;
+  chosen.file = std::move(found);
+  if (options_.type_of) chosen.type = options_.type_of(path.names.back());
+  if (auto wait = compress(request, path, chosen)) return *wait;
+  return send(request, std::move(chosen));
+}
+
+// Chooses what lies compressed beside the file or has been compressed, where
+// that is wanted.
+std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const RequestPath& path,
+                                              Representation& chosen) const {
+  const FileStamp& stamp = chosen.file.stamp;
+  const bool wanted = accepts_gzip(request.accept_encoding) && request.range.empty();
+  RequestPath beside = path;
+  beside.names.back() += ".gz";
+  auto opened = root_.open(beside);
+  auto* packed = std::get_if<ServedFile>(&opened);
+  // One that is older than the file was made of another version.
+  if (packed && (packed->folder || packed->stamp.seconds < stamp.seconds)) packed = nullptr;
+  const bool on_the_fly = made_ && chosen.type.compress && stamp.size >= kLeastGzip && stamp.size <= kMostGzip;
+  chosen.varies = packed || on_the_fly;
+  if (!wanted || !chosen.varies) return std::nullopt;
+  if (packed) {
+    chosen.etag = packed->stamp.etag("-gz");
+    chosen.file = std::move(*packed);
+    chosen.gzip = true;
+    return std::nullopt;
+  }
+  const std::size_t lane = options_.makers.size();
+  const std::string source = ServedFolder::real_path(chosen.file.descriptor), etag = stamp.etag("-gz");
+  const std::string key = "gzip " + etag + source;
+  const MadeFile result = made_->request(
+      lane, key, ".gz",
+      [source](const std::string& out, const std::stop_token& stop) { return gzip_file(source, out, stop); });
+  if (result.state == MadeState::waiting && !request.waited_long) return WaitForMade{lane, key, kGzipWait};
+  if (result.state != MadeState::ready) return std::nullopt;
+  Descriptor file(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!file) return std::nullopt;
+  chosen.file.descriptor = std::move(file);
+  chosen.file.stamp = stamp_of(chosen.file.descriptor);
+  chosen.etag = etag;
+  chosen.gzip = true;
+  return std::nullopt;
+}
+
+void HttpSite::add_ranges(HttpAnswer& answer, const std::vector<ServedRange>& ranges, const Representation& chosen) {
+  const std::string &mime = chosen.type.mime, of = "/" + std::to_string(chosen.file.stamp.size);
+  const auto text_of = [&](const ServedRange& range) {
+    return "bytes " + std::to_string(range.begin) + "-" + std::to_string(range.end - 1) + of;
+  };
+  answer.status = 206;
+  if (ranges.size() == 1) {
+    answer.headers.emplace_back("Content-Type", mime);
+    answer.headers.emplace_back("Content-Range", text_of(ranges.front()));
+    answer.parts.push_back({{}, ranges.front()});
+    return;
+  }
+  const std::string boundary = "ghostspace-" + chosen.etag.substr(1, chosen.etag.size() - 2);
+  answer.headers.emplace_back("Content-Type", "multipart/byteranges; boundary=" + boundary);
+  for (const ServedRange& range : ranges) {
+    answer.parts.push_back(
+        {"\r\n--" + boundary + "\r\nContent-Type: " + mime + "\r\nContent-Range: " + text_of(range) + "\r\n\r\n", {}});
+    answer.parts.push_back({{}, range});
+  }
+  answer.parts.push_back({"\r\n--" + boundary + "--\r\n", {}});
+}
+
+HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) const {
+  const std::uint64_t size = chosen.file.stamp.size;
+  const std::int64_t modified = chosen.modified;
+  HttpAnswer answer;
+  answer.headers.emplace_back("ETag", chosen.etag);
+  answer.headers.emplace_back("Last-Modified", http_date(modified));
+  if (chosen.varies) answer.headers.emplace_back("Vary", "Accept-Encoding");
+  add_freshness(answer);
+  add_common(answer);
+  const Verdict verdict = evaluate(request.conditions, chosen.etag, modified);
+  if (verdict == Verdict::failed) return problem(412, "there is another version");
+  if (verdict == Verdict::not_modified) {
+    answer.status = 304;
+    return answer;
+  }
+  answer.headers.emplace_back("Accept-Ranges", "bytes");
+  answer.stamp = chosen.file.stamp;
+  answer.file = std::make_shared<const Descriptor>(std::move(chosen.file.descriptor));
+  std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> ranges = WholeBody{};
+  // RFC 9110 14.2: only GET has ranges.
+  if (!request.range.empty() && request.method == "GET" && range_counts(request.conditions, chosen.etag, modified))
+    ranges = parse_ranges(request.range, size);
+  if (std::holds_alternative<NoSuchRange>(ranges)) {
+    answer = problem(416, "there are " + std::to_string(size) + " bytes");
+    answer.headers.emplace_back("Content-Range", "bytes */" + std::to_string(size));
+    return answer;
+  }
+  if (chosen.gzip) answer.headers.emplace_back("Content-Encoding", "gzip");
+  if (const auto* some = std::get_if<std::vector<ServedRange>>(&ranges)) {
+    add_ranges(answer, *some, chosen);
+    return answer;
+  }
+  answer.headers.emplace_back("Content-Type", chosen.type.mime);
+  if (size > 0) answer.parts.push_back({{}, {0, size}});
+  return answer;
+}
+
+std::optional<HttpSite::Reply> HttpSite::made(const HttpRequest& request, const RequestPath& path,
+                                              const std::string& query, bool missing) const {
+  if (!made_ || path.names.empty()) return std::nullopt;
+  for (std::size_t lane = 0; lane < options_.makers.size(); ++lane) {
+    const Maker& maker = options_.makers[lane];
+    if (maker.for_missing != missing) continue;
+    const auto name = maker.source_of(path.names.back(), query);
+    if (!name) continue;
+    RequestPath source = path;
+    source.names.back() = *name;
+    auto opened = root_.open(source);
+    if (const auto* file = std::get_if<ServedFile>(&opened); file && !file->folder) return make(request, lane, *file);
+  }
+  return std::nullopt;
+}
+
+HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const {
+  const Maker& maker = options_.makers[lane];
+  const std::string path = ServedFolder::real_path(source.descriptor);
+  const std::string key = maker.name + " " + source.stamp.etag() + path;
+  const auto make_it = [&maker, &options = options_, path, root = root_.path(), stamp = source.stamp](
+                           const std::string& out, const std::stop_token& stop) -> std::optional<MakeFailure> {
+    if (auto failed = maker.make(path, out, stop)) {
+      if (options.report && !stop.stop_requested())
+        options.report(maker.name + " of " + path + " failed: " + failed->message);
+      failed->message = message_for_clients(std::move(failed->message), root);
+      return failed;
+    }
+    // What was read may have been of two versions.
+    const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file was changed meanwhile", false};
+    return std::nullopt;
+  };
+  const MadeFile result = made_->request(lane, key, maker.extension, make_it);
+  switch (result.state) {
+    case MadeState::failed:
+      return result.failure.lasting ? problem(422, "cannot be made: " + result.failure.message)
+                                    : problem(503, "cannot be made now; come again");
+    case MadeState::full:
+      return problem(503, "too much is being made; come again");
+    case MadeState::waiting:
+      if (request.method == "HEAD") return problem(202, "is being made; come again");
+      if (!request.range.empty() || request.waited_long) return problem(503, "is being made; come again");
+      return WaitForMade{lane, key, maker.wait};
+    case MadeState::ready:
+      break;
+  }
+  Representation chosen;
+  chosen.file.descriptor = Descriptor(::open(result.path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (!chosen.file.descriptor) return problem(503, "was thrown away just now; come again");
+  chosen.file.stamp = stamp_of(chosen.file.descriptor);
+  chosen.etag = chosen.file.stamp.etag("-m");
+  chosen.modified = chosen.file.stamp.seconds;
+  chosen.type = maker.type;
+  return send(request, std::move(chosen));
+}
+
+}  // namespace gs::net

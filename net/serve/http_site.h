@@ -1,0 +1,109 @@
+#pragma once
+
+#include "net/base/host_names.h"
+#include "net/serve/http_range.h"
+#include "net/serve/http_server.h"
+#include "net/serve/made_files.h"
+#include "net/serve/served_folder.h"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::net {
+
+/// A request as far as it matters to the answer.
+struct HttpRequest {
+  std::string method, target;  // as they came
+  std::string range, accept, accept_encoding;
+  Conditions conditions;
+  std::vector<std::string> hosts;  // its Host fields
+  std::string origin;              // of the page that asks; empty: none
+  bool local = false;              // from this machine, not through a proxy
+  bool waited_long = false;        // for what is made
+};
+
+/// A piece of a body: text, or a range of the answer's file.
+struct AnswerPart {
+  std::string text;
+  ServedRange range;
+  [[nodiscard]] std::uint64_t size() const { return text.empty() ? range.end - range.begin : text.size(); }
+};
+/// What is to be sent.
+struct HttpAnswer {
+  int status = 200;
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::shared_ptr<const Descriptor> file;
+  FileStamp stamp;  // of the file; when it is another, the rest must not be sent
+  std::vector<AnswerPart> parts;
+  [[nodiscard]] std::uint64_t size() const;
+};
+/// First something is to be made: ask again when it no longer waits, or with
+/// `waited_long` after so long.
+struct WaitForMade {
+  std::size_t lane = 0;
+  std::string key;
+  std::chrono::milliseconds wait{};
+};
+
+/// What a folder has to say over HTTP: from requests to answers, without
+/// sockets. One thread.
+class HttpSite {
+ public:
+  using Reply = std::variant<HttpAnswer, WaitForMade>;
+
+  /// `made` null: nothing is made. Its lanes are the makers', and one for gzip
+  /// behind them.
+  HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
+           std::function<std::string()> metrics);
+  [[nodiscard]] Reply answer(const HttpRequest& request) const;
+  /// To a client that asks for too much.
+  [[nodiscard]] HttpAnswer too_many(const HttpRequest& request) const;
+
+ private:
+  /// A version of a file that may be sent.
+  struct Representation {
+    ServedFile file;
+    ServedType type;
+    std::string etag;
+    std::int64_t modified = 0;  // of the file that it is a version of
+    bool gzip = false, varies = false;
+  };
+  [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
+  [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
+  [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
+  [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
+  [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
+  [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,
+                                          bool missing) const;
+  [[nodiscard]] Reply make(const HttpRequest& request, std::size_t lane, const ServedFile& source) const;
+  [[nodiscard]] std::optional<WaitForMade> compress(const HttpRequest& request, const RequestPath& path,
+                                                    Representation& chosen) const;
+  [[nodiscard]] HttpAnswer send(const HttpRequest& request, Representation chosen) const;
+  static void add_ranges(HttpAnswer& answer, const std::vector<ServedRange>& ranges, const Representation& chosen);
+  [[nodiscard]] HttpAnswer text(const HttpRequest& request, const std::string& mime, std::string body) const;
+  [[nodiscard]] static HttpAnswer problem(int status, const std::string& message);
+  static void add_common(HttpAnswer& answer);
+  void add_sharing(const HttpRequest& request, HttpAnswer& answer) const;
+  void add_freshness(HttpAnswer& answer) const;
+
+  const HttpServerOptions& options_;
+  HostNames names_;
+  ServedFolder root_;
+  MadeFiles* made_;
+  std::function<std::string()> metrics_;
+};
+
+/// What clients may know of a message about a file of a served folder: the names of files as clients know them. A
+/// message that names another place of this machine is replaced as a whole.
+[[nodiscard]] std::string message_for_clients(std::string message, const std::string& root);
+
+/// Compresses a file; what went wrong, if it did.
+[[nodiscard]] std::optional<MakeFailure> gzip_file(const std::string& source, const std::string& out,
+                                                   const std::stop_token& stop);
+
+}  // namespace gs::net

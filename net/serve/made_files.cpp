@@ -1,0 +1,150 @@
+#include "net/serve/made_files.h"
+
+#include "net/base/siphash.h"
+#include "net/base/temporary_folder.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace gs::net {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMostFailures = 256;
+constexpr const char* kWorkFolders = "making";  // half-made files stand in these
+
+std::string made_name_of(const std::string& key) {
+  const auto bytes = std::as_bytes(std::span(key));
+  char text[40];
+  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(siphash(SipKey{}, bytes)),
+                static_cast<unsigned long long>(siphash(SipKey{1, 0}, bytes)));
+  return text;
+}
+
+// Whatever else lies in the folder is not ours to delete.
+bool is_ours(const std::string& name) {
+  return name.size() > 33 && name[32] == '.' && name.find_first_not_of("0123456789abcdef") == 32;
+}
+
+}  // namespace
+
+MadeFiles::MadeFiles(Options options, std::size_t lanes, std::function<void()> wake)
+    : options_(std::move(options)), wake_(std::move(wake)), lanes_(lanes) {
+  (void)remove_abandoned_folders(options_.folder, kWorkFolders);
+  for (std::size_t lane = 0; lane < lanes; ++lane)
+    lanes_[lane].thread = std::jthread([this, lane](const std::stop_token& stop) { work(lane, stop); });
+}
+
+MadeFiles::~MadeFiles() {
+  for (Lane& lane : lanes_) lane.thread.request_stop();
+  for (Lane& lane : lanes_) lane.thread.join();
+}
+
+MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, const std::string& extension, Make make) {
+  const std::string name = made_name_of(key), path = options_.folder + "/" + name + extension;
+  const std::lock_guard lock(mutex_);
+  Lane& lane = lanes_[lane_number];
+  for (const Job& job : lane.jobs)
+    if (job.key == key) return {};
+  // Used now: the others go first.
+  const timespec times[2] = {{0, UTIME_NOW}, {0, UTIME_OMIT}};
+  if (::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW) == 0) return {MadeState::ready, path, {}};
+  std::erase_if(lane.failures, [now = options_.now()](const Failed& failed) { return now >= failed.until; });
+  for (const Failed& failed : lane.failures)
+    if (failed.key == key) return {MadeState::failed, {}, failed.failure};
+  if (lane.jobs.size() >= options_.most_waiting) return {MadeState::full, {}, {}};
+  lane.jobs.push_back({key, name, extension, std::move(make)});
+  arrived_.notify_all();
+  return {};
+}
+
+bool MadeFiles::is_waiting(std::size_t lane, const std::string& key) const {
+  const std::lock_guard lock(mutex_);
+  const auto& jobs = lanes_[lane].jobs;
+  return std::any_of(jobs.begin(), jobs.end(), [&](const Job& job) { return job.key == key; });
+}
+
+MadeFiles::Statistics MadeFiles::statistics(std::size_t lane) const {
+  const std::lock_guard lock(mutex_);
+  Statistics result = lanes_[lane].statistics;
+  result.waiting = lanes_[lane].jobs.size();
+  return result;
+}
+
+void MadeFiles::work(std::size_t number, const std::stop_token& stop) {
+  Lane& lane = lanes_[number];
+  for (;;) {
+    Job job;
+    {
+      std::unique_lock lock(mutex_);
+      if (!arrived_.wait(lock, stop, [&] { return !lane.jobs.empty(); }) || stop.stop_requested()) return;
+      job = lane.jobs.front();
+    }
+    const auto failure = make(job, stop);
+    {
+      const std::lock_guard lock(mutex_);
+      lane.jobs.pop_front();
+      ++(failure ? lane.statistics.failed : lane.statistics.made);
+      // What was stopped did not fail.
+      if (failure && !stop.stop_requested())
+        lane.failures.push_back(
+            {job.key, *failure,
+             options_.now() + (failure->lasting ? options_.lasting_failure : options_.passing_failure)});
+      if (lane.failures.size() > kMostFailures) lane.failures.pop_front();
+    }
+    if (!failure) clean();
+    wake_();
+  }
+}
+
+std::optional<MakeFailure> MadeFiles::make(const Job& job, const std::stop_token& stop) {
+  auto folder = LockedFolder::make(options_.folder, kWorkFolders);
+  if (auto* problem = std::get_if<std::string>(&folder)) return MakeFailure{std::move(*problem), false};
+  const std::string out = std::get<LockedFolder>(folder).path() + "/made" + job.extension;
+  try {
+    if (auto failure = job.make(out, stop)) return failure;
+  } catch (const std::bad_alloc&) {
+    return MakeFailure{"there is not enough memory", false};
+  }
+  if (::rename(out.c_str(), (options_.folder + "/" + job.name + job.extension).c_str()) != 0)
+    return MakeFailure{"what was made cannot be kept", false};
+  return std::nullopt;
+}
+
+void MadeFiles::clean() {
+  struct Kept {
+    std::string path;
+    std::uint64_t size;
+    timespec used;
+  };
+  const std::lock_guard lock(cleaning_);
+  std::vector<Kept> all;
+  std::uint64_t total = 0;
+  std::error_code error;
+  for (fs::directory_iterator file(options_.folder, error), end; !error && file != end; file.increment(error)) {
+    const std::string name = file->path().filename().string(), path = file->path().string();
+    struct stat status {};
+    if (!is_ours(name) || ::lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
+    all.push_back({path, static_cast<std::uint64_t>(status.st_size), status.st_atim});
+    total += all.back().size;
+  }
+  std::sort(all.begin(), all.end(), [](const Kept& a, const Kept& b) {
+    return std::pair(a.used.tv_sec, a.used.tv_nsec) < std::pair(b.used.tv_sec, b.used.tv_nsec);
+  });
+  // The newest stays even when it alone is too large: someone waits for it.
+  for (std::size_t i = 0; i + 1 < all.size() && total > options_.most_bytes; ++i) {
+    (void)::unlink(all[i].path.c_str());
+    total -= all[i].size;
+  }
+}
+
+}  // namespace gs::net

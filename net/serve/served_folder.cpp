@@ -1,0 +1,196 @@
+#include "net/serve/served_folder.h"
+
+#include "net/base/hexadecimal.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <linux/openat2.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+
+namespace gs::net {
+namespace {
+
+constexpr std::size_t kMostPathBytes = 4096;
+// Nonblocking: a pipe must not make the server wait for its other end.
+constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
+
+bool is_plain(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+         std::strchr("-._~", c) != nullptr;
+}
+
+// Nothing for a damaged percent sign.
+std::optional<std::string> decode(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      out += text[i];
+      continue;
+    }
+    if (i + 2 >= text.size() || hexadecimal_value(text[i + 1]) < 0 || hexadecimal_value(text[i + 2]) < 0)
+      return std::nullopt;
+    out += static_cast<char>(hexadecimal_value(text[i + 1]) * 16 + hexadecimal_value(text[i + 2]));
+    i += 2;
+  }
+  return out;
+}
+
+// Why a decoded name must not be looked for; a status of 0: it may be.
+PathRefusal refuse_name(const std::string& name) {
+  if (name.empty()) return {404, "empty name in the path"};
+  if (name == "." || name == "..") return {400, "'.' and '..' are not allowed in a path"};
+  for (const char c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '\\' || c == '/')
+      return {400, "a name must not have control characters, slashes or backslashes"};
+  if (name.front() == '.') return {404, "not found"};
+  if (name.size() > 255) return {404, "not found"};
+  return {0, {}};
+}
+
+std::string joined(const RequestPath& path) {
+  std::string text;
+  for (const std::string& name : path.names) text += (text.empty() ? "" : "/") + name;
+  return text.empty() ? "." : text;
+}
+
+PathRefusal refusal_of(int error) {
+  if (error == ENOENT || error == ENOTDIR || error == ELOOP || error == EXDEV || error == ENAMETOOLONG ||
+      error == ENXIO)
+    return {404, "not found"};
+  if (error == EACCES || error == EPERM) return {403, "may not be read"};
+  return {500, "cannot be opened"};
+}
+
+}  // namespace
+
+std::string encode_name(std::string_view name) {
+  std::string text;
+  for (const char c : name) {
+    char code[4];
+    std::snprintf(code, sizeof code, "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    if (is_plain(c) && c != '\0') {
+      text += c;
+    } else {
+      text += code;
+    }
+  }
+  return text;
+}
+
+std::string RequestPath::text() const {
+  std::string all;
+  for (const std::string& name : names) all += "/" + encode_name(name);
+  return folder || all.empty() ? all + "/" : all;
+}
+
+std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path) {
+  if (path.size() > kMostPathBytes) return PathRefusal{414, "the path is longer than 4096 bytes"};
+  if (path.empty() || path.front() != '/') return PathRefusal{400, "a path must begin with '/'"};
+  path.remove_prefix(1);
+  RequestPath result;
+  while (!path.empty()) {
+    const std::size_t end = std::min(path.find('/'), path.size());
+    const auto name = decode(path.substr(0, end));
+    if (!name) return PathRefusal{400, "a percent sign must be followed by two hexadecimal digits"};
+    PathRefusal refusal = refuse_name(*name);
+    if (refusal.status != 0) return refusal;
+    result.names.push_back(*name);
+    result.folder = end < path.size();
+    path.remove_prefix(std::min(end + 1, path.size()));
+  }
+  if (result.names.empty()) result.folder = true;
+  return result;
+}
+
+std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& path, bool resolve_beneath) {
+  Descriptor root(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!root) return path + ": " + std::strerror(errno) + "; expected a folder";
+  ServedFolder folder(std::move(root), resolve_beneath);
+  if (resolve_beneath && !folder.open_beneath(folder.root_.get(), ".") && (errno == ENOSYS || errno == EPERM))
+    folder.resolve_beneath_ = false;
+  return folder;
+}
+
+// errno tells why not.
+Descriptor ServedFolder::open_beneath(int folder, const std::string& relative) const {
+  if (resolve_beneath_) {
+    open_how how{};
+    how.flags = static_cast<std::uint64_t>(kFlags);
+    how.resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS;
+    // A rename elsewhere on the machine makes it ask to try again.
+    for (int attempt = 0; attempt < 8; ++attempt) {
+      Descriptor opened(static_cast<int>(syscall(SYS_openat2, folder, relative.c_str(), &how, sizeof how)));
+      if (opened || errno != EAGAIN) return opened;
+    }
+    return Descriptor{};
+  }
+  Descriptor at;
+  for (std::size_t begin = 0; begin <= relative.size();) {
+    const std::size_t end = std::min(relative.find('/', begin), relative.size());
+    const int flags = kFlags | O_NOFOLLOW | (end < relative.size() ? O_DIRECTORY : 0);
+    Descriptor next(::openat(at ? at.get() : folder, relative.substr(begin, end - begin).c_str(), flags));
+    if (!next) return next;
+    at = std::move(next);
+    begin = end + 1;
+  }
+  return at;
+}
+
+std::variant<ServedFile, PathRefusal> ServedFolder::open(const RequestPath& path) const {
+  ServedFile file;
+  file.descriptor = open_beneath(root_.get(), joined(path));
+  if (!file.descriptor) return refusal_of(errno);
+  struct stat status {};
+  if (fstat(file.descriptor.get(), &status) != 0) return PathRefusal{500, "cannot be read"};
+  file.folder = S_ISDIR(status.st_mode);
+  if (!file.folder && (!S_ISREG(status.st_mode) || path.folder)) return PathRefusal{404, "not found"};
+  file.stamp = stamp_of(file.descriptor);
+  return file;
+}
+
+FolderListing ServedFolder::list(const RequestPath& path) const {
+  FolderListing listing;
+  listing.path = "/";
+  for (const std::string& name : path.names) listing.path += name + "/";
+  Descriptor folder = open_beneath(root_.get(), joined(path));
+  if (!folder) return listing;
+  const int number = folder.get();
+  const auto close = [](DIR* open) { ::closedir(open); };
+  const std::unique_ptr<DIR, decltype(close)> names(::fdopendir(::fcntl(number, F_DUPFD_CLOEXEC, 0)), close);
+  if (!names) return listing;
+  while (const dirent* entry = ::readdir(names.get())) {
+    const std::string name = entry->d_name;
+    if (refuse_name(name).status != 0) continue;
+    if (listing.entries.size() == FolderListing::kMostEntries) {
+      listing.complete = false;
+      break;
+    }
+    const Descriptor opened = open_beneath(number, name);
+    struct stat status {};
+    if (!opened || fstat(opened.get(), &status) != 0) continue;
+    if (!S_ISDIR(status.st_mode) && !S_ISREG(status.st_mode)) continue;
+    listing.entries.push_back(
+        {name, S_ISDIR(status.st_mode), static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec});
+  }
+  std::sort(listing.entries.begin(), listing.entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
+    return a.folder != b.folder ? a.folder : a.name < b.name;
+  });
+  return listing;
+}
+
+std::string ServedFolder::real_path(const Descriptor& descriptor) {
+  char path[4097];
+  const std::string link = "/proc/self/fd/" + std::to_string(descriptor.get());
+  const ssize_t length = ::readlink(link.c_str(), path, sizeof path - 1);
+  return length > 0 ? std::string(path, static_cast<std::size_t>(length)) : std::string();
+}
+
+}  // namespace gs::net

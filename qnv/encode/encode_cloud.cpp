@@ -1,0 +1,132 @@
+#include "qnv/base/finite.h"
+#include "qnv/base/palette.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/encode/stream_writer.h"
+#include "qnv/records/records_payload.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+// So that the first picture is there with the first datagram.
+constexpr std::size_t kFirstLayer = 160;
+// A record, and its part of the headers of its chunk.
+constexpr double kBytesPerVector = 8.35;
+
+// What the header says of the vectors that can be sent: the stream's total is theirs, because a receiver shares out
+// as much over what arrives.
+Description describe(const Cloud& cloud, const EncodeOptions& options) {
+  Description d = cloud.description;
+  d.total = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float weight = cloud.weights[i];
+    if (!finite(cloud.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
+    d.total += weight;
+    d.box.add(cloud.positions[i]);
+  }
+  if (!std::isfinite(d.spacing)) d.spacing = 0;
+  if (!std::isfinite(d.value_range.first) || !std::isfinite(d.value_range.second)) d.value_range = {0, 1};
+  d.metadata = options.metadata;
+  for (const auto& pair : cloud.description.metadata) {
+    const auto same = [&](const auto& other) { return other.first == pair.first; };
+    if (std::none_of(d.metadata.begin(), d.metadata.end(), same)) d.metadata.push_back(pair);
+  }
+  return d;
+}
+
+StreamHeader header_of(const Cloud& cloud, const EncodeOptions& options) {
+  StreamHeader header;
+  header.payload = Payload::records;
+  header.description = describe(cloud, options);
+  header.color = cloud.color;
+  header.cube = Cube::around(header.description.box);
+  if (header.description.kind == Kind::surface && cloud.colors.size() == cloud.size())
+    header.palette = make_palette(cloud.colors, options.threads);
+  if (header.palette.size() == 1) {
+    header.color = header.palette.front();
+    header.palette.clear();
+  }
+  header.colored = !header.palette.empty();
+  return header;
+}
+
+OutgoingChunk outgoing(RecordsChunk chunk) {
+  OutgoingChunk out;
+  out.type = ChunkType::records;
+  out.entry.level = chunk.header.layer;
+  out.entry.parent = std::numeric_limits<std::uint32_t>::max();
+  out.entry.vectors = chunk.header.count;
+  out.entry.box = chunk.header.frame.box();
+  out.payload = std::move(chunk.payload);
+  return out;
+}
+
+// The chunks that a stream of at most `max_bytes` (0: no limit) has room for. The records of the last one that do not
+// fit are left out, as if they had not arrived.
+std::vector<OutgoingChunk> fitting(std::vector<RecordsChunk> encoded, const StreamHeader& header,
+                                   std::size_t max_bytes) {
+  std::vector<OutgoingChunk> chunks;
+  std::size_t bytes = encode_header(header).size() + kChunkHeaderBytes;
+  for (RecordsChunk& chunk : encoded) {
+    const std::size_t around = kChunkHeaderBytes + kDirectoryEntryBytes + kChunkHeaderBytes * (chunks.size() / 2000);
+    const std::size_t whole = chunk.payload.size();
+    if (max_bytes != 0 && bytes + around + whole > max_bytes) {
+      if (bytes + around + kRecordsHeaderBytes + kRecordBytes > max_bytes) break;
+      const std::size_t room = (max_bytes - bytes - around - kRecordsHeaderBytes) / kRecordBytes;
+      chunk.payload.resize(kRecordsHeaderBytes + room * kRecordBytes);
+    }
+    const std::size_t sent = chunk.payload.size();
+    bytes += kChunkHeaderBytes + kDirectoryEntryBytes + sent;
+    chunks.push_back(outgoing(std::move(chunk)));
+    chunks.back().entry.vectors = static_cast<std::uint32_t>((sent - kRecordsHeaderBytes) / kRecordBytes);
+    if (sent < whole) break;
+  }
+  return chunks;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const EncodeOptions& options,
+                                                      Progress* progress) {
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  if (cloud.normals.size() != cloud.size() || cloud.weights.size() != cloud.size() ||
+      cloud.size() > std::numeric_limits<std::uint32_t>::max())
+    return EncodeError{"the vectors cannot be encoded; expected fewer than 2^32, each with a normal and a weight"};
+  StreamHeader header = header_of(cloud, options);
+  if (!(header.description.total > 0)) return EncodeError{"there are no vectors to encode"};
+  if (!std::isfinite(header.description.total) || !finite(header.description.box.size()))
+    return EncodeError{"the vectors are too large, or too far apart, to encode"};
+  RecordsOptions records;
+  records.seed = options.seed;
+  records.first_layer = kFirstLayer;
+  records.palette = header.palette;
+  records.threads = options.threads;
+  records.progress = progress;
+  if (options.vectors != 0) records.vectors = options.vectors;
+  if (options.max_bytes != 0) {
+    constexpr std::size_t kAround = kRecordsHeaderBytes + 2 * kChunkHeaderBytes + kDirectoryEntryBytes;
+    const std::size_t taken = encode_header(header).size() + kAround + kRecordBytes;
+    if (options.max_bytes < taken)
+      return EncodeError{"a stream of one vector takes " + std::to_string(taken) + " bytes; at most " +
+                         std::to_string(options.max_bytes) + " were asked for"};
+    // Nearly as many as there is room for, so that the last layer is complete.
+    const auto room = static_cast<double>(options.max_bytes - taken) / kBytesPerVector;
+    records.vectors = std::min(records.vectors, static_cast<std::size_t>(room) + 1);
+  }
+  if (progress) {
+    progress->stage = "ordering";
+    progress->done = progress->total = 0;
+  }
+  std::vector<RecordsChunk> encoded = encode_records(cloud, records);
+  if (cancelled()) return EncodeError{"cancelled"};
+  std::vector<OutgoingChunk> chunks = fitting(std::move(encoded), header, options.max_bytes);
+  for (const OutgoingChunk& chunk : chunks) header.vectors += chunk.entry.vectors;
+  if (chunks.empty()) return EncodeError{"there are no vectors to encode"};
+  return write_stream(std::move(header), std::move(chunks), options.max_bytes);
+}
+
+}  // namespace gs::qnv

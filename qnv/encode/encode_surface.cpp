@@ -1,0 +1,176 @@
+#include "qnv/encode/encode_surface.h"
+
+#include "qnv/base/finite.h"
+#include "qnv/base/voxels.h"
+#include "qnv/encode/stream_writer.h"
+#include "qnv/packed/packed.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'000;
+// A plane of any direction meets about this many voxels per face area, on average over directions.
+constexpr double kVoxelsPerArea = 1.5;
+// What a disc costs about, for --max-bytes: few enough bits that the budget is filled to its end.
+constexpr double kLeastBitsPerVector = 3.5;
+
+struct Survey {
+  Box box;
+  double area = 0, volume = 0;
+  glm::dvec3 facing{0};  // sum of all triangles' normals times their areas
+  std::size_t triangles = 0;
+  bool colored = false;
+  Rgb8 color;
+};
+
+bool survey(const TriangleSource& source, Survey& out, Progress* progress) {
+  return source([&](std::span<const Triangle> triangles) {
+    for (const Triangle& t : triangles) {
+      if (!finite(t.positions[0]) || !finite(t.positions[1]) || !finite(t.positions[2])) continue;
+      for (const glm::vec3& p : t.positions) out.box.add(p);
+      const glm::dvec3 a(t.positions[0]), b(t.positions[1]), c(t.positions[2]);
+      const glm::dvec3 facing = 0.5 * glm::cross(b - a, c - a);
+      out.area += glm::length(facing);
+      out.facing += facing;
+      out.volume += glm::dot(a, facing) / 3;
+      if (out.triangles++ == 0) out.color = t.colors[0];
+      for (const Rgb8& color : t.colors) out.colored = out.colored || color != out.color;
+    }
+    return !(progress && progress->cancelled.load());
+  });
+}
+
+// The areas of a closed surface cancel, and it encloses something: then its inside is never seen.
+bool closed(const Survey& s) { return glm::length(s.facing) < 1e-4 * s.area && s.volume > 0; }
+
+int level_for(double vectors, const Survey& s, const Cube& cube) {
+  const double faces = s.area / (static_cast<double>(cube.edge) * cube.edge);
+  int level = 1;
+  while (level < kDeepestLevel && kVoxelsPerArea * faces * std::pow(4.0, level) < vectors) ++level;
+  return level;
+}
+
+// Voxels as vectors: where the surface lies in them, on average. A voxel that the surface only cuts at a corner has a
+// small area, but one vector stands for as much of the surface as its neighbours: the area of every block of four
+// voxels along an edge is shared out evenly, so that it is still conserved, and discs of one size leave no gaps.
+Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const Survey& s) {
+  Cloud cloud;
+  const float edge = cube.edge / static_cast<float>(1 << level);
+  std::size_t block = 0, block_end = 0;
+  float share = 0;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const Voxel& voxel = voxels[i];
+    if (i == block_end) {
+      double area = 0;
+      for (block = i; block_end < voxels.size() && voxels[block_end].key >> 6 == voxel.key >> 6; ++block_end)
+        area += voxels[block_end].moments.area;
+      share = static_cast<float>(area / static_cast<double>(block_end - block));
+    }
+    const SurfaceMoments& m = voxel.moments;
+    const float length = std::sqrt(glm::dot(m.normal, m.normal));
+    if (!(m.area > 0) || !(length > 0)) continue;
+    const glm::vec3 inside = m.position / m.area + 0.5f + voxel_cell(voxel.key);
+    cloud.positions.push_back(cube.lower + inside * edge);
+    cloud.normals.push_back(m.normal / length);
+    cloud.weights.push_back(share * edge * edge);
+    if (!s.colored) continue;
+    const glm::vec3 c = m.color / m.area + 0.5f;
+    cloud.colors.push_back({static_cast<std::uint8_t>(std::clamp(c.x, 0.0f, 255.0f)),
+                            static_cast<std::uint8_t>(std::clamp(c.y, 0.0f, 255.0f)),
+                            static_cast<std::uint8_t>(std::clamp(c.z, 0.0f, 255.0f))});
+  }
+  cloud.color = s.color;
+  return cloud;
+}
+
+std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, StreamHeader& header,
+                                         const EncodeOptions& options, Progress* progress) {
+  PackedOptions packed;
+  packed.vectors = options.vectors;
+  packed.colored = header.colored;
+  packed.threads = options.threads;
+  packed.compact = options.compact;
+  if (options.max_bytes != 0) packed.max_bytes = payload_budget(header, options.max_bytes);
+  std::vector<OutgoingChunk> chunks;
+  for (EncodedCluster& cluster : encode_packed(std::move(voxels), level, header.cube, packed, progress)) {
+    OutgoingChunk chunk;
+    chunk.replaced = cluster.divided;
+    chunk.type = ChunkType::packed;
+    chunk.entry.level = static_cast<std::uint8_t>(cluster.header.level + cluster.header.levels);
+    chunk.entry.parent = cluster.header.parent;
+    chunk.entry.vectors = cluster.voxels;
+    chunk.entry.box = cluster.box;
+    chunk.payload = std::move(cluster.payload);
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  if (progress) progress->stage = "reading";
+  Survey s;
+  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
+  if (!(s.area > 0) || !std::isfinite(s.area) || !finite(s.box.size()))
+    return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  std::size_t vectors = options.vectors;
+  if (vectors == 0)
+    vectors = options.max_bytes != 0
+                  ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kLeastBitsPerVector)
+                  : std::clamp(s.triangles * 2, kFewestVectors, kMostVectorsByDefault);
+  StreamHeader header;
+  header.payload = options.payload;
+  header.colored = s.colored;
+  header.color = s.color;
+  header.cube = Cube::around(s.box);
+  header.description.two_sided = options.two_sided && !closed(s);
+  header.description.box = s.box;
+  header.description.total = s.area;
+  header.description.metadata = options.metadata;
+  // Nobody asked for a number: then a level that is nearly as fine will do, and is taken whole.
+  const bool asked = options.vectors != 0 || options.max_bytes != 0;
+  const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
+  if (progress) {
+    progress->stage = "cutting";
+    progress->done = 0;
+    progress->total = s.triangles;
+  }
+  SurfaceVoxelizer voxelizer(header.cube, level, options.threads);
+  const bool read = source([&](std::span<const Triangle> triangles) {
+    voxelizer.add(triangles);
+    if (progress) progress->done += triangles.size();
+    return !cancelled();
+  });
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
+  std::vector<Voxel> voxels = voxelizer.finish();
+  if (progress) {
+    progress->stage = "encoding";
+    progress->done = progress->total = 0;
+  }
+  if (options.payload == Payload::records) {
+    Cloud cloud = cloud_of(voxels, header.cube, level, s);
+    cloud.description = header.description;
+    EncodeOptions rest = options;
+    rest.vectors = vectors;
+    return encode_cloud(cloud, rest, progress);
+  }
+  std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
+  if (cancelled()) return EncodeError{"cancelled"};
+  if (chunks.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
+    return EncodeError{"the coarsest picture takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
+                       std::to_string(options.max_bytes) + " were asked for"};
+  return stream;
+}
+
+}  // namespace gs::qnv

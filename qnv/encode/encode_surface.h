@@ -1,0 +1,51 @@
+#pragma once
+
+#include "qnv/base/parallel.h"
+#include "qnv/base/triangles.h"
+#include "qnv/stream/container.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Gives all triangles of a surface to a sink, the same ones in the same order every time it is called. False when it
+/// could not, or the sink wanted no more.
+using TriangleSource = std::function<bool(const TriangleSink&)>;
+
+struct EncodeOptions {
+  Payload payload = Payload::packed;
+  std::size_t vectors = 0;    // about so many at full detail; 0: chosen
+  std::size_t max_bytes = 0;  // of the whole stream; 0: no limit
+  bool compact = false;       // packed: fewer bits a vector, a rougher picture at the end
+  std::uint64_t seed = 1;     // of the order of records
+  bool two_sided = false;
+  std::vector<std::pair<std::string, std::string>> metadata;
+  unsigned threads = 0;
+};
+
+struct EncodeError {
+  std::string message;
+};
+
+/// A whole stream: its bytes and what its header says.
+struct EncodedStream {
+  StreamHeader header;
+  std::vector<std::byte> bytes;
+};
+
+/// Encodes a surface (paper, section 3.1): the triangles are cut at the voxels of an octree, whose moments give exact
+/// areas, mean normals and mean colours. The source is read twice; memory grows with the vectors, not with the
+/// triangles. The same bytes for the same input, options and seed, whatever the threads or the compiler.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source,
+                                                                      const EncodeOptions& options,
+                                                                      Progress* progress = nullptr);
+
+/// Encodes vectors that are there already (a volume's gradients, imported splats) as records.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const EncodeOptions& options,
+                                                                    Progress* progress = nullptr);
+
+}  // namespace gs::qnv

@@ -1,0 +1,266 @@
+#include "qnv/packed/packed_layout.h"
+#include "qnv/packed/packed_quantize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <queue>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+// With the framing of the stream, UDP and IP a cluster fits into the 1,280 bytes that IPv6 promises.
+constexpr std::size_t kClusterBytes = 1200;
+// The first cluster: with the header of the stream it should come in the first kilobyte.
+constexpr std::size_t kBaseBytes = 700;
+// A voxel that the surface only touches is left out: this part of the area of a face.
+constexpr float kLeastArea = 0.03f;
+// No single cluster divides more than this many voxels: keeps the first guesses cheap.
+constexpr std::size_t kMostParents = 4096;
+// Deeper down a smaller step pays: there are more voxels for a pixel, and their differences are small.
+constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
+
+void leave_out_touched(std::vector<Voxel>& finest) {
+  double all = 0, kept = 0;
+  for (const Voxel& voxel : finest) {
+    all += voxel.moments.area;
+    if (voxel.moments.area >= kLeastArea) kept += voxel.moments.area;
+  }
+  // Of wires and dust there may be nothing but such voxels.
+  const float least = kept > 0.95 * all ? kLeastArea : std::numeric_limits<float>::min();
+  std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
+}
+
+/// The true voxels of every level, and where the children of each begin in the next.
+struct Pyramid {
+  std::vector<std::vector<Voxel>> levels;
+  std::vector<std::vector<std::uint32_t>> first_child;
+
+  [[nodiscard]] std::span<const Voxel> below(int level, std::uint32_t voxel) const {
+    const auto at = static_cast<std::size_t>(level);
+    const std::uint32_t first = first_child[at][voxel];
+    return std::span(levels[at + 1]).subspan(first, first_child[at][voxel + 1] - first);
+  }
+};
+
+Pyramid make_pyramid(std::vector<Voxel> finest, int level) {
+  Pyramid pyramid;
+  pyramid.levels.resize(static_cast<std::size_t>(level) + 1);
+  pyramid.levels.back() = std::move(finest);
+  for (std::size_t i = pyramid.levels.size() - 1; i > 0; --i) pyramid.levels[i - 1] = coarsen(pyramid.levels[i]);
+  for (std::size_t i = 0; i + 1 < pyramid.levels.size(); ++i) {
+    auto& first = pyramid.first_child.emplace_back();
+    first.reserve(pyramid.levels[i].size() + 1);
+    std::uint32_t next = 0;
+    for (const Voxel& voxel : pyramid.levels[i]) {
+      first.push_back(next);
+      while (next < pyramid.levels[i + 1].size() && pyramid.levels[i + 1][next].key >> 3 == voxel.key) ++next;
+    }
+    first.push_back(next);
+  }
+  return pyramid;
+}
+
+struct Node {
+  EncodedCluster encoded;
+  PackedVoxels voxels;               // as decoded
+  std::vector<std::uint32_t> truth;  // the same voxels in their level of the pyramid
+  int level = 0;                     // of the voxels
+  double gain = 0;
+  std::vector<std::unique_ptr<Node>> children;
+};
+
+class PackedEncoder {
+ public:
+  PackedEncoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
+      : pyramid_(std::move(pyramid)), cube_(cube), options_(options) {}
+
+  [[nodiscard]] int deepest() const { return static_cast<int>(pyramid_.levels.size()) - 1; }
+
+  // The first cluster: as many levels as fit.
+  [[nodiscard]] std::unique_ptr<Node> base() const {
+    const std::size_t most = options_.max_bytes != 0 ? std::min(kBaseBytes, options_.max_bytes) : kBaseBytes;
+    std::vector<LevelSymbols> symbols;
+    std::unique_ptr<Node> best;
+    PackedVoxels from = root_voxel(options_.colored);
+    std::vector<std::uint32_t> truth{0};
+    for (int level = 0; level < deepest(); ++level) {
+      symbols.push_back(quantize(from, truth, level, false));
+      truth = truth_below(symbols.back(), truth, level);
+      from = symbols.back().voxels;
+      ClusterHeader header;
+      header.levels = static_cast<std::uint8_t>(level + 1);
+      auto node = finish(symbols, header, parameters(0), truth);
+      if (best && node->encoded.payload.size() > most) break;
+      best = std::move(node);
+    }
+    best->encoded.divided = 0;
+    return best;
+  }
+
+  // Divides all voxels of a node once, in clusters that fit.
+  void divide(Node& node) const {
+    const LevelSymbols all = quantize(node.voxels, node.truth, node.level);
+    const std::size_t size = all.parents.size();
+    std::size_t run = std::min<std::size_t>(size, 400);
+    for (std::size_t first = 0; first < size;) {
+      // Runs of about one length: what is left is shared out evenly.
+      const std::size_t left = size - first, parts = (left + run - 1) / run;
+      std::size_t count = (left + parts - 1) / parts;
+      auto child = divide_run(node, all, first, count);
+      while (child->encoded.payload.size() > kClusterBytes && count > 1) {
+        const double fit = static_cast<double>(kClusterBytes) / static_cast<double>(child->encoded.payload.size());
+        count = std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(count) * fit * 0.97));
+        child = divide_run(node, all, first, count);
+      }
+      const double bytes_a_parent = static_cast<double>(child->encoded.payload.size()) / static_cast<double>(count);
+      run = std::clamp<std::size_t>(static_cast<std::size_t>(kClusterBytes * 0.97 / bytes_a_parent), 1, kMostParents);
+      first += count;
+      node.children.push_back(std::move(child));
+    }
+    node.voxels = {};
+    node.truth = {};
+  }
+
+ private:
+  [[nodiscard]] bool fine(int level, int from) const { return !options_.compact && level + 1 >= from; }
+
+  // For what divides `level`.
+  [[nodiscard]] ClusterParameters parameters(int level) const {
+    ClusterParameters p;
+    p.normal_shift =
+        static_cast<std::uint8_t>(std::max(1, options_.normal_shift - (fine(level, kFineNormalLevel) ? 1 : 0)));
+    p.offset_shift =
+        static_cast<std::uint8_t>(std::max(0, options_.offset_shift - (fine(level, kFineOffsetLevel) ? 1 : 0)));
+    p.color_shift = static_cast<std::uint8_t>(options_.color_shift);
+    p.colored = options_.colored;
+    return p;
+  }
+
+  [[nodiscard]] LevelSymbols quantize(const PackedVoxels& from, std::span<const std::uint32_t> truth, int level,
+                                      bool fine = true) const {
+    std::vector<std::span<const Voxel>> below;
+    below.reserve(truth.size());
+    for (const std::uint32_t voxel : truth) below.push_back(pyramid_.below(level, voxel));
+    return quantize_level(from, below, 1.0 / static_cast<double>(std::uint64_t{2} << level),
+                          parameters(fine ? level : 0));
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> truth_below(const LevelSymbols& symbols,
+                                                       std::span<const std::uint32_t> truth, int level) const {
+    std::vector<std::uint32_t> out;
+    out.reserve(symbols.children.size());
+    for (const LevelSymbols::Parent& parent : symbols.parents) {
+      const auto& first = pyramid_.first_child[static_cast<std::size_t>(level)];
+      for (std::uint32_t i = first[truth[parent.index]]; i < first[truth[parent.index] + 1]; ++i) out.push_back(i);
+    }
+    return out;
+  }
+
+  // One cluster that divides a run of the voxels of a node.
+  [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, std::size_t first,
+                                                 std::size_t count) const {
+    const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};
+    ClusterHeader header;
+    header.first = static_cast<std::uint16_t>(first);
+    header.count = static_cast<std::uint16_t>(count);
+    header.level = static_cast<std::uint8_t>(node.level);
+    return finish(symbols, header, parameters(node.level), truth_below(symbols.front(), node.truth, node.level));
+  }
+
+  [[nodiscard]] std::unique_ptr<Node> finish(std::span<const LevelSymbols> symbols, const ClusterHeader& header,
+                                             ClusterParameters p, std::vector<std::uint32_t> truth) const {
+    auto node = std::make_unique<Node>();
+    choose_models(symbols, p);
+    RansEncoder rans;
+    for (const LevelSymbols& level : symbols) {
+      put_level(level, p, rans);
+      for (const LevelSymbols::Parent& parent : level.parents) node->gain += parent.gain;
+    }
+    node->truth = std::move(truth);
+    node->level = header.level + header.levels;
+    node->voxels = symbols.back().voxels;
+    EncodedCluster& out = node->encoded;
+    out.header = header;
+    write_cluster_header(header, p, out.payload);
+    const std::vector<std::byte> bits = rans.finish();
+    out.payload.insert(out.payload.end(), bits.begin(), bits.end());
+    out.voxels = static_cast<std::uint32_t>(node->voxels.size());
+    out.divided = static_cast<std::uint32_t>(symbols.front().parents.size());
+    out.level_edge = cube_.edge / static_cast<float>(std::uint64_t{1} << node->level);
+    for (std::size_t i = 0; i < node->voxels.size(); ++i) {
+      const glm::vec3 cell(node->voxels.x[i], node->voxels.y[i], node->voxels.z[i]);
+      out.box.add(cube_.lower + cell * out.level_edge);
+      out.box.add(cube_.lower + (cell + 1.0f) * out.level_edge);
+    }
+    return node;
+  }
+
+  Pyramid pyramid_;
+  Cube cube_;
+  PackedOptions options_;
+};
+
+// A parent stands before its children; of those that may come next, the one that gains most for its bytes.
+std::vector<EncodedCluster> in_order(std::unique_ptr<Node> base, const PackedOptions& options) {
+  struct Entry {
+    double worth;
+    std::uint64_t order;  // of two equal ones the first made comes first
+    Node* node;
+    std::uint32_t parent;
+    bool operator<(const Entry& other) const {
+      return worth != other.worth ? worth < other.worth : order > other.order;
+    }
+  };
+  std::priority_queue<Entry> ready;
+  std::uint64_t made = 0;
+  ready.push({0, made++, base.get(), kNoParent});
+  std::vector<EncodedCluster> out;
+  std::size_t discs = 0, bytes = 0;
+  while (!ready.empty()) {
+    const Entry entry = ready.top();
+    ready.pop();
+    Node& node = *entry.node;
+    bytes += node.encoded.payload.size();
+    if (options.max_bytes != 0 && bytes > options.max_bytes && !out.empty()) break;
+    const auto id = static_cast<std::uint32_t>(out.size());
+    node.encoded.header.id = id;
+    node.encoded.header.parent = entry.parent;
+    for (std::size_t i = 0; i < 4; ++i) {
+      node.encoded.payload[i] = static_cast<std::byte>(id >> (8 * i) & 255);
+      node.encoded.payload[4 + i] = static_cast<std::byte>(entry.parent >> (8 * i) & 255);
+    }
+    for (const auto& child : node.children)
+      ready.push({child->gain / static_cast<double>(child->encoded.payload.size()), made++, child.get(), id});
+    // A cluster puts its voxels in the place of those that it divides.
+    discs += node.encoded.voxels - node.encoded.divided;
+    out.push_back(std::move(node.encoded));
+    if (options.vectors != 0 && discs >= options.vectors) break;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, const Cube& cube,
+                                          const PackedOptions& options, Progress* progress) {
+  leave_out_touched(finest);
+  if (finest.empty() || level < 1) return {};
+  const PackedEncoder encoder(make_pyramid(std::move(finest), level), cube, options);
+  std::unique_ptr<Node> base = encoder.base();
+  std::vector<Node*> generation{base.get()};
+  while (!generation.empty() && generation.front()->level < encoder.deepest()) {
+    if (!parallel_for(
+            generation.size(), [&](std::size_t i) { encoder.divide(*generation[i]); }, options.threads, progress))
+      return {};
+    std::vector<Node*> next;
+    for (Node* node : generation)
+      for (const auto& child : node->children) next.push_back(child.get());
+    generation = std::move(next);
+  }
+  return in_order(std::move(base), options);
+}
+
+}  // namespace gs::qnv

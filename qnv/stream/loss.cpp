@@ -1,0 +1,65 @@
+#include "qnv/stream/loss.h"
+
+#include "qnv/records/record.h"
+#include "qnv/records/records_payload.h"
+#include "qnv/stream/container.h"
+
+#include <algorithm>
+
+namespace gs::qnv {
+namespace {
+
+constexpr std::size_t kPacketRecords = 1200 / kRecordBytes;
+// What comes first is needed by everything behind it: a transport sends it twice, or with parity.
+constexpr std::uint64_t kProtectedBytes = 16'000;
+constexpr std::size_t kCountAt = 2;  // of a records payload: how many follow
+
+// SplitMix64 (Steele et al. 2014): a number between 0 and 1 for every packet.
+double random_of(std::uint64_t seed, std::uint64_t packet) {
+  std::uint64_t z = seed * 0x9e3779b97f4a7c15ULL + packet * 0xbf58476d1ce4e5b9ULL + 0x94d049bb133111ebULL;
+  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ z >> 27) * 0x94d049bb133111ebULL;
+  return static_cast<double>((z ^ z >> 31) >> 11) / 9007199254740992.0;
+}
+
+}  // namespace
+
+std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double share, std::uint64_t seed) {
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  const auto header = decode_header(stream, header_bytes, need_more);
+  if (!std::holds_alternative<StreamHeader>(header)) return {stream.begin(), stream.end()};
+  std::vector<std::byte> out(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(header_bytes));
+  const auto append = [&out](ChunkType type, std::span<const std::byte> payload) {
+    const std::vector<std::byte> chunk = encode_chunk(type, payload);
+    out.insert(out.end(), chunk.begin(), chunk.end());
+  };
+  std::uint64_t packet = 0;
+  StreamReader reader;
+  const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    const bool safe = offset < kProtectedBytes;
+    if (type == ChunkType::packed) {
+      if (safe || random_of(seed, packet) >= share) append(type, payload);
+    } else if (type == ChunkType::records && payload.size() >= kRecordsHeaderBytes) {
+      std::vector<std::byte> kept(payload.begin(), payload.begin() + kRecordsHeaderBytes);
+      const auto records = payload.subspan(kRecordsHeaderBytes);
+      for (std::size_t at = 0; at < records.size(); at += kPacketRecords * kRecordBytes, ++packet)
+        if (safe || random_of(seed, packet) >= share) {
+          const auto part = records.subspan(at, std::min(kPacketRecords * kRecordBytes, records.size() - at));
+          kept.insert(kept.end(), part.begin(), part.end());
+        }
+      const std::size_t count = (kept.size() - kRecordsHeaderBytes) / kRecordBytes;
+      kept[kCountAt] = static_cast<std::byte>(count & 255);
+      kept[kCountAt + 1] = static_cast<std::byte>(count >> 8 & 255);
+      if (count > 0) append(type, kept);
+    } else if (type == ChunkType::directory) {
+      return;  // its offsets are no longer true
+    }
+    ++packet;
+  };
+  reader.push(stream, take);
+  reader.finish(take);
+  return out;
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/base/parallel.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+
+/// What the bytes of a voxel are.
+enum class VoxelType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64 };
+[[nodiscard]] std::size_t size_of(VoxelType type);
+
+/// A regular grid of scalar values that is read slice by slice, so that it may be larger than memory.
+struct VolumeLayout {
+  std::array<std::uint32_t, 3> dimensions{};  // voxels along x, y, z; x varies fastest
+  std::array<glm::vec3, 3> axes{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0),
+                                glm::vec3(0, 0, 1)};  // one voxel's step, world units
+  glm::vec3 origin{0};                                // centre of voxel (0, 0, 0), world units
+  VoxelType type = VoxelType::u8;
+  bool big_endian = false;
+  double slope = 1, intercept = 0;                            // value = stored * slope + intercept
+  std::optional<double> missing;                              // a stored value that means "nothing here"
+  std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8
+};
+
+/// A volume: its layout and a function that gives the stored bytes of slice z (dimensions x * y * size of a
+/// voxel), or false when they cannot be had. Called from one thread at a time, in any order of z.
+struct VolumeSource {
+  VolumeLayout layout;
+  std::function<bool(std::uint32_t z, std::span<std::byte> slice)> read;
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "render/gl/context.h"
+#include "render/image/image.h"
+#include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
+#include "render/scene/render_list.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace gs::render {
+
+/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images as long as somebody
+/// else still holds them. Belongs to the thread of its context; destroy it while that is current.
+class Renderer {
+ public:
+  /// Compiles the shaders. The error says what the driver said.
+  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
+  ~Renderer();
+
+  /// Draws into the framebuffer that is bound (0: the window's).
+  FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  /// Draws off screen and reads the picture back as RGB.
+  [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
+                                                                const DrawOptions& options,
+                                                                FrameStatistics* statistics = nullptr);
+  /// The GL_RENDERER string.
+  [[nodiscard]] const std::string& gl_renderer() const;
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,129 @@
+#pragma once
+
+#include "render/gl/context.h"
+
+#include <GL/glcorearb.h>
+
+#include <string>
+#include <variant>
+
+/// The OpenGL 3.3 core functions that GhostSpace calls: X(name of its PFNGL...PROC, name).
+#define GHOSTSPACE_GL_FUNCTIONS(X)                                            \
+  X(ACTIVETEXTURE, ActiveTexture)                                             \
+  X(ATTACHSHADER, AttachShader)                                               \
+  X(BINDBUFFER, BindBuffer)                                                   \
+  X(BINDBUFFERBASE, BindBufferBase)                                           \
+  X(BINDBUFFERRANGE, BindBufferRange)                                         \
+  X(BINDFRAMEBUFFER, BindFramebuffer)                                         \
+  X(BINDRENDERBUFFER, BindRenderbuffer)                                       \
+  X(BINDSAMPLER, BindSampler)                                                 \
+  X(BINDTEXTURE, BindTexture)                                                 \
+  X(BINDVERTEXARRAY, BindVertexArray)                                         \
+  X(BLENDFUNCSEPARATE, BlendFuncSeparate)                                     \
+  X(BLITFRAMEBUFFER, BlitFramebuffer)                                         \
+  X(BUFFERDATA, BufferData)                                                   \
+  X(BUFFERSUBDATA, BufferSubData)                                             \
+  X(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus)                           \
+  X(CLEAR, Clear)                                                             \
+  X(CLEARBUFFERFV, ClearBufferfv)                                             \
+  X(CLEARCOLOR, ClearColor)                                                   \
+  X(COLORMASK, ColorMask)                                                     \
+  X(COMPILESHADER, CompileShader)                                             \
+  X(CREATEPROGRAM, CreateProgram)                                             \
+  X(CREATESHADER, CreateShader)                                               \
+  X(CULLFACE, CullFace)                                                       \
+  X(DELETEBUFFERS, DeleteBuffers)                                             \
+  X(DELETEFRAMEBUFFERS, DeleteFramebuffers)                                   \
+  X(DELETEPROGRAM, DeleteProgram)                                             \
+  X(DELETERENDERBUFFERS, DeleteRenderbuffers)                                 \
+  X(DELETESAMPLERS, DeleteSamplers)                                           \
+  X(DELETESHADER, DeleteShader)                                               \
+  X(DELETETEXTURES, DeleteTextures)                                           \
+  X(DELETEVERTEXARRAYS, DeleteVertexArrays)                                   \
+  X(DEPTHFUNC, DepthFunc)                                                     \
+  X(DEPTHMASK, DepthMask)                                                     \
+  X(DISABLE, Disable)                                                         \
+  X(DRAWARRAYS, DrawArrays)                                                   \
+  X(DRAWARRAYSINSTANCED, DrawArraysInstanced)                                 \
+  X(DRAWBUFFERS, DrawBuffers)                                                 \
+  X(DRAWELEMENTSINSTANCEDBASEVERTEX, DrawElementsInstancedBaseVertex)         \
+  X(ENABLE, Enable)                                                           \
+  X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
+  X(FINISH, Finish)                                                           \
+  X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                         \
+  X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                               \
+  X(FRONTFACE, FrontFace)                                                     \
+  X(GENBUFFERS, GenBuffers)                                                   \
+  X(GENFRAMEBUFFERS, GenFramebuffers)                                         \
+  X(GENRENDERBUFFERS, GenRenderbuffers)                                       \
+  X(GENSAMPLERS, GenSamplers)                                                 \
+  X(GENTEXTURES, GenTextures)                                                 \
+  X(GENVERTEXARRAYS, GenVertexArrays)                                         \
+  X(GENERATEMIPMAP, GenerateMipmap)                                           \
+  X(GETERROR, GetError)                                                       \
+  X(GETFLOATV, GetFloatv)                                                     \
+  X(GETFRAMEBUFFERATTACHMENTPARAMETERIV, GetFramebufferAttachmentParameteriv) \
+  X(GETINTEGERV, GetIntegerv)                                                 \
+  X(GETPROGRAMINFOLOG, GetProgramInfoLog)                                     \
+  X(GETPROGRAMIV, GetProgramiv)                                               \
+  X(GETSHADERINFOLOG, GetShaderInfoLog)                                       \
+  X(GETSHADERIV, GetShaderiv)                                                 \
+  X(GETSTRING, GetString)                                                     \
+  X(GETSTRINGI, GetStringi)                                                   \
+  X(GETUNIFORMBLOCKINDEX, GetUniformBlockIndex)                               \
+  X(GETUNIFORMLOCATION, GetUniformLocation)                                   \
+  X(LINKPROGRAM, LinkProgram)                                                 \
+  X(PIXELSTOREI, PixelStorei)                                                 \
+  X(POINTSIZE, PointSize)                                                     \
+  X(POLYGONMODE, PolygonMode)                                                 \
+  X(READBUFFER, ReadBuffer)                                                   \
+  X(READPIXELS, ReadPixels)                                                   \
+  X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample)           \
+  X(SAMPLEMASKI, SampleMaski)                                                 \
+  X(SAMPLERPARAMETERF, SamplerParameterf)                                     \
+  X(SAMPLERPARAMETERI, SamplerParameteri)                                     \
+  X(SCISSOR, Scissor)                                                         \
+  X(SHADERSOURCE, ShaderSource)                                               \
+  X(TEXBUFFER, TexBuffer)                                                     \
+  X(TEXIMAGE2D, TexImage2D)                                                   \
+  X(TEXIMAGE2DMULTISAMPLE, TexImage2DMultisample)                             \
+  X(TEXPARAMETERI, TexParameteri)                                             \
+  X(TEXPARAMETERIV, TexParameteriv)                                           \
+  X(UNIFORM1I, Uniform1i)                                                     \
+  X(UNIFORM1F, Uniform1f)                                                     \
+  X(UNIFORM2F, Uniform2f)                                                     \
+  X(UNIFORM2I, Uniform2i)                                                     \
+  X(UNIFORM3FV, Uniform3fv)                                                   \
+  X(UNIFORM4FV, Uniform4fv)                                                   \
+  X(UNIFORMBLOCKBINDING, UniformBlockBinding)                                 \
+  X(UNIFORMMATRIX3FV, UniformMatrix3fv)                                       \
+  X(UNIFORMMATRIX4FV, UniformMatrix4fv)                                       \
+  X(USEPROGRAM, UseProgram)                                                   \
+  X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)                                 \
+  X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)                               \
+  X(VERTEXATTRIBPOINTER, VertexAttribPointer)                                 \
+  X(VIEWPORT, Viewport)
+
+namespace gs::render {
+
+/// The functions and the limits of one context. Members are named like the functions without "gl".
+struct Gl {
+#define GHOSTSPACE_GL_MEMBER(type, name) PFNGL##type##PROC name = nullptr;
+  GHOSTSPACE_GL_FUNCTIONS(GHOSTSPACE_GL_MEMBER)
+#undef GHOSTSPACE_GL_MEMBER
+  /// OpenGL 4.2 or ARB_base_instance; null where absent.
+  PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
+  /// OpenGL 4.3; both or none.
+  PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
+  PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;
+
+  std::string renderer;   // GL_RENDERER
+  bool software = false;  // it is one that runs on the processor
+  int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
+  float max_anisotropy = 1;  // 1: not available
+
+  /// Loads everything from the current context; fails when it is older than OpenGL 3.3 core.
+  static std::variant<Gl, ContextError> load(GlContext& context);
+};
+
+}  // namespace gs::render

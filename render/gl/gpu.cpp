@@ -1,0 +1,90 @@
+#include "render/gl/gpu.h"
+
+#include <algorithm>
+#include <array>
+
+namespace gs::render {
+namespace {
+
+using Shader = GpuHandle<GpuObject::shader>;
+constexpr std::string_view kVersion = "#version 330 core\n";
+
+std::variant<Shader, ContextError> compile(const Gl& gl, GLenum stage, std::string_view defines,
+                                           std::string_view source) {
+  Shader shader(gl, gl.CreateShader(stage));
+  const std::array<const GLchar*, 3> texts{kVersion.data(), defines.data(), source.data()};
+  const std::array<GLint, 3> lengths{static_cast<GLint>(kVersion.size()), static_cast<GLint>(defines.size()),
+                                     static_cast<GLint>(source.size())};
+  gl.ShaderSource(shader.name(), 3, texts.data(), lengths.data());
+  gl.CompileShader(shader.name());
+  GLint compiled = GL_FALSE;
+  gl.GetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
+  if (compiled) return shader;
+  GLint length = 0;
+  gl.GetShaderiv(shader.name(), GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  gl.GetShaderInfoLog(shader.name(), length, nullptr, log.data());
+  return ContextError{"shader: " + log};
+}
+
+}  // namespace
+
+Buffer make_buffer(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenBuffers(1, &name);
+  return {gl, name};
+}
+Texture make_texture(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenTextures(1, &name);
+  return {gl, name};
+}
+Sampler make_sampler(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenSamplers(1, &name);
+  return {gl, name};
+}
+VertexArray make_vertex_array(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenVertexArrays(1, &name);
+  return {gl, name};
+}
+Framebuffer make_framebuffer(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenFramebuffers(1, &name);
+  return {gl, name};
+}
+Renderbuffer make_renderbuffer(const Gl& gl) {
+  GLuint name = 0;
+  gl.GenRenderbuffers(1, &name);
+  return {gl, name};
+}
+
+std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines, std::string_view vertex_source,
+                                                 std::string_view fragment_source) {
+  auto vertex = compile(gl, GL_VERTEX_SHADER, defines, vertex_source);
+  if (auto* error = std::get_if<ContextError>(&vertex)) return std::move(*error);
+  auto fragment = compile(gl, GL_FRAGMENT_SHADER, defines, fragment_source);
+  if (auto* error = std::get_if<ContextError>(&fragment)) return std::move(*error);
+
+  Program program(gl, gl.CreateProgram());
+  gl.AttachShader(program.name(), std::get<Shader>(vertex).name());
+  gl.AttachShader(program.name(), std::get<Shader>(fragment).name());
+  gl.LinkProgram(program.name());
+  GLint linked = GL_FALSE;
+  gl.GetProgramiv(program.name(), GL_LINK_STATUS, &linked);
+  if (linked) return program;
+  GLint length = 0;
+  gl.GetProgramiv(program.name(), GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  gl.GetProgramInfoLog(program.name(), length, nullptr, log.data());
+  return ContextError{"linking shaders: " + log};
+}
+
+bool take_errors(const Gl& gl) {
+  bool any = false;
+  for (int i = 0; i < 100 && gl.GetError() != GL_NO_ERROR; ++i) any = true;
+  return any;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "render/gl/gl.h"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+
+enum class GpuObject { buffer, texture, sampler, vertex_array, framebuffer, renderbuffer, shader, program };
+
+/// Owns one name of OpenGL. Move-only; empty by default. `gl` must outlive it and its context must
+/// be current when it is destroyed.
+template <GpuObject kind>
+class GpuHandle {
+ public:
+  GpuHandle() = default;
+  GpuHandle(const Gl& gl, GLuint name) : gl_(&gl), name_(name) {}
+  GpuHandle(GpuHandle&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
+  GpuHandle& operator=(GpuHandle&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~GpuHandle() {
+    if (name_) destroy();
+  }
+  [[nodiscard]] GLuint name() const { return name_; }
+  explicit operator bool() const { return name_ != 0; }
+
+ private:
+  void destroy() {
+    if constexpr (kind == GpuObject::buffer) gl_->DeleteBuffers(1, &name_);
+    if constexpr (kind == GpuObject::texture) gl_->DeleteTextures(1, &name_);
+    if constexpr (kind == GpuObject::sampler) gl_->DeleteSamplers(1, &name_);
+    if constexpr (kind == GpuObject::vertex_array) gl_->DeleteVertexArrays(1, &name_);
+    if constexpr (kind == GpuObject::framebuffer) gl_->DeleteFramebuffers(1, &name_);
+    if constexpr (kind == GpuObject::renderbuffer) gl_->DeleteRenderbuffers(1, &name_);
+    if constexpr (kind == GpuObject::shader) gl_->DeleteShader(name_);
+    if constexpr (kind == GpuObject::program) gl_->DeleteProgram(name_);
+  }
+  const Gl* gl_ = nullptr;
+  GLuint name_ = 0;
+};
+
+using Buffer = GpuHandle<GpuObject::buffer>;
+using Texture = GpuHandle<GpuObject::texture>;
+using Sampler = GpuHandle<GpuObject::sampler>;
+using VertexArray = GpuHandle<GpuObject::vertex_array>;
+using Framebuffer = GpuHandle<GpuObject::framebuffer>;
+using Renderbuffer = GpuHandle<GpuObject::renderbuffer>;
+using Program = GpuHandle<GpuObject::program>;
+
+[[nodiscard]] Buffer make_buffer(const Gl& gl);
+[[nodiscard]] Texture make_texture(const Gl& gl);
+[[nodiscard]] Sampler make_sampler(const Gl& gl);
+[[nodiscard]] VertexArray make_vertex_array(const Gl& gl);
+[[nodiscard]] Framebuffer make_framebuffer(const Gl& gl);
+[[nodiscard]] Renderbuffer make_renderbuffer(const Gl& gl);
+
+/// Compiles and links. `defines` ("#define LIT\n...") goes behind the #version line of both sources,
+/// which must be absent from them. The error is what the driver said.
+[[nodiscard]] std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines,
+                                                               std::string_view vertex_source,
+                                                               std::string_view fragment_source);
+
+/// Empties the queue of errors of the driver; true when there was one.
+bool take_errors(const Gl& gl);
+
+/// An offset into the bound buffer, in bytes, as OpenGL takes it for a pointer.
+[[nodiscard]] inline const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
+
+}  // namespace gs::render

@@ -1,0 +1,80 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/scene/render_list.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::render {
+
+/// Chooses for every item the lights that reach it and keeps each distinct choice once in one
+/// uniform buffer, so that items with the same lights can be drawn together.
+class LightSets {
+ public:
+  static constexpr std::size_t kMaxLights = 16;  // of one item; shaders.h has the same number
+  static constexpr GLuint kBinding = 0;          // of the uniform block
+
+  explicit LightSets(const Gl& gl);
+
+  /// Forgets the choices of the last frame and takes all lights to camera space.
+  void begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight);
+  /// The number of the set for an item: its own directional lights, the headlight, and the point
+  /// and spot lights whose radius reaches the sphere (camera space), the strongest ones if they are
+  /// too many. A negative radius means that the item's size is not known.
+  std::uint32_t choose(const std::vector<std::uint16_t>& directional, const glm::vec3& center, float radius);
+  /// The number of lights of a set.
+  [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set][0]; }
+  /// Whether a set has only directional lights, so that the light is the same everywhere.
+  [[nodiscard]] bool directional_only(std::uint32_t set) const { return directional_only_[set]; }
+  /// Sends all sets to the GPU. Between `choose` and `bind`.
+  void upload();
+  void bind(std::uint32_t set);
+
+ private:
+  /// One light in the layout of the uniform block (std140). All zero: a light that adds nothing.
+  struct ShaderLight {
+    glm::vec3 location;  // directional: towards the light
+    float kind;          // 0 directional, 1 point, 2 spot
+    glm::vec3 color;
+    float intensity;
+    glm::vec3 direction;
+    float ambient_intensity;
+    glm::vec3 attenuation;
+    float radius;
+    float beam_width, cut_off_angle, padding[2];
+  };
+  static_assert(sizeof(ShaderLight) == 80);
+  struct ShaderSet {
+    ShaderLight lights[kMaxLights];
+  };
+  using Choice = std::array<std::uint16_t, kMaxLights + 1>;  // count, then indices into lights_
+  struct ChoiceHash {
+    std::size_t operator()(const Choice& choice) const;
+  };
+
+  static constexpr std::uint16_t kHeadlight = 0xFFFF;
+
+  void choose_local(const glm::vec3& center, float radius, Choice& choice);
+  static ShaderLight to_camera(const Light& light, const glm::dmat4& camera_from_world);
+
+  const Gl& gl_;
+  Buffer buffer_;
+  std::size_t stride_;               // bytes from set to set
+  std::vector<ShaderLight> lights_;  // camera space, in the order of the list
+  std::vector<bool> directional_;
+  std::vector<std::uint16_t> local_;  // point and spot lights
+  bool headlight_ = true;
+  std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
+  std::vector<Choice> sets_;
+  std::vector<bool> directional_only_;  // by set
+  Choice last_choice_{};
+  std::uint32_t last_number_ = 0;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/image/image.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// Keeps images in the memory of the GPU, with mipmaps.
+class TextureStore {
+ public:
+  enum class Alpha : std::uint8_t { none, cut_out, blended };  // cut_out: every pixel is opaque or invisible
+  struct Entry {
+    std::weak_ptr<const Image> image;
+    Texture texture;
+    bool intensity = false;  // 1 or 2 components: multiplies; else replaces the colour (VRML97 Table 4.6)
+    Alpha alpha = Alpha::none;
+    std::uint32_t order = 0;  // unique among the textures that live; for sorting
+  };
+
+  explicit TextureStore(const Gl& gl);
+
+  /// The texture of the image, uploading it if need be; null when the image is empty or malformed.
+  /// Valid until the next call of `forget_unused`. Row 0 of the texture is the top of the image.
+  const Entry* find(const std::shared_ptr<const Image>& image);
+  void forget_unused();
+  /// Binds to texture unit 0.
+  void bind(const Entry& entry, bool repeat_s, bool repeat_t);
+
+ private:
+  void upload(const Image& image, Entry& entry);
+
+  const Gl& gl_;
+  std::array<Sampler, 4> samplers_;  // bit 0: repeat S, bit 1: repeat T
+  std::unordered_map<const Image*, Entry> entries_;
+  std::uint32_t next_order_ = 1;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,169 @@
+#include "render/image/image.h"
+
+#include "render/image/image_codecs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string_view>
+
+namespace gs::render {
+namespace {
+
+using namespace std::string_view_literals;
+constexpr std::array<ImageFormat, 4> kImageFormats = {{
+    {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
+    {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
+    {"GIF87a"sv, "GIF87a"sv, decode_gif},
+    {"GIF89a"sv, "GIF89a"sv, decode_gif},
+}};
+
+std::string hexadecimal(std::span<const std::byte> bytes) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const std::byte b : bytes) {
+    if (!text.empty()) text += ' ';
+    text += kDigits[static_cast<unsigned>(b) >> 4];
+    text += kDigits[static_cast<unsigned>(b) & 15u];
+  }
+  return text;
+}
+
+bool well_formed(const Image& image) {
+  return image.components >= 1 && image.components <= 4 &&
+         image.pixels.size() == std::uint64_t{image.width} * image.height * image.components;
+}
+
+std::array<std::uint8_t, 4> rgba(const Image& image, std::size_t pixel) {
+  const std::uint8_t* p = image.pixels.data() + pixel * image.components;
+  switch (image.components) {
+    case 1:
+      return {p[0], p[0], p[0], 255};
+    case 2:
+      return {p[0], p[0], p[0], p[1]};
+    case 3:
+      return {p[0], p[1], p[2], 255};
+    default:
+      return {p[0], p[1], p[2], p[3]};
+  }
+}
+
+std::string described(const Image& image) {
+  return std::to_string(image.width) + "x" + std::to_string(image.height) + " with " +
+         std::to_string(image.components) + " components and " + std::to_string(image.pixels.size()) + " bytes";
+}
+
+}  // namespace
+
+std::span<const ImageFormat> image_formats() { return kImageFormats; }
+
+std::optional<ImageError> refuse_size(const char* format, std::uint64_t width, std::uint64_t height,
+                                      const ImageLimits& limits) {
+  // No picture of a world is that long; libpng's own row buffers stay small by it.
+  constexpr std::uint64_t kMaxSide = 1'000'000;
+  const std::string size = std::to_string(width) + "x" + std::to_string(height);
+  if (width == 0 || height == 0)
+    return ImageError{std::string(format) + " image of " + size + " pixels; expected at least one pixel"};
+  if (width > kMaxSide || height > kMaxSide || width * height > limits.file_pixels)
+    return ImageError{std::string(format) + " image of " + size + " pixels; expected at most " +
+                      std::to_string(limits.file_pixels) + " pixels and no side over " + std::to_string(kMaxSide)};
+  return std::nullopt;
+}
+
+std::uint32_t reduction_of(std::uint64_t width, std::uint64_t height, const ImageLimits& limits) {
+  std::uint32_t reduction = 1;
+  const auto kept = [&](std::uint64_t side) { return (side + reduction - 1) / reduction; };
+  while (kept(width) * kept(height) > std::max<std::size_t>(limits.kept_pixels, 1)) ++reduction;
+  return reduction;
+}
+
+RowReducer::RowReducer(Image& image, std::uint32_t width, std::uint32_t height, std::uint32_t components,
+                       std::uint32_t reduction)
+    : image_(image), width_(width), height_(height) {
+  image.width = (width - 1) / reduction + 1;
+  image.height = (height - 1) / reduction + 1;
+  image.components = components;
+  image.reduction = reduction;
+  image.pixels.resize(std::size_t{image.width} * image.height * components);
+  sums_.resize(std::size_t{image.width} * components);
+}
+
+void RowReducer::take(const std::uint8_t* row) {
+  if (rows_ >= height_) return;
+  ++rows_;
+  const std::size_t components = image_.components;
+  std::uint32_t* sum = sums_.data();
+  for (std::uint32_t x = 0; x < width_; sum += components)
+    for (const std::uint32_t end = std::min(width_, x + image_.reduction); x < end; ++x)
+      for (std::size_t c = 0; c < components; ++c) sum[c] += *row++;
+  if (++gathered_ == image_.reduction) flush();
+}
+
+void RowReducer::finish() {
+  if (gathered_ > 0) flush();
+}
+
+void RowReducer::flush() {
+  std::uint8_t* to = image_.pixels.data() + std::size_t{kept_} * sums_.size();
+  const std::size_t components = image_.components;
+  for (std::uint32_t x = 0; x < image_.width; ++x) {
+    const std::uint32_t across = std::min(image_.reduction, width_ - x * image_.reduction);
+    for (std::size_t c = 0; c < components; ++c)
+      *to++ = static_cast<std::uint8_t>(sums_[x * components + c] / (across * gathered_));
+  }
+  std::fill(sums_.begin(), sums_.end(), 0u);
+  gathered_ = 0;
+  ++kept_;
+}
+
+std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, const ImageLimits& limits) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const ImageFormat& format : kImageFormats)
+    if (text.starts_with(format.magic)) return format.decode(bytes, limits);
+  const std::string start =
+      bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
+  return ImageError{"not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found " + start};
+}
+
+std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b) {
+  for (const Image* image : {&a, &b})
+    if (!well_formed(*image)) return ImageError{"not a whole image: " + described(*image)};
+  if (a.width != b.width || a.height != b.height)
+    return ImageError{"pictures of different size: " + std::to_string(a.width) + "x" + std::to_string(a.height) +
+                      " and " + std::to_string(b.width) + "x" + std::to_string(b.height)};
+
+  ImageDifference difference;
+  // Different kinds are compared as what they look like: RGBA, opaque where there is no alpha.
+  const bool alike = a.components == b.components;
+  const std::size_t components = alike ? a.components : 4;
+  const std::size_t pixels = std::size_t{a.width} * a.height;
+  std::uint64_t sum = 0, squares = 0;
+  int maximum = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    bool differs = false;
+    const auto count = [&](int x, int y) {
+      const int distance = std::abs(x - y);
+      differs |= distance != 0;
+      maximum = std::max(maximum, distance);
+      sum += static_cast<std::uint64_t>(distance);
+      squares += static_cast<std::uint64_t>(distance) * static_cast<std::uint64_t>(distance);
+    };
+    if (alike) {
+      for (std::size_t c = 0; c < components; ++c) count(a.pixels[i * components + c], b.pixels[i * components + c]);
+    } else {
+      const auto x = rgba(a, i), y = rgba(b, i);
+      for (std::size_t c = 0; c < 4; ++c) count(x[c], y[c]);
+    }
+    difference.differing_pixels += differs ? 1 : 0;
+  }
+  const double samples = static_cast<double>(pixels * components);
+  difference.maximum = maximum;
+  difference.mean = samples > 0 ? static_cast<double>(sum) / samples : 0;
+  difference.psnr = squares == 0 ? std::numeric_limits<double>::infinity()
+                                 : 10 * std::log10(255.0 * 255.0 * samples / static_cast<double>(squares));
+  return difference;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,253 @@
+#include "render/image/image_codecs.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kSizeEnd = 24;  // signature, IHDR length and name, width, height
+
+/// What the callbacks of libpng share with us. libpng leaves its functions by longjmp, so everything
+/// that must be freed lives here or in the caller, and the functions with a setjmp have only plain locals.
+struct PngReader {
+  std::span<const std::byte> bytes;
+  std::size_t position = 0;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  char message[160] = "unknown error";
+  std::uint32_t width = 0, height = 0;
+  std::uint32_t channels = 0;    // as libpng hands them out
+  std::uint32_t components = 0;  // as we keep them
+  int passes = 1;
+  std::uint32_t reduction = 1;
+  bool interlaced = false;
+  std::uint8_t* first_row = nullptr;
+  std::uint8_t* pixels = nullptr;  // height rows of channels
+  RowReducer* reducer = nullptr;   // takes the rows, where there are too many pixels
+  const ImageLimits* limits = nullptr;
+
+  PngReader() = default;
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void on_read_error(png_structp png, png_const_charp text) {
+  auto* reader = static_cast<PngReader*>(png_get_error_ptr(png));
+  std::snprintf(reader->message, sizeof reader->message, "%s", text);
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+void read_bytes(png_structp png, png_bytep to, png_size_t count) {
+  auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
+  if (count > reader->bytes.size() - reader->position) {
+    reader->position = reader->bytes.size();
+    png_error(png, "the data end too early");
+  }
+  std::memcpy(to, reader->bytes.data() + reader->position, count);
+  reader->position += count;
+}
+
+/// VRML97 4.6.11.2: a palette of greys only is an intensity texture.
+bool palette_is_grey(png_structp png, png_infop info) {
+  png_colorp palette = nullptr;
+  int count = 0;
+  if (!png_get_PLTE(png, info, &palette, &count)) return false;
+  for (int i = 0; i < count; ++i)
+    if (palette[i].red != palette[i].green || palette[i].green != palette[i].blue) return false;
+  return true;
+}
+
+bool read_header(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_set_read_fn(reader.png, &reader, read_bytes);
+  // Profiles and comments are not used: not unpacking them saves time and takes away a way to attack.
+  static const png_byte kSkipped[] = "iCCP\0iTXt\0tEXt\0zTXt\0sPLT\0eXIf";
+  png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, kSkipped, 6);
+  png_read_info(reader.png, reader.info);
+  reader.width = png_get_image_width(reader.png, reader.info);
+  reader.height = png_get_image_height(reader.png, reader.info);
+  const int color_type = png_get_color_type(reader.png, reader.info);
+  const bool transparent = png_get_valid(reader.png, reader.info, PNG_INFO_tRNS) != 0;
+  const bool grey_palette = color_type == PNG_COLOR_TYPE_PALETTE && palette_is_grey(reader.png, reader.info);
+  if (color_type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(reader.png);
+  if (color_type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(reader.png);
+  if (transparent) png_set_tRNS_to_alpha(reader.png);
+  png_set_scale_16(reader.png);
+  reader.reduction = reduction_of(reader.width, reader.height, *reader.limits);
+  reader.interlaced = png_get_interlace_type(reader.png, reader.info) != PNG_INTERLACE_NONE;
+  // Of a large interlaced picture the first passes are a smaller one.
+  if (reader.reduction == 1) reader.passes = png_set_interlace_handling(reader.png);
+  png_read_update_info(reader.png, reader.info);
+  reader.channels = png_get_channels(reader.png, reader.info);
+  reader.components = grey_palette ? reader.channels - 2 : reader.channels;
+  if (png_get_rowbytes(reader.png, reader.info) != std::size_t{reader.width} * reader.channels)
+    png_error(reader.png, "unexpected row size");
+  return true;
+}
+
+bool stopped(const PngReader& reader) { return reader.limits->stopped && reader.limits->stopped(); }
+
+/// Reads one row so that nothing large is allocated for a file that has no picture in it.
+bool read_first_row(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  png_read_row(reader.png, nullptr, reader.first_row);
+  return true;
+}
+
+bool read_rows(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  const std::size_t stride = std::size_t{reader.width} * reader.channels;
+  std::memcpy(reader.pixels, reader.first_row, stride);
+  for (int pass = 0; pass < reader.passes; ++pass)
+    for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height && !stopped(reader); ++y)
+      // The second buffer asks for whole blocks of an interlaced picture, so that a part of it has no gaps.
+      png_read_row(reader.png, nullptr, reader.pixels + y * stride);
+  return true;
+}
+
+bool reduce_rows(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  for (std::uint32_t y = 0; y < reader.height && !stopped(reader); ++y) {
+    if (y > 0) png_read_row(reader.png, reader.first_row, nullptr);
+    reader.reducer->take(reader.first_row);
+  }
+  return true;
+}
+
+/// Of an interlaced picture the pixels whose places are multiples of 8, 4 or 2 come first, with all of their rows.
+bool thin_out_passes(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png))) return false;
+  const std::uint32_t step = reader.reduction, kept = (reader.width - 1) / step + 1;
+  const int passes = step >= 8 ? 1 : step >= 4 ? 3 : 5;
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::uint32_t columns = PNG_PASS_COLS(reader.width, pass), rows = PNG_PASS_ROWS(reader.height, pass);
+    if (columns == 0) continue;
+    for (std::uint32_t row = 0; row < rows && !stopped(reader); ++row) {
+      if (pass > 0 || row > 0) png_read_row(reader.png, reader.first_row, nullptr);
+      const std::uint32_t y = PNG_ROW_FROM_PASS_ROW(row, pass);
+      for (std::uint32_t column = 0; y % step == 0 && column < columns; ++column) {
+        const std::uint32_t x = PNG_COL_FROM_PASS_COL(column, pass);
+        if (x % step == 0)
+          std::memcpy(reader.pixels + (std::size_t{y / step} * kept + x / step) * reader.channels,
+                      reader.first_row + std::size_t{column} * reader.channels, reader.channels);
+      }
+    }
+  }
+  return true;
+}
+
+/// Takes R (and A) of grey RGB(A), in place.
+void keep_grey(std::vector<std::uint8_t>& pixels, std::uint32_t channels) {
+  const std::uint32_t kept = channels - 2;
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < pixels.size(); from += channels) {
+    pixels[to++] = pixels[from];
+    if (kept == 2) pixels[to++] = pixels[from + 3];
+  }
+  pixels.resize(to);
+}
+
+ImageError png_error_of(const PngReader& reader) {
+  return {std::string("broken PNG: ") + reader.message + " (at byte " + std::to_string(reader.position) + ")"};
+}
+
+/// Where the encoder's bytes go; an allocation that fails is remembered, not thrown through C.
+struct PngWriter {
+  std::vector<std::byte> bytes;
+  bool failed = false;
+};
+
+void write_bytes(png_structp png, png_bytep from, png_size_t count) {
+  auto* writer = static_cast<PngWriter*>(png_get_io_ptr(png));
+  if (writer->failed) return;
+  try {
+    const auto* first = reinterpret_cast<const std::byte*>(from);
+    writer->bytes.insert(writer->bytes.end(), first, first + count);
+  } catch (const std::bad_alloc&) {
+    writer->failed = true;
+  }
+}
+
+void flush_bytes(png_structp) {}
+
+void on_write_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+
+bool write_png(png_structp png, png_infop info, PngWriter& writer, const Image& image) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  constexpr int kColorTypes[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                                 PNG_COLOR_TYPE_RGB_ALPHA};
+  png_set_write_fn(png, &writer, write_bytes, flush_bytes);
+  png_set_IHDR(png, info, image.width, image.height, 8, kColorTypes[image.components - 1], PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  const std::size_t stride = std::size_t{image.width} * image.components;
+  for (std::uint32_t y = 0; y < image.height; ++y) png_write_row(png, image.pixels.data() + y * stride);
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
+
+DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& limits) {
+  if (bytes.size() < kSizeEnd) return ImageError{"broken PNG: the data end before the size of the picture"};
+  const auto* header = reinterpret_cast<png_const_bytep>(bytes.data());
+  if (auto refused = refuse_size("PNG", png_get_uint_32(header + 16), png_get_uint_32(header + 20), limits))
+    return *std::move(refused);
+
+  PngReader reader;
+  reader.bytes = bytes;
+  reader.limits = &limits;
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_read_error, on_warning);
+  if (!reader.png) throw std::bad_alloc();
+  reader.info = png_create_info_struct(reader.png);
+  if (!reader.info) throw std::bad_alloc();
+
+  if (!read_header(reader)) return png_error_of(reader);
+  // The size that counts is the one libpng goes by.
+  if (auto refused = refuse_size("PNG", reader.width, reader.height, limits)) return *std::move(refused);
+  std::vector<std::uint8_t> first_row(std::size_t{reader.width} * reader.channels);
+  reader.first_row = first_row.data();
+  if (!read_first_row(reader)) return png_error_of(reader);
+
+  Image image;
+  if (reader.reduction > 1 && reader.interlaced) reader.reduction = std::bit_ceil(reader.reduction);
+  // What came before an error or the end stays: a truncated picture is a smaller picture.
+  RowReducer reducer(image, reader.width, reader.height, reader.channels, reader.reduction);
+  reader.pixels = image.pixels.data();
+  reader.reducer = &reducer;
+  if (reader.reduction == 1)
+    (void)read_rows(reader);
+  else if (reader.interlaced)
+    (void)thin_out_passes(reader);
+  else
+    (void)reduce_rows(reader);
+  reducer.finish();
+  image.components = reader.components;
+  if (reader.components != reader.channels) keep_grey(image.pixels, reader.channels);
+  return image;
+}
+
+std::vector<std::byte> encode_png(const Image& image) {
+  if (image.components < 1 || image.components > 4 || image.width == 0 || image.height == 0 ||
+      image.pixels.size() != std::uint64_t{image.width} * image.height * image.components)
+    return {};
+  PngWriter writer;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_write_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool written = info && write_png(png, info, writer, image);
+  png_destroy_write_struct(&png, &info);
+  if (writer.failed) throw std::bad_alloc();
+  if (!written) writer.bytes.clear();
+  return std::move(writer.bytes);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,86 @@
+#include "render/mesh/background_pass.h"
+
+#include "render/gl/shaders.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <vector>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kMostRings = 512;  // of sky or ground; both fit the smallest texture that GL 3.3 allows
+
+void append_rings(const std::vector<glm::vec3>& colors, const std::vector<float>& angles,
+                  std::vector<glm::vec4>& rings) {
+  const std::size_t count = std::min({colors.size(), angles.size() + 1, kMostRings});
+  float angle = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) angle = std::max(angle, angles[i - 1]);
+    rings.emplace_back(colors[i], angle);
+  }
+}
+
+}  // namespace
+
+std::variant<BackgroundPass, ContextError> BackgroundPass::create(const Gl& gl) {
+  auto program = make_program(gl, "", kBackgroundVertexShader, kBackgroundFragmentShader);
+  if (auto* error = std::get_if<ContextError>(&program)) return std::move(*error);
+  return BackgroundPass(gl, std::move(std::get<Program>(program)));
+}
+
+BackgroundPass::BackgroundPass(const Gl& gl, Program program)
+    : gl_(&gl),
+      program_(std::move(program)),
+      no_attributes_(make_vertex_array(gl)),
+      rings_(make_texture(gl)),
+      background_from_camera_(gl.GetUniformLocation(program_.name(), "background_from_camera")),
+      tangents_(gl.GetUniformLocation(program_.name(), "tangents")),
+      counts_(gl.GetUniformLocation(program_.name(), "counts")) {
+  gl.BindTexture(GL_TEXTURE_2D, rings_.name());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+}
+
+int BackgroundPass::upload_rings(const Background& background, int& ground_count) {
+  std::vector<glm::vec4> rings;
+  append_rings(background.sky_colors, background.sky_angles, rings);
+  if (rings.empty()) rings.emplace_back(0.0f);
+  const int sky_count = static_cast<int>(rings.size());
+  append_rings(background.ground_colors, background.ground_angles, rings);
+  ground_count = static_cast<int>(rings.size()) - sky_count;
+  gl_->ActiveTexture(GL_TEXTURE0);
+  gl_->BindTexture(GL_TEXTURE_2D, rings_.name());
+  gl_->BindSampler(0, 0);
+  gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(rings.size()), 1, 0, GL_RGBA, GL_FLOAT,
+                  rings.data());
+  return sky_count;
+}
+
+void BackgroundPass::draw(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents,
+                          const std::optional<glm::vec3>& color) {
+  const bool plain = background.sky_colors.size() <= 1 && background.ground_colors.size() <= 1;
+  if (color || plain) {
+    const glm::vec3 one = color ? *color : background.sky_colors.empty() ? glm::vec3(0) : background.sky_colors.front();
+    gl_->ClearColor(one.r, one.g, one.b, 1);
+    gl_->Clear(GL_COLOR_BUFFER_BIT);
+    return;
+  }
+  int ground_count = 0;
+  const int sky_count = upload_rings(background, ground_count);
+  gl_->UseProgram(program_.name());
+  const glm::mat3 background_from_camera = glm::transpose(background.world_from_background) * world_from_camera;
+  gl_->UniformMatrix3fv(background_from_camera_, 1, GL_FALSE, glm::value_ptr(background_from_camera));
+  gl_->Uniform2f(tangents_, tangents.x, tangents.y);
+  gl_->Uniform2i(counts_, sky_count, ground_count);
+  gl_->Disable(GL_DEPTH_TEST);
+  gl_->Disable(GL_CULL_FACE);
+  gl_->Disable(GL_BLEND);
+  gl_->BindVertexArray(no_attributes_.name());
+  gl_->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/scene/render_list.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+
+#include <optional>
+
+namespace gs::render {
+
+/// Paints the whole viewport with the world's Background (VRML97 6.5) or with one colour.
+class BackgroundPass {
+ public:
+  static std::variant<BackgroundPass, ContextError> create(const Gl& gl);
+
+  /// `tangents` of half the angles of view. The scissor test must be on and cover the viewport,
+  /// depth writes off. `color` takes the place of the Background.
+  void draw(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents,
+            const std::optional<glm::vec3>& color);
+
+ private:
+  BackgroundPass(const Gl& gl, Program program);
+  int upload_rings(const Background& background, int& ground_count);
+
+  const Gl* gl_;
+  Program program_;
+  VertexArray no_attributes_;
+  Texture rings_;
+  GLint background_from_camera_, tangents_, counts_;
+};
+
+}  // namespace gs::render

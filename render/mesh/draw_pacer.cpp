@@ -1,0 +1,37 @@
+#include "render/mesh/draw_pacer.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace gs::render {
+namespace {
+
+// The first slice of a frame may fill the whole target so many times: some tenths of a second of a software rasteriser.
+constexpr std::size_t kFirstPixels = std::size_t{1} << 27;
+constexpr std::size_t kLargestSlice = std::size_t{1} << 24;
+constexpr std::chrono::milliseconds kShort{40}, kLong{150};
+
+}  // namespace
+
+DrawPacer::DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels)
+    : gl_(gl),
+      go_on_(go_on),
+      slice_(go_on ? std::clamp<std::size_t>(kFirstPixels / std::max<std::size_t>(pixels, 1), 16, 4096)
+                   : std::numeric_limits<std::size_t>::max()),
+      begin_(Clock::now()) {}
+
+void DrawPacer::spend(std::size_t primitives) {
+  spent_ += primitives;
+  if (!go_on_ || spent_ < slice_) return;
+  gl_.Finish();
+  const auto now = Clock::now();
+  if (now - begin_ < kShort)
+    slice_ = std::min(slice_ * 2, kLargestSlice);
+  else if (now - begin_ > kLong)
+    slice_ = std::max<std::size_t>(slice_ / 4, 1);
+  spent_ = 0;
+  begin_ = now;
+  given_up_ = !go_on_();
+}
+
+}  // namespace gs::render

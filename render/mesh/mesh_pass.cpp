@@ -1,0 +1,373 @@
+#include "render/mesh/mesh_pass.h"
+
+#include "render/gl/shaders.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace gs::render {
+namespace {
+
+// One frame draws no more than this: USE can ask for more than any driver ends in a day.
+constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
+constexpr float kPointSize = 2;
+constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE",  "INTENSITY",
+                                    "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
+
+// Numbers of lights for which there are shaders; sets are filled up with black lights.
+constexpr std::size_t kLightCounts[] = {0, 1, 2, 3, 4, 6, 8, 12, 16};
+static_assert(kLightCounts[std::size(kLightCounts) - 1] == LightSets::kMaxLights);
+
+unsigned light_count_class(std::size_t count) {
+  unsigned number = 0;
+  while (kLightCounts[number] < count) ++number;
+  return number;
+}
+
+/// The affine product in double: the difference of two large coordinates must survive.
+void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) {
+      double sum = column == 3 ? camera_from_world[3][row] : 0.0;
+      for (int k = 0; k < 3; ++k) sum += camera_from_world[k][row] * double{world_from_node[column][k]};
+      rows[row][column] = static_cast<float>(sum);
+    }
+}
+
+struct Sphere {
+  glm::vec3 center;
+  float radius;  // negative: not known
+};
+
+/// Around the mesh's box, in camera space.
+Sphere bounding_sphere(const vrml::Bounds& bounds, const float (&rows)[3][4]) {
+  if (bounds.empty()) return {glm::vec3(rows[0][3], rows[1][3], rows[2][3]), -1};
+  const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;
+  Sphere sphere{};
+  float square = 0;
+  for (int i = 0; i < 3; ++i) {
+    const float* r = rows[i];
+    sphere.center[i] = r[0] * center.x + r[1] * center.y + r[2] * center.z + r[3];
+    const float extent = std::abs(r[0]) * half.x + std::abs(r[1]) * half.y + std::abs(r[2]) * half.z;
+    square += extent * extent;
+  }
+  sphere.radius = std::sqrt(square);
+  return std::isfinite(sphere.radius) ? sphere : Sphere{sphere.center, -1};
+}
+
+bool mirrors(const float (&m)[3][4]) {
+  const double determinant = double{m[0][0]} * (double{m[1][1]} * m[2][2] - double{m[1][2]} * m[2][1]) -
+                             double{m[0][1]} * (double{m[1][0]} * m[2][2] - double{m[1][2]} * m[2][0]) +
+                             double{m[0][2]} * (double{m[1][0]} * m[2][1] - double{m[1][1]} * m[2][0]);
+  return determinant < 0;
+}
+
+void set(float (&to)[3], const glm::vec3& from) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+}  // namespace
+
+std::uint64_t MeshPass::DrawState::packed() const {
+  return std::uint64_t{variant} << 50 | std::uint64_t{mirrored} << 49 | std::uint64_t{cull} << 48 |
+         std::uint64_t{lights} << 32 | texture;
+}
+
+std::variant<std::unique_ptr<MeshPass>, ContextError> MeshPass::create(const Gl& gl) {
+  std::unique_ptr<MeshPass> pass(new MeshPass(gl));
+  // The variant that nearly every world needs; the others come from the same source when they are needed.
+  if (!pass->program(kLit | kNormals | kFirstLightBit * light_count_class(1))) return ContextError{pass->last_error_};
+  return pass;
+}
+
+MeshPass::MeshPass(const Gl& gl) : gl_(gl), meshes_(gl), textures_(gl), lights_(gl) {}
+
+MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
+  if (last_program_ && variant == last_variant_) return last_program_;
+  const auto [found, fresh] = programs_.try_emplace(variant);
+  VariantProgram& entry = found->second;
+  if (fresh) {
+    std::string text;
+    for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
+      if (variant >> bit & 1) text.append("#define ").append(kDefines[bit]).append("\n");
+    text += "#define ALL_LIGHTS";
+    for (std::size_t i = 0; i < kLightCounts[variant / kFirstLightBit]; ++i) text += " ADD(" + std::to_string(i) + ")";
+    text += "\n";
+    if (variant & kLit) text += kLightingShader;
+    auto made = make_program(gl_, text, kMeshVertexShader, kMeshFragmentShader);
+    if (auto* error = std::get_if<ContextError>(&made)) {
+      last_error_ = std::move(error->message);
+    } else {
+      entry.program = std::move(std::get<Program>(made));
+      const GLuint name = entry.program.name();
+      entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
+      entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
+      const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
+      if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
+    }
+  }
+  if (!entry.program) return nullptr;
+  last_variant_ = variant;
+  last_program_ = &entry;
+  return &entry;
+}
+
+std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore::Entry& entry) {
+  const auto [first, last] = binding_numbers_.equal_range(entry.order);
+  for (auto found = first; found != last; ++found) {
+    const TextureBinding& binding = texture_bindings_[found->second];
+    if (binding.repeat_s == use.repeat_s && binding.repeat_t == use.repeat_t && binding.transform == use.transform)
+      return found->second;
+  }
+  const auto number = static_cast<std::uint32_t>(texture_bindings_.size());
+  texture_bindings_.push_back({&entry, use.repeat_s, use.repeat_t, use.transform});
+  binding_numbers_.emplace(entry.order, number);
+  return number;
+}
+
+/// False when a sphere in camera space lies outside of the view; a negative radius is never outside.
+bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) {
+  const float depth = -center.z;
+  if (radius < 0) return std::isfinite(depth);
+  radius *= 1.0001f;  // rounding
+  return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
+         (std::abs(center.x) - depth * view.tangents.x) * view.slopes.x <= radius &&
+         (std::abs(center.y) - depth * view.tangents.y) * view.slopes.y <= radius;
+}
+
+void MeshPass::prepare_item(const DrawItem& item, const View& view) {
+  if (!item.mesh || item.mesh->empty()) return;
+  Prepared prepared{};
+  Instance& instance = prepared.instance;
+  compose(view.camera_from_world, item.world_from_node, instance.camera_from_node);
+  const Sphere sphere = bounding_sphere(item.mesh->bounds, instance.camera_from_node);
+  const float depth = -sphere.center.z;
+  if (!in_view(sphere.center, sphere.radius, view)) return;
+
+  if (item.mesh.get() != last_mesh_) {
+    last_slice_ = meshes_.find(item.mesh);
+    last_mesh_ = item.mesh.get();
+  }
+  if (!last_slice_) return;
+  prepared.slice = last_slice_;
+  const Material& material = item.material;
+  const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
+  const TextureStore::Entry* texture = nullptr;
+  if (surface && item.texture.image && last_slice_->texture_coordinates) texture = textures_.find(item.texture.image);
+
+  // VRML97 Tables 4.5 and 4.6; lines and points show the emissive colour (6.24, 6.36).
+  DrawState& state = prepared.state;
+  set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
+  instance.alpha = material.lit ? 1 - material.transparency : 1;
+  if (last_slice_->colors) state.variant |= kColors;
+  if (shaded && material.lit) {
+    state.variant |= kLit | (last_slice_->normals ? kNormals : 0u);
+    state.lights = lights_.choose(item.directional_lights, sphere.center, sphere.radius);
+    set(instance.emissive, material.emissive);
+    instance.ambient_intensity = material.ambient_intensity;
+    set(instance.specular, material.specular);
+    state.variant |= frame_variant_;
+    if (!lights_.directional_only(state.lights)) state.variant |= kLocalLights;
+    state.variant |= kFirstLightBit * light_count_class(lights_.count(state.lights));
+    instance.shininess = material.shininess * kShininessScale;
+  }
+  bool transparent = instance.alpha < 1;
+  if (texture) {
+    state.variant |= kTexture | (texture->intensity ? kIntensity : 0u);
+    state.texture = texture_number(item.texture, *texture);
+    if (item.texture.image->has_alpha()) {
+      instance.alpha = 1;
+      transparent = texture->alpha == TextureStore::Alpha::blended;
+      if (transparent) state.variant |= kTextureAlpha;
+      if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
+    }
+  }
+  if (instance.alpha <= 0 || !program(state.variant)) return;
+  state.cull = surface && item.mesh->solid;
+  state.mirrored = surface && mirrors(instance.camera_from_node);
+  const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
+  (transparent ? transparent_ : opaque_)
+      .push_back({state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
+  prepared_.push_back(prepared);
+}
+
+void MeshPass::prepare(const RenderList& list, const View& view) {
+  prepared_.clear();
+  opaque_.clear();
+  transparent_.clear();
+  texture_bindings_.assign(1, {});
+  binding_numbers_.clear();
+  last_mesh_ = nullptr;
+  last_slice_ = nullptr;
+  frame_variant_ = 0;
+  for (const Light& light : list.lights)
+    if (light.ambient_intensity > 0) frame_variant_ |= kEmissive;
+  for (const DrawItem& item : list.items) {
+    if (!item.material.lit) continue;
+    if (item.material.specular != glm::vec3(0)) frame_variant_ |= kSpecular;
+    if (item.material.emissive != glm::vec3(0)) frame_variant_ |= kEmissive;
+  }
+  for (const DrawItem& item : list.items) prepare_item(item, view);
+
+  // Near ones first where the order is free: what they hide is not shaded.
+  std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
+    return std::tie(a.state, a.mesh, a.depth, a.prepared) < std::tie(b.state, b.mesh, b.depth, b.prepared);
+  });
+  std::sort(transparent_.begin(), transparent_.end(), [](const SortKey& a, const SortKey& b) {
+    return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
+  });
+  instances_.clear();
+  for (const auto* order : {&opaque_, &transparent_})
+    for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
+}
+
+void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) {
+  const bool all = !anything_applied_;
+  VariantProgram& shader = *program(state.variant);
+  const bool switched = all || state.variant != applied_.variant;
+  if (switched) {
+    gl_.UseProgram(shader.program.name());
+    if (shader.frame != frame_) {
+      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
+      shader.frame = frame_;
+    }
+  }
+  if ((state.variant & kLit) && (all || state.lights != applied_.lights || !(applied_.variant & kLit)))
+    lights_.bind(state.lights);
+  if ((state.variant & kTexture) && (switched || state.texture != applied_.texture)) {
+    const TextureBinding& binding = texture_bindings_[state.texture];
+    textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
+    gl_.UniformMatrix3fv(shader.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
+  }
+  if (all || state.mirrored != applied_.mirrored) gl_.FrontFace(state.mirrored ? GL_CW : GL_CCW);
+  if (all || state.cull != applied_.cull) (state.cull ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
+  applied_ = state;
+  anything_applied_ = true;
+}
+
+void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
+  batches_.clear();
+  for (std::size_t begin = 0; begin < order.size();) {
+    const SortKey& first = order[begin];
+    std::size_t end = begin + 1;
+    while (end < order.size() && order[end].state == first.state && order[end].mesh == first.mesh) ++end;
+    batches_.push_back({first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth, first_instance + begin,
+                        end - begin, first.prepared});
+    begin = end;
+  }
+}
+
+static std::size_t corners_of(GLenum primitive) {
+  return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1;
+}
+
+/// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
+void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
+                           DrawPacer& pacer) {
+  while (count > 0 && !pacer.given_up()) {
+    const std::size_t room = pacer.room();
+    if (primitives <= room) {
+      const std::size_t some = std::min(room / primitives, count);
+      meshes_.draw(mesh, first, some);
+      pacer.spend(some * primitives);
+      first += some;
+      count -= some;
+      continue;
+    }
+    // One instance is too much: a part of its primitives at a time.
+    const std::size_t corners = corners_of(mesh.primitive);
+    MeshStore::Slice part = mesh;
+    for (std::size_t drawn = 0; drawn < primitives && !pacer.given_up();) {
+      const std::size_t some = std::min(pacer.room(), primitives - drawn);
+      part.first_index = mesh.first_index + corners * drawn;
+      part.index_count = static_cast<GLsizei>(corners * some);
+      meshes_.draw(part, first, 1);
+      pacer.spend(some);
+      drawn += some;
+    }
+    ++first;
+    --count;
+  }
+}
+
+void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer) {
+  for (const Batch& batch : batches_) {
+    if (pacer.given_up()) return;
+    const Prepared& prepared = prepared_[batch.prepared];
+    const std::size_t corners = corners_of(prepared.slice->primitive);
+    const std::size_t primitives =
+        std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);
+    const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
+    if (count == 0) continue;
+    primitives_ += primitives * count;
+    apply(prepared.state, clip_from_camera);
+    draw_slices(*prepared.slice, primitives, batch.first, count, pacer);
+    statistics.items += count;
+    ++statistics.draw_calls;
+    if (corners == 3) statistics.triangles += primitives * count;
+  }
+}
+
+void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between) {
+  ++frame_;
+  meshes_.forget_unused();
+  textures_.forget_unused();
+  meshes_.forget_binding();
+  View view;
+  view.camera_from_world = camera_from_world_of(camera);
+  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
+  view.near_plane = camera.near_plane;
+  view.far_plane = camera.far_plane;
+
+  lights_.begin(list.lights, view.camera_from_world, options.headlight);
+  prepare(list, view);
+  if (instances_.empty()) {
+    between();
+    return;
+  }
+  lights_.upload();
+  meshes_.set_instances(instances_);
+
+  anything_applied_ = false;
+  primitives_ = 0;
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthMask(GL_TRUE);
+  gl_.CullFace(GL_BACK);
+  gl_.Disable(GL_BLEND);
+  gl_.PointSize(kPointSize);
+  batch(opaque_, 0);
+  std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
+    return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
+  });
+  DrawPacer pacer(gl_, options.go_on,
+                  static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
+  draw_batches(clip_from_camera, statistics, pacer);
+  if (!pacer.given_up()) between();
+  anything_applied_ = false;
+  meshes_.forget_binding();
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
+  if (!transparent_.empty() && !pacer.given_up()) {
+    gl_.Enable(GL_BLEND);
+    gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    gl_.DepthMask(GL_FALSE);
+    batch(transparent_, opaque_.size());
+    draw_batches(clip_from_camera, statistics, pacer);
+    gl_.DepthMask(GL_TRUE);
+    gl_.Disable(GL_BLEND);
+  }
+  gl_.Disable(GL_CULL_FACE);
+  gl_.FrontFace(GL_CCW);
+  statistics.given_up = pacer.given_up();
+}
+
+}  // namespace gs::render

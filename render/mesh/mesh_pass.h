@@ -1,0 +1,134 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/gl/light_sets.h"
+#include "render/gl/texture_store.h"
+#include "render/mesh/draw_pacer.h"
+#include "render/mesh/mesh_store.h"
+#include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
+#include "render/scene/render_list.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+namespace gs::render {
+
+/// Draws the items of a RenderList: opaque ones grouped so that items of the same mesh, texture,
+/// lights and shader are one instanced draw, then transparent ones from back to front.
+class MeshPass {
+ public:
+  static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
+
+  /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
+  /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
+  /// When `options.go_on` ends the frame before that, it is not called.
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+            FrameStatistics& statistics, const std::function<void()>& between);
+
+ private:
+  /// Bits that select a shader variant; each is one #define.
+  enum Variant : unsigned {
+    kLit = 1,
+    kNormals = 2,
+    kColors = 4,
+    kTexture = 8,
+    kIntensity = 16,
+    kTextureAlpha = 32,
+    kCutOut = 64,
+    kLocalLights = 128,
+    kSpecular = 256,
+    kEmissive = 512,
+    kFirstLightBit = 1024,  // from here on: the number of lights, as an index of kLightCounts
+  };
+  struct VariantProgram {
+    Program program;
+    std::uint64_t frame = 0;  // for which the projection was set last
+    GLint clip_from_camera = -1, texture_transform = -1;
+  };
+  /// A texture as some items of this frame use it. Number 0 stands for none.
+  struct TextureBinding {
+    const TextureStore::Entry* entry = nullptr;
+    bool repeat_s = true, repeat_t = true;
+    glm::mat3 transform{1.0f};
+  };
+  /// What all items of one draw have in common, besides the mesh.
+  struct DrawState {
+    unsigned variant = 0;
+    bool mirrored = false, cull = false;
+    std::uint32_t lights = 0, texture = 0;
+    [[nodiscard]] std::uint64_t packed() const;
+  };
+  /// An item that will be drawn.
+  struct Prepared {
+    Instance instance;
+    DrawState state;
+    const MeshStore::Slice* slice;
+  };
+  struct SortKey {
+    std::uint64_t state;
+    std::uint64_t mesh;
+    float depth;  // metres in front of the camera, of the item's centre
+    std::uint32_t prepared;
+  };
+  /// Items that are drawn by one call.
+  struct Batch {
+    std::uint64_t state;
+    std::uint32_t page;
+    float depth;               // of the nearest
+    std::size_t first, count;  // instances
+    std::uint32_t prepared;    // one of them
+  };
+  struct View {
+    glm::dmat4 camera_from_world;
+    glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
+    float near_plane, far_plane;
+  };
+
+  explicit MeshPass(const Gl& gl);
+  /// The program of a variant, built on first use; null when the driver refused it.
+  VariantProgram* program(unsigned variant);
+  void prepare(const RenderList& list, const View& view);
+  [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
+  void prepare_item(const DrawItem& item, const View& view);
+  [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
+  void batch(const std::vector<SortKey>& order, std::size_t first_instance);
+  void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
+                   DrawPacer& pacer);
+  void apply(const DrawState& state, const glm::mat4& clip_from_camera);
+
+  const Gl& gl_;
+  MeshStore meshes_;
+  TextureStore textures_;
+  LightSets lights_;
+  std::unordered_map<unsigned, VariantProgram> programs_;
+  std::string last_error_;
+  std::uint64_t frame_ = 0;
+
+  // Of the frame being drawn; kept for their storage.
+  std::vector<Prepared> prepared_;
+  std::vector<SortKey> opaque_, transparent_;
+  std::vector<Batch> batches_;
+  std::vector<Instance> instances_;
+  std::vector<TextureBinding> texture_bindings_;
+  std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
+  const vrml::Mesh* last_mesh_ = nullptr;
+  const MeshStore::Slice* last_slice_ = nullptr;
+  unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs
+  unsigned last_variant_ = 0;
+  VariantProgram* last_program_ = nullptr;
+  DrawState applied_;
+  bool anything_applied_ = false;
+  std::size_t primitives_ = 0;  // drawn in this frame
+};
+
+}  // namespace gs::render

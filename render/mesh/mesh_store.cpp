@@ -1,0 +1,241 @@
+#include "render/mesh/mesh_store.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace gs::render {
+namespace {
+
+constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4;
+// Larger meshes get a page of their own, exactly as large as they are.
+constexpr std::size_t kLargestShared = 16 * 1024;
+constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices
+constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; a closed surface has about 6
+
+// Attribute locations; shaders.h names them alike.
+enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance };
+constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
+
+/// One of the arrays of a vertex buffer: all positions lie in front, then all normals, ...
+struct ArrayPlace {
+  Location location;
+  GLint components;
+  std::size_t offset;  // bytes
+};
+
+struct Layout {
+  std::array<ArrayPlace, 4> arrays{};
+  std::size_t count = 0, bytes = 0;
+};
+
+Layout layout(unsigned format, std::size_t vertices) {
+  Layout result;
+  const auto add = [&](Location location, GLint components) {
+    result.arrays[result.count++] = {location, components, result.bytes};
+    result.bytes += vertices * static_cast<std::size_t>(components) * sizeof(float);
+  };
+  add(kPosition, 3);
+  if (format & kNormals) add(kNormal, 3);
+  if (format & kColors) add(kColor, 3);
+  if (format & kTextureCoordinates) add(kTextureCoordinate, 2);
+  return result;
+}
+
+const void* bytes_of(const vrml::Mesh& mesh, Location location) {
+  switch (location) {
+    case kNormal:
+      return mesh.normals.data();
+    case kColor:
+      return mesh.colors.data();
+    case kTextureCoordinate:
+      return mesh.texture_coordinates.data();
+    default:
+      return mesh.positions.data();
+  }
+}
+
+bool indices_in_range(const vrml::Mesh& mesh) {
+  std::uint32_t largest = 0;
+  for (const std::uint32_t index : mesh.indices) largest = std::max(largest, index);
+  return largest < mesh.positions.size();
+}
+
+}  // namespace
+
+MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)) {}
+
+const MeshStore::Slice* MeshStore::find(const std::shared_ptr<const vrml::Mesh>& mesh) {
+  Entry& entry = entries_[mesh.get()];
+  // An expired entry belonged to another mesh that lay at the same address.
+  if (entry.mesh.expired()) {
+    release(entry);
+    entry.mesh = mesh;
+    upload(*mesh, entry);
+  }
+  return entry.drawable ? &entry.slice : nullptr;
+}
+
+void MeshStore::forget_unused() {
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    if (entry->second.mesh.expired()) {
+      release(entry->second);
+      entry = entries_.erase(entry);
+    } else {
+      ++entry;
+    }
+  }
+}
+
+void MeshStore::release(Entry& entry) {
+  if (!entry.drawable) return;
+  entry.drawable = false;
+  std::unique_ptr<Page>& page = pages_[entry.slice.page];
+  page->free_vertices.give_back(static_cast<std::size_t>(entry.slice.base_vertex), entry.vertices);
+  page->free_indices.give_back(entry.slice.first_index, static_cast<std::size_t>(entry.slice.index_count));
+  if (--page->meshes == 0) {
+    page.reset();
+    forget_binding();
+  }
+}
+
+bool MeshStore::place_in(std::uint32_t index, std::size_t vertices, std::size_t indices, Entry& entry) {
+  Page& page = *pages_[index];
+  const auto first_vertex = page.free_vertices.take(vertices);
+  if (!first_vertex) return false;
+  const auto first_index = page.free_indices.take(indices);
+  if (!first_index) {
+    page.free_vertices.give_back(*first_vertex, vertices);
+    return false;
+  }
+  ++page.meshes;
+  entry.slice.page = index;
+  entry.slice.base_vertex = static_cast<GLint>(*first_vertex);
+  entry.slice.first_index = *first_index;
+  entry.slice.index_count = static_cast<GLsizei>(indices);
+  entry.vertices = vertices;
+  return true;
+}
+
+bool MeshStore::place(unsigned format, std::size_t vertices, std::size_t indices, Entry& entry) {
+  if (vertices > kLargestShared || indices > kLargestShared * kIndicesPerVertex) {
+    if (!add_page(format, vertices, indices)) return false;
+    return place_in(bound_page_, vertices, indices, entry);
+  }
+  std::size_t largest = 0;  // page of this format so far: the next one is twice as large
+  for (std::uint32_t i = 0; i < pages_.size(); ++i) {
+    if (!pages_[i] || pages_[i]->format != format || pages_[i]->vertices > kLargestPage) continue;
+    largest = std::max(largest, pages_[i]->vertices);
+    if (place_in(i, vertices, indices, entry)) return true;
+  }
+  std::size_t capacity = std::clamp(largest * 2, kSmallestPage, kLargestPage);
+  capacity = std::max({capacity, vertices, (indices + kIndicesPerVertex - 1) / kIndicesPerVertex});
+  if (!add_page(format, capacity, capacity * kIndicesPerVertex)) return false;
+  return place_in(bound_page_, vertices, indices, entry);
+}
+
+/// Makes a page and binds it; false when the driver has no memory for it.
+bool MeshStore::add_page(unsigned format, std::size_t vertices, std::size_t indices) {
+  auto page = std::make_unique<Page>();
+  page->format = format;
+  page->vertices = vertices;
+  page->indices = indices;
+  page->free_vertices = RangeAllocator(vertices);
+  page->free_indices = RangeAllocator(indices);
+  page->vertex_array = make_vertex_array(gl_);
+  page->vertex_buffer = make_buffer(gl_);
+  page->index_buffer = make_buffer(gl_);
+  const Layout arrays = layout(format, vertices);
+
+  take_errors(gl_);
+  gl_.BindVertexArray(page->vertex_array.name());
+  bound_page_ = kNoPage;
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, page->index_buffer.name());
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices * sizeof(std::uint32_t)), nullptr,
+                 GL_STATIC_DRAW);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, page->vertex_buffer.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(arrays.bytes), nullptr, GL_STATIC_DRAW);
+  if (gl_.GetError() != GL_NO_ERROR) return false;
+  for (std::size_t i = 0; i < arrays.count; ++i) {
+    const ArrayPlace& array = arrays.arrays[i];
+    gl_.EnableVertexAttribArray(array.location);
+    gl_.VertexAttribPointer(array.location, array.components, GL_FLOAT, GL_FALSE, 0, offset_pointer(array.offset));
+  }
+  for (GLuint i = 0; i < kInstanceVectors; ++i) {
+    gl_.EnableVertexAttribArray(kFirstInstance + i);
+    gl_.VertexAttribDivisor(kFirstInstance + i, 1);
+  }
+  point_at_instances(0);
+
+  std::size_t place = 0;
+  while (place < pages_.size() && pages_[place]) ++place;
+  if (place == pages_.size()) pages_.emplace_back();
+  pages_[place] = std::move(page);
+  bound_page_ = static_cast<std::uint32_t>(place);
+  return true;
+}
+
+void MeshStore::point_at_instances(std::size_t first) {
+  gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.name());
+  for (GLuint i = 0; i < kInstanceVectors; ++i)
+    gl_.VertexAttribPointer(kFirstInstance + i, 4, GL_FLOAT, GL_FALSE, sizeof(Instance),
+                            offset_pointer(first * sizeof(Instance) + i * 4 * sizeof(float)));
+}
+
+void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
+  const std::size_t vertices = mesh.positions.size(), indices = mesh.indices.size();
+  constexpr std::size_t kMost = std::numeric_limits<GLint>::max();
+  if (vertices == 0 || indices == 0 || vertices > kMost || indices > kMost || !indices_in_range(mesh)) return;
+  Slice& slice = entry.slice;
+  slice.normals = mesh.normals.size() == vertices;
+  slice.colors = mesh.colors.size() == vertices;
+  slice.texture_coordinates = mesh.texture_coordinates.size() == vertices;
+  slice.primitive = mesh.primitive == vrml::Mesh::Primitive::lines    ? GL_LINES
+                    : mesh.primitive == vrml::Mesh::Primitive::points ? GL_POINTS
+                                                                      : GL_TRIANGLES;
+  slice.order = next_order_++;
+  const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
+                          (slice.texture_coordinates ? kTextureCoordinates : 0);
+  if (!place(format, vertices, indices, entry)) return;
+
+  const Page& page = *pages_[slice.page];
+  gl_.BindVertexArray(page.vertex_array.name());
+  bound_page_ = slice.page;
+  gl_.BindBuffer(GL_ARRAY_BUFFER, page.vertex_buffer.name());
+  const Layout arrays = layout(format, page.vertices);
+  for (std::size_t i = 0; i < arrays.count; ++i) {
+    const std::size_t stride = static_cast<std::size_t>(arrays.arrays[i].components) * sizeof(float);
+    gl_.BufferSubData(
+        GL_ARRAY_BUFFER,
+        static_cast<GLintptr>(arrays.arrays[i].offset + static_cast<std::size_t>(slice.base_vertex) * stride),
+        static_cast<GLsizeiptr>(vertices * stride), bytes_of(mesh, arrays.arrays[i].location));
+  }
+  gl_.BufferSubData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLintptr>(slice.first_index * sizeof(std::uint32_t)),
+                    static_cast<GLsizeiptr>(indices * sizeof(std::uint32_t)), mesh.indices.data());
+  entry.drawable = true;
+}
+
+void MeshStore::set_instances(const std::vector<Instance>& instances) {
+  gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(Instance)), instances.data(),
+                 GL_STREAM_DRAW);
+}
+
+void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
+  if (bound_page_ != slice.page) {
+    gl_.BindVertexArray(pages_[slice.page]->vertex_array.name());
+    bound_page_ = slice.page;
+  }
+  const void* indices = offset_pointer(slice.first_index * sizeof(std::uint32_t));
+  if (gl_.DrawElementsInstancedBaseVertexBaseInstance) {
+    gl_.DrawElementsInstancedBaseVertexBaseInstance(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
+                                                    static_cast<GLsizei>(count), slice.base_vertex,
+                                                    static_cast<GLuint>(first));
+    return;
+  }
+  point_at_instances(first);
+  gl_.DrawElementsInstancedBaseVertex(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
+                                      static_cast<GLsizei>(count), slice.base_vertex);
+}
+
+}  // namespace gs::render

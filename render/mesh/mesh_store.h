@@ -1,0 +1,86 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/gl/range_allocator.h"
+#include "vrml/mesh/mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::render {
+
+/// What one instance of a mesh needs, as the vertex shader reads it. Camera space is that of the camera
+/// that draws, so that float32 stays precise far from the world's origin.
+struct Instance {
+  float camera_from_node[3][4];  // rows of an affine matrix
+  float base_color[3], alpha;    // diffuse when lit
+  float emissive[3], ambient_intensity;
+  float specular[3], shininess;  // exponent: 128 * the field
+};
+static_assert(sizeof(Instance) == 24 * sizeof(float));
+
+/// Keeps meshes in the memory of the GPU. Small meshes of the same make-up share pages (a vertex
+/// array, a vertex buffer and an index buffer), so that many of them are drawn without switching.
+class MeshStore {
+ public:
+  /// A mesh in its page.
+  struct Slice {
+    std::uint32_t page = 0;
+    std::uint32_t order = 0;  // unique among the slices that live; for sorting
+    GLint base_vertex = 0;
+    std::size_t first_index = 0;
+    GLsizei index_count = 0;
+    GLenum primitive = GL_TRIANGLES;
+    bool normals = false, colors = false, texture_coordinates = false;
+  };
+
+  explicit MeshStore(const Gl& gl);
+
+  /// Where the mesh lies, after uploading it if need be; null when it cannot be drawn (nothing in
+  /// it, an index out of range, no memory). Valid until the next call of `forget_unused`.
+  const Slice* find(const std::shared_ptr<const vrml::Mesh>& mesh);
+  /// Frees the copies of meshes that nobody holds any more.
+  void forget_unused();
+
+  /// Fills the instance buffer for the draws that follow.
+  void set_instances(const std::vector<Instance>& instances);
+  /// Draws `count` instances from number `first` on with the program in use.
+  void draw(const Slice& slice, std::size_t first, std::size_t count);
+  /// To be called before the first `draw` after somebody else used vertex arrays.
+  void forget_binding() { bound_page_ = kNoPage; }
+
+ private:
+  struct Page {
+    unsigned format = 0;                    // bits: normals, colors, texture coordinates
+    std::size_t vertices = 0, indices = 0;  // capacity
+    std::size_t meshes = 0;                 // living in it
+    RangeAllocator free_vertices{0}, free_indices{0};
+    VertexArray vertex_array;
+    Buffer vertex_buffer, index_buffer;
+  };
+  struct Entry {
+    std::weak_ptr<const vrml::Mesh> mesh;
+    Slice slice;
+    std::size_t vertices = 0;
+    bool drawable = false;
+  };
+  static constexpr std::uint32_t kNoPage = UINT32_MAX;
+
+  void upload(const vrml::Mesh& mesh, Entry& entry);
+  void release(Entry& entry);
+  bool place(unsigned format, std::size_t vertices, std::size_t indices, Entry& entry);
+  bool place_in(std::uint32_t page, std::size_t vertices, std::size_t indices, Entry& entry);
+  bool add_page(unsigned format, std::size_t vertices, std::size_t indices);
+  void point_at_instances(std::size_t first);
+
+  const Gl& gl_;
+  Buffer instances_;
+  std::vector<std::unique_ptr<Page>> pages_;  // null where a page was freed
+  std::unordered_map<const vrml::Mesh*, Entry> entries_;
+  std::uint32_t bound_page_ = kNoPage, next_order_ = 0;
+};
+
+}  // namespace gs::render

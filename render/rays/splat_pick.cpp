@@ -1,0 +1,300 @@
+#include "render/rays/splat_pick.h"
+
+#include "qnv/base/parallel.h"
+#include "qnv/lod/lod.h"
+#include "render/scene/finite.h"
+#include "render/splat/splat_constants.h"
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kPickedRange = 65536;  // vectors that one task looks at
+constexpr std::size_t kPickedBlock = 256;    // vectors that are looked at together
+constexpr float kDiagonal = 1.7321f;         // of a cube of edge 1
+constexpr float kBeam = 4;                   // pixels about the ray in which a cut is as fine as in the picture
+constexpr float kLeastOpacity = 0.01f;       // of a volume that counts
+constexpr float kVolumeReach = 4.5f;         // square of the spacings beyond which a vector's opacity is not seen
+constexpr float kLeastDeterminant = 1e-30f;
+
+/// The ray as a cloud sees it.
+struct NodeRay {
+  glm::vec3 origin, direction;  // one length of `direction` is one world unit
+  glm::vec3 across, up;         // at right angles to `direction` and to each other, unit length
+  float along = 0;              // along * dot(p - origin, direction) is the distance of p
+  float sample = 0;             // node units that a pixel is wide at distance 1
+  float farthest = 0;
+};
+
+glm::vec3 any_perpendicular(const glm::vec3& unit) {
+  const glm::vec3 other = std::abs(unit.x) < 0.6f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  return glm::normalize(glm::cross(unit, other));
+}
+
+std::optional<NodeRay> in_node(const PickRay& ray, const glm::mat4& world_from_node) {
+  const glm::dmat3 linear{glm::dmat4(world_from_node)};
+  const double determinant = glm::determinant(linear);
+  if (!(std::abs(determinant) > static_cast<double>(kLeastDeterminant)) || !std::isfinite(determinant))
+    return std::nullopt;
+  const glm::dmat3 inverse = glm::inverse(linear);
+  NodeRay node;
+  node.origin = glm::vec3(inverse * (glm::dvec3(ray.origin) - glm::dvec3(glm::dmat4(world_from_node)[3])));
+  node.direction = glm::vec3(inverse * glm::dvec3(ray.direction));
+  const float length = std::sqrt(glm::dot(node.direction, node.direction));
+  if (!finite(node.origin) || !finite(node.direction) || !(length > 0) || !std::isfinite(1 / length))
+    return std::nullopt;
+  const glm::vec3 unit = node.direction / length;
+  node.across = any_perpendicular(unit);
+  node.up = glm::cross(unit, node.across);
+  node.along = 1 / (length * length);
+  double scale = 0;
+  for (int i = 0; i < 3; ++i) scale = std::max(scale, glm::length(linear[i]));
+  node.sample = std::max(ray.pixel, 0.0f) / static_cast<float>(scale);
+  node.farthest = ray.farthest;
+  return node;
+}
+
+/// Some discs of a cloud, and the nearest of them that a ray meets.
+class DiscPicker {
+ public:
+  DiscPicker(const qnv::Cloud& cloud, float growth, bool two_sided, const NodeRay& ray)
+      : cloud_(cloud), growth_(growth), two_sided_(two_sided), ray_(ray) {}
+
+  /// The nearest of these before `nearest`, or `nearest`.
+  [[nodiscard]] float run(std::size_t first, std::size_t last, float nearest) const {
+    return cloud_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
+  }
+
+ private:
+  // Where the ray meets a disc's plane, it is no farther from the disc's centre than the disc reaches: so the ray
+  // passes no farther from it either. That tells nearly all of them apart without a branch that is hard to foresee.
+  [[nodiscard]] float discs(std::size_t first, std::size_t last, float nearest) const {
+    const glm::vec3* positions = cloud_.positions.data();
+    const float* weights = cloud_.weights.data();
+    const float cover2 = growth_ * (splat::kDiscCover * splat::kDiscCover / splat::kPi),
+                least = ray_.sample * splat::kLeastReach;
+    const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
+                    forward = ray_.direction * (ray_.along * least);
+    std::array<float, kPickedBlock> outside;  // > 0: the ray passes
+    for (std::size_t begin = first; begin < last; begin += kPickedBlock) {
+      const std::size_t count = std::min(kPickedBlock, last - begin);
+      for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 off = positions[begin + i] - origin;
+        const float x = off.x * across.x + off.y * across.y + off.z * across.z;
+        const float y = off.x * up.x + off.y * up.y + off.z * up.z;
+        const float small = off.x * forward.x + off.y * forward.y + off.z * forward.z;
+        const float away2 = x * x + y * y, a = away2 - weights[begin + i] * cover2, b = away2 - small * small;
+        outside[i] = a < b ? a : b;
+      }
+      for (std::size_t i = 0; i < count; ++i)
+        if (!(outside[i] > 0)) nearest = exact(begin + i, nearest);
+    }
+    return nearest;
+  }
+
+  [[nodiscard]] float cubes(std::size_t first, std::size_t last, float nearest) const {
+    const glm::vec3* positions = cloud_.positions.data();
+    const float* weights = cloud_.weights.data();
+    const qnv::Cell* cells = cloud_.cells.data();
+    const float cover = std::sqrt(growth_ / splat::kPi) * splat::kDiscCover;
+    const glm::vec3 forward = ray_.direction * ray_.along;
+    for (std::size_t i = first; i < last; ++i) {
+      const glm::vec3 off = positions[i] - ray_.origin;
+      const float x = glm::dot(off, ray_.across), y = glm::dot(off, ray_.up);
+      const float sample = std::abs(glm::dot(off, forward)) * ray_.sample;
+      const float half =
+          cells[i].edge > 0 ? cells[i].edge * (0.5f + splat::kCubeMargin) : cover * std::sqrt(weights[i]);
+      const float reach = kDiagonal * (half + splat::kLeastReach * sample) + std::abs(cells[i].offset);
+      if (x * x + y * y > reach * reach) continue;
+      nearest = exact(i, nearest);
+    }
+    return nearest;
+  }
+
+  /// The definition, as raycast_surface has it.
+  [[nodiscard]] float exact(std::size_t i, float nearest) const {
+    const glm::vec3 place = cloud_.positions[i] - ray_.origin;
+    const glm::vec3& normal = cloud_.normals[i];
+    const float plane = glm::dot(normal, place);
+    if (plane > 0 && !two_sided_) return nearest;
+    if (!(plane * plane > splat::kGrazing * splat::kGrazing * glm::dot(place, place))) return nearest;
+    const float distance = plane / glm::dot(normal, ray_.direction);
+    if (!(distance > 0 && distance < nearest)) return nearest;
+    const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / splat::kPi));
+    const float sample = std::max(glm::dot(place, ray_.direction) * ray_.along, 0.0f) * ray_.sample;
+    const bool cell = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
+    float reach = std::max(radius * splat::kDiscCover, sample * splat::kLeastReach);
+    glm::vec3 off = ray_.direction * distance - place;
+    if (cell) {
+      const qnv::Cell& cube = cloud_.cells[i];
+      off += normal * cube.offset;
+      const float margin = plane > 0 ? cube.edge * splat::kBackMargin
+                                     : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
+      reach = std::max(cube.edge * 0.5f + margin, sample * splat::kLeastReach);
+    }
+    // What has no size that is a number is not drawn either.
+    if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return nearest;
+    const bool hit = cloud_.cells.empty() ? glm::dot(off, off) < reach * reach
+                                          : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
+    return hit ? distance : nearest;
+  }
+
+  const qnv::Cloud& cloud_;
+  float growth_;
+  bool two_sided_;
+  const NodeRay& ray_;
+};
+
+bool can_be_picked(const qnv::Cloud& cloud) {
+  return cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size() &&
+         (cloud.cells.empty() || cloud.cells.size() == cloud.size());
+}
+
+/// A thin pyramid about the ray, in which the stream is as fine as in the picture.
+qnv::LodView view_along(const PickRay& ray, const glm::mat4& world_from_node, const NodeRay& node, std::size_t budget) {
+  qnv::LodView view;
+  view.eye = node.origin;
+  view.pixels = 1 / std::clamp(ray.pixel, 1e-6f, 1.0f);
+  view.budget = budget;
+  view.viewport = kPickViewport;
+  const glm::mat4 transposed = glm::transpose(world_from_node);
+  const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
+  const glm::vec3 ahead = ray.direction * (kBeam / view.pixels);
+  const std::array<glm::vec3, 5> inwards{ahead + across, ahead - across, ahead + up, ahead - up, ray.direction};
+  for (std::size_t i = 0; i < inwards.size(); ++i)
+    view.planes[i] = transposed * glm::vec4(inwards[i], -glm::dot(inwards[i], ray.origin));
+  return view;
+}
+
+/// A vector of a volume near the ray.
+struct Veil {
+  float depth, alpha;
+};
+
+/// Those of `first` to `last`.
+class VeilFinder {
+ public:
+  VeilFinder(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
+             const glm::mat4& world_from_node, const PickRay& ray)
+      : cloud_(cloud), model_(model), options_(options), pixel_(ray.pixel), farthest_(ray.farthest) {
+    const glm::dmat3 linear{glm::dmat4(world_from_node)}, transposed = glm::transpose(linear);
+    const double determinant = glm::determinant(linear);
+    usable_ = std::abs(determinant) > static_cast<double>(kLeastDeterminant) && std::isfinite(determinant);
+    scale_ = static_cast<float>(std::cbrt(std::abs(determinant)));
+    const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
+    // Rows that take a position of the node to where it lies about the ray, world units.
+    const glm::dvec3 from = glm::dvec3(glm::dmat4(world_from_node)[3]) - glm::dvec3(ray.origin);
+    const auto row = [&](const glm::vec3& axis) {
+      return glm::vec4(glm::vec3(transposed * glm::dvec3(axis)), static_cast<float>(glm::dot(glm::dvec3(axis), from)));
+    };
+    across_ = row(across);
+    up_ = row(up);
+    forward_ = row(ray.direction);
+  }
+
+  [[nodiscard]] bool usable() const { return usable_; }
+
+  void run(std::size_t first, std::size_t last, std::vector<Veil>& out) const {
+    const float reach2 = kVolumeReach * scale_ * scale_, least2 = kVolumeReach * kVolumePixel * pixel_ * pixel_;
+    for (std::size_t k = first; k < last; ++k) {
+      const glm::vec4 p(cloud_.positions[k], 1);
+      const float x = glm::dot(p, across_), y = glm::dot(p, up_), depth = glm::dot(p, forward_);
+      const float away2 = x * x + y * y, spacing = model_.spacing[k];
+      if (!(away2 < spacing * spacing * reach2 || away2 < depth * depth * least2)) continue;
+      float alpha = volume_alpha(cloud_, model_, options_, k),
+            area = kVolumeFootprint * spacing * spacing * scale_ * scale_;
+      if (!(alpha > 0 && depth > spacing * scale_ && depth < farthest_)) continue;
+      const float least = kVolumePixel * depth * depth * pixel_ * pixel_;
+      if (area < least) {
+        alpha *= area / least;
+        area = least;
+      }
+      alpha *= std::exp(-away2 / area);
+      if (alpha > 0) out.push_back({depth, alpha});
+    }
+  }
+
+ private:
+  const qnv::Cloud& cloud_;
+  const VolumeModel& model_;
+  const VolumeOptions& options_;
+  float pixel_, farthest_, scale_ = 0;
+  bool usable_ = false;
+  glm::vec4 across_{0}, up_{0}, forward_{0};
+};
+
+/// The depth at which `taken` of the light is gone; `veils` are sorted.
+float depth_where(const std::vector<Veil>& veils, float taken) {
+  float clear = 1;
+  for (const Veil& veil : veils) {
+    clear *= 1 - veil.alpha;
+    if (1 - clear >= taken) return veil.depth;
+  }
+  return veils.back().depth;
+}
+
+}  // namespace
+
+std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& world_from_node, const PickRay& ray,
+                                  const PickLimits& limits) {
+  const std::optional<NodeRay> node = in_node(ray, world_from_node);
+  if (!node) return std::nullopt;
+  float nearest = node->farthest;
+  if (cloud.levels) {
+    const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);
+    const std::vector<qnv::Piece> pieces = cloud.levels->cut(view);
+    cloud.levels->forget(kPickViewport);  // the next ray has nothing to do with this one
+    for (const qnv::Piece& piece : pieces) {
+      if (!can_be_picked(*piece.cloud)) continue;
+      const DiscPicker picker(*piece.cloud, 1, piece.cloud->description.two_sided, *node);
+      nearest = picker.run(piece.first, piece.first + piece.count, nearest);
+    }
+  } else if (can_be_picked(cloud) && !cloud.empty()) {
+    const std::size_t count = std::min(cloud.size(), std::max<std::size_t>(limits.vectors, 1));
+    const float growth = static_cast<float>(cloud.size()) / static_cast<float>(count);
+    const DiscPicker picker(cloud, growth, cloud.description.two_sided, *node);
+    std::vector<float> found((count + kPickedRange - 1) / kPickedRange, nearest);
+    qnv::parallel_for(
+        found.size(),
+        [&](std::size_t r) {
+          found[r] = picker.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), nearest);
+        },
+        count > kPickedRange ? limits.threads : 1);
+    for (const float f : found) nearest = std::min(nearest, f);
+  }
+  return nearest < node->farthest ? std::optional(nearest) : std::nullopt;
+}
+
+std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
+                                      const glm::mat4& world_from_node, const PickRay& ray, const PickLimits& limits) {
+  const VeilFinder finder(cloud, model, options, world_from_node, ray);
+  const bool fits = can_be_picked(cloud) && model.spacing.size() == cloud.size() &&
+                    (cloud.classes.empty() || cloud.classes.size() == cloud.size());
+  if (!finder.usable() || !fits || cloud.empty()) return std::nullopt;
+  const std::size_t count = std::min(cloud.size(), limits.vectors);
+  std::vector<std::vector<Veil>> found((count + kPickedRange - 1) / kPickedRange);
+  qnv::parallel_for(
+      found.size(),
+      [&](std::size_t r) { finder.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), found[r]); },
+      count > kPickedRange ? limits.threads : 1);
+  std::vector<Veil> veils;
+  for (const std::vector<Veil>& part : found) veils.insert(veils.end(), part.begin(), part.end());
+  std::stable_sort(veils.begin(), veils.end(), [](const Veil& a, const Veil& b) { return a.depth < b.depth; });
+  float clear = 1;
+  for (const Veil& veil : veils) clear *= 1 - veil.alpha;
+  const float opacity = 1 - clear;
+  if (!(opacity >= kLeastOpacity)) return std::nullopt;
+  return VolumePick{depth_where(veils, opacity >= 0.5f ? 0.5f : 0.5f * opacity), opacity};
+}
+
+}  // namespace gs::render

@@ -1,0 +1,124 @@
+#include "render/scene/camera.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gs::render {
+namespace {
+
+constexpr float kDefaultFieldOfView = 0.785398f;
+constexpr double kFrameMargin = 1.05;       // orbit_camera leaves this much air around what it frames
+constexpr double kDepthMargin = 0.01;       // so that nothing lies exactly on a plane
+constexpr double kLargestDepthRatio = 1e4;  // far / near that 24 bits of depth still resolve well
+constexpr float kDefaultNear = 0.1f, kDefaultFar = 1000.0f;
+
+struct HalfAngles {
+  double tan_x, tan_y;
+};
+
+HalfAngles half_angles(float field_of_view, float width, float height) {
+  const float angle =
+      field_of_view > 0 && std::isfinite(field_of_view) ? std::min(field_of_view, 3.13f) : kDefaultFieldOfView;
+  const double smaller = std::tan(std::max(angle, 1e-4f) * 0.5);
+  const double aspect = width > 0 && height > 0 ? static_cast<double>(width) / height : 1.0;
+  return aspect >= 1 ? HalfAngles{smaller * aspect, smaller} : HalfAngles{smaller, smaller / aspect};
+}
+
+std::array<glm::dvec3, 8> corners(const vrml::Bounds& bounds) {
+  std::array<glm::dvec3, 8> points;
+  for (int i = 0; i < 8; ++i)
+    points[i] = {i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
+                 i & 4 ? bounds.upper.z : bounds.lower.z};
+  return points;
+}
+
+}  // namespace
+
+glm::dmat4 camera_from_world_of(const Camera& camera) {
+  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
+  glm::dmat4 matrix(rotation);
+  matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
+  return matrix;
+}
+
+glm::mat4 projection(const Camera& camera, float width, float height) {
+  const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
+  const double near_plane = camera.near_plane, far_plane = camera.far_plane;
+  glm::mat4 clip_from_camera(0.0f);
+  clip_from_camera[0][0] = static_cast<float>(1 / tan_x);
+  clip_from_camera[1][1] = static_cast<float>(1 / tan_y);
+  clip_from_camera[2][2] = static_cast<float>(-(far_plane + near_plane) / (far_plane - near_plane));
+  clip_from_camera[2][3] = -1;
+  clip_from_camera[3][2] = static_cast<float>(-2 * far_plane * near_plane / (far_plane - near_plane));
+  return clip_from_camera;
+}
+
+Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view, float width,
+                    float height) {
+  const double ca = std::cos(double{azimuth}), sa = std::sin(double{azimuth});
+  const double ce = std::cos(double{elevation}), se = std::sin(double{elevation});
+  const glm::dvec3 right(ca, 0, -sa), up(-sa * se, ce, -ca * se), back(sa * ce, se, ca * ce);
+  const auto [tan_x, tan_y] = half_angles(field_of_view, width, height);
+
+  glm::dvec3 center(0);
+  double distance = 10;  // where the default Viewpoint stands (VRML97 6.53)
+  if (!bounds.empty()) {
+    center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
+    distance = 0;
+    for (const glm::dvec3& corner : corners(bounds)) {
+      const glm::dvec3 p = corner - center;
+      const double wanted = std::max(std::abs(glm::dot(p, right)) / tan_x, std::abs(glm::dot(p, up)) / tan_y);
+      distance = std::max(distance, glm::dot(p, back) + wanted * kFrameMargin);
+    }
+    if (!(distance > 0)) distance = 1;  // a single point
+  }
+  const glm::dvec3 eye = center + back * distance;
+  Camera camera;
+  camera.field_of_view = field_of_view;
+  camera.world_from_camera = glm::mat4(glm::vec4(glm::vec3(right), 0), glm::vec4(glm::vec3(up), 0),
+                                       glm::vec4(glm::vec3(back), 0), glm::vec4(glm::vec3(eye), 1));
+  return camera;
+}
+
+Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height) {
+  constexpr float kFlat = 0.03f, kFromAbove = 0.6f;
+  const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
+  const bool flat = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
+  return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
+}
+
+Camera fit_depth(Camera camera, const vrml::Bounds& bounds) {
+  double nearest = kDefaultNear, farthest = kDefaultFar;
+  if (!bounds.empty()) {
+    const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
+    nearest = HUGE_VAL;
+    farthest = -HUGE_VAL;
+    double largest = 0;  // coordinate, whose rounding both ends must tolerate
+    for (const glm::dvec3& corner : corners(bounds)) {
+      const double depth = glm::dot(corner - eye, forward);
+      nearest = std::min(nearest, depth);
+      farthest = std::max(farthest, depth);
+      for (int axis = 0; axis < 3; ++axis) largest = std::max({largest, std::abs(corner[axis]), std::abs(eye[axis])});
+    }
+    const double margin = (farthest - nearest) * kDepthMargin + largest * 1e-6;
+    nearest -= margin;
+    farthest += margin;
+    if (!(farthest > 0) || !std::isfinite(farthest)) {  // all behind the camera
+      nearest = kDefaultNear;
+      farthest = kDefaultFar;
+    }
+  }
+  constexpr double kSmallest = 1e-30, kLargest = 1e30;  // what float32 can multiply
+  const double far_plane = camera.far_plane > 0 ? double{camera.far_plane} : std::clamp(farthest, kSmallest, kLargest);
+  if (!(camera.near_plane > 0)) {
+    const double before_far = nearest < far_plane ? nearest : far_plane * 0.5;
+    camera.near_plane = static_cast<float>(std::max(before_far, far_plane / kLargestDepthRatio));
+  }
+  if (!(camera.far_plane > 0)) camera.far_plane = static_cast<float>(std::max(far_plane, camera.near_plane * 1.01));
+  return camera;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,133 @@
+#pragma once
+
+#include "vrml/scene/scene_graph.h"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// The node types that collect reads.
+enum class NodeKind : std::uint8_t {
+  other,
+  shape,
+  group,
+  transform,
+  billboard,
+  switch_node,
+  lod,
+  inline_node,
+  directional_light,
+  point_light,
+  spot_light,
+  viewpoint,
+  navigation_info,
+  background,
+  appearance,
+  material,
+  image_texture,
+  pixel_texture,
+  texture_transform,
+  qnv,
+};
+
+// Places of the fields in their row of the schema table (collect_schema.cpp).
+struct GroupFields {
+  enum : int { children };
+};
+struct TransformFields {
+  enum : int { children, center, rotation, scale, scale_orientation, translation };
+};
+struct BillboardFields {
+  enum : int { children, axis_of_rotation };
+};
+struct SwitchFields {
+  enum : int { choice, which_choice };
+};
+struct LodFields {
+  enum : int { level, center, range };
+};
+struct ShapeFields {
+  enum : int { appearance, geometry };
+};
+struct LightFields {
+  enum : int {
+    on,
+    color,
+    intensity,
+    ambient_intensity,
+    direction,
+    location,
+    attenuation,
+    radius,
+    beam_width,
+    cut_off_angle
+  };
+};
+struct ViewpointFields {
+  enum : int { position, orientation, field_of_view, description };
+};
+struct NavigationFields {
+  enum : int { type, avatar_size, speed, visibility_limit, headlight };
+};
+struct BackgroundFields {
+  enum : int { sky_color, sky_angle, ground_color, ground_angle };
+};
+struct AppearanceFields {
+  enum : int { material, texture, texture_transform };
+};
+struct MaterialFields {
+  enum : int { diffuse_color, emissive_color, specular_color, ambient_intensity, shininess, transparency };
+};
+struct TextureFields {
+  enum : int { repeat_s, repeat_t, image };
+};
+struct TextureTransformFields {
+  enum : int { center, rotation, scale, translation };
+};
+
+struct QnvFields {
+  enum : int { detail };
+};
+
+/// What a node type is to collect, and the slots of the fields it reads: -1 where the type has none.
+struct Schema {
+  static constexpr int kFields = 10;
+  NodeKind kind = NodeKind::other;
+  std::array<int, kFields> slots{};
+};
+
+/// A node together with its schema.
+struct NodeView {
+  const vrml::Node* node = nullptr;
+  const Schema* schema = nullptr;
+
+  explicit operator bool() const { return node != nullptr; }
+  [[nodiscard]] NodeKind kind() const { return node ? schema->kind : NodeKind::other; }
+  /// The value of field number `field`; null where the type has no such field of type T.
+  template <class T>
+  [[nodiscard]] const T* find(int field) const {
+    const int slot = schema->slots[static_cast<std::size_t>(field)];
+    return slot < 0 ? nullptr : std::get_if<T>(&node->values[slot]);
+  }
+  template <class T>
+  [[nodiscard]] T get(int field, T otherwise) const {
+    const T* value = find<T>(field);
+    return value ? *value : otherwise;
+  }
+};
+
+/// Schemas by type, looked up by name once a type.
+class Schemas {
+ public:
+  [[nodiscard]] const Schema& of(const vrml::NodeType& type);
+  /// The node `id` stands for (PROTO instances resolved); empty for NULL and for instances without content.
+  [[nodiscard]] NodeView view(const vrml::SceneGraph& scene, vrml::NodeId id);
+
+ private:
+  std::unordered_map<const vrml::NodeType*, Schema> schemas_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "render/scene/cloud_look.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+namespace gs::render {
+
+/// How surfaces of QNV vectors are drawn. automatic: with OpenGL, but on the processor where OpenGL itself is software.
+enum class SplatPath : std::uint8_t { automatic, gl, cpu };
+
+struct DrawOptions {
+  int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
+  int samples = 4;                               // anti-aliasing; lowered to what the context can
+  bool headlight = true;
+  std::size_t budget = 0;               // discs of all clouds together; 0: no limit
+  std::optional<glm::vec3> background;  // one colour in place of the world's Background
+  SplatPath splats = SplatPath::automatic;
+  CloudLook clouds;
+  std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
+  std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs
+  std::function<bool()> go_on;   // asked some times a second; false: what is not drawn yet is left out. Null: true
+};
+
+struct FrameStatistics {
+  std::size_t triangles = 0, items = 0, draw_calls = 0;
+  std::size_t vectors = 0;  // of clouds, in view
+  const char* splats =
+      "none";             // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
+  bool pending = false;   // detail that belongs to this view is not there yet: drawn again, it is better
+  bool given_up = false;  // `go_on` said so: the picture is not whole
+};
+
+}  // namespace gs::render

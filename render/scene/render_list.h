@@ -1,0 +1,152 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "render/image/image.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/scene/budget.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::render {
+
+/// VRML97 6.27 and Table 4.5.
+struct Material {
+  glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
+  float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
+  bool lit = true;  // false without an Appearance or Material: colour is 1 1 1, unlit
+};
+/// The specular exponent of a material whose shininess is 1 (VRML97 4.14.4).
+inline constexpr float kShininessScale = 128;
+
+struct Light {
+  enum class Kind : std::uint8_t { directional, point, spot };
+  Kind kind = Kind::directional;
+  glm::vec3 color{1.0f}, location{0.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};  // world space
+  float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
+};
+
+/// A texture as a Shape uses it.
+struct TextureUse {
+  std::shared_ptr<const Image> image;
+  bool repeat_s = true, repeat_t = true;
+  glm::mat3 transform{1.0f};  // texture space from mesh texture coordinates (VRML97 6.49)
+};
+
+/// One Shape under one transformation.
+struct DrawItem {
+  std::shared_ptr<const vrml::Mesh> mesh;
+  glm::mat4 world_from_node{1.0f};
+  Material material;
+  TextureUse texture;
+  std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
+};
+
+/// The vectors of the QNV nodes of a world that have arrived, by node.
+using Clouds = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::Cloud>>;
+
+/// One Shape whose geometry is a QNV node, under one transformation.
+struct SplatItem {
+  std::shared_ptr<const qnv::Cloud> cloud;
+  glm::mat4 world_from_node{1.0f};
+  Material material;
+  bool own_color = false;  // the cloud's colour, not the material's
+  float detail = 1;        // > 0: of the QNV node; multiplies its part of the budget and how finely it is shown
+  std::vector<std::uint16_t> directional_lights;
+};
+
+/// VRML97 6.5. Colours from the zenith (sky) and the nadir (ground); angles in radians.
+struct Background {
+  std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
+  std::vector<float> sky_angles, ground_angles;
+  glm::mat3 world_from_background{1.0f};  // rotation only
+};
+
+/// A Viewpoint in world space (6.53).
+struct ViewpointState {
+  std::string description, name;  // `description` field, DEF name
+  const vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;  // of `scene`
+  glm::mat4 world_from_camera{1.0f};
+  float field_of_view = 0.785398f;
+};
+
+/// The bound NavigationInfo (6.29).
+struct NavigationState {
+  std::vector<std::string> types{"WALK", "ANY"};
+  std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
+  float speed = 1, visibility_limit = 0;
+  bool headlight = true;
+};
+
+/// The bindable nodes that are bound (4.6.10), of the root or of Inlines. Null: none of the type is.
+struct BoundNodes {
+  const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr;
+};
+
+/// What limits kept out of a picture, for one reason.
+struct LeftOut {
+  std::string why;    // names the limit
+  std::size_t count;  // shapes, pictures or steps of the walk
+  std::string file;   // the first one
+  vrml::SourceLocation location;
+};
+
+/// Everything that one frame needs, as plain data in world space.
+struct RenderList {
+  std::vector<DrawItem> items;
+  std::vector<SplatItem> splats;
+  std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
+  std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
+  Background background;
+  NavigationState navigation;
+  vrml::Bounds bounds;            // world space, of all items
+  std::vector<LeftOut> left_out;  // one for each reason
+};
+
+/// What collect makes of nodes once and keeps while the world lives. Drop it with the world.
+///
+/// Meshes are not watched: after a change to a geometry node, or to a node below it, call `erase`
+/// with the geometry node. Images of PixelTextures follow their field by themselves.
+struct MeshCache {
+  struct Entry {
+    std::shared_ptr<const vrml::Mesh> mesh;
+    vrml::Share share;                 // of the budget for meshes
+    bool texture_coordinates = false;  // whether they were asked for
+    bool refused = false;              // the limit for meshes took some or all of it
+  };
+  struct PixelEntry {
+    vrml::PixelImage source;  // shares its storage with the field while that is unchanged
+    std::shared_ptr<const Image> image;
+    vrml::Share share;
+  };
+  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
+  std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
+  /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
+  /// which share one mesh under different scales, and so one draw call.
+  std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
+
+  void erase(const vrml::Node* geometry) { meshes.erase(geometry); }
+  void clear() { *this = {}; }
+};
+
+/// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
+/// Safe for any graph a file can describe: cycles are cut; depth, items, triangles and the memory of meshes are bounded
+/// by the scene's budget, and `left_out` tells what did not fit. Many primitives are cut more coarsely. Ends early
+/// where the budget says so. `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in
+/// `clouds` become splats. `bound` says which NavigationInfo and Background count; null: the first ones that are not in
+/// an Inline.
+[[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
+                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {},
+                                 const BoundNodes* bound = nullptr);
+
+}  // namespace gs::render

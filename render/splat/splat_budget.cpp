@@ -1,0 +1,95 @@
+#include "render/splat/splat_budget.h"
+
+#include "qnv/lod/lod.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace gs::render {
+namespace {
+
+// This part of the budget is shared out evenly, so that small clouds do not vanish.
+constexpr double kEvenPart = 0.125;
+// A cut at full detail has voxels of a quarter of a pixel to one (levels are whole), on two sides.
+constexpr double kMostAPixel = 8;
+
+/// More than can be used, but not by much.
+double demand_of(const SplatItem& item, double pixels) {
+  const qnv::Cloud& cloud = *item.cloud;
+  if (!cloud.levels) return static_cast<double>(cloud.size());
+  const auto all = static_cast<double>(cloud.levels->header().vectors);
+  const double useful = pixels * kMostAPixel * static_cast<double>(item.detail) * static_cast<double>(item.detail);
+  return std::max(1.0, all > 0 ? std::min(all, useful) : useful);
+}
+
+}  // namespace
+
+double pixels_covered(const SplatItem& item, const BudgetView& view) {
+  const qnv::Box& box = item.cloud->description.box;
+  const glm::dmat4 matrix = view.camera_from_world * glm::dmat4(item.world_from_node);
+  const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
+  const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));
+  double square = 0;  // of the largest half diagonal
+  for (int corner = 0; corner < 4; ++corner) {
+    const glm::dvec3 d = half * glm::dvec3(1, (corner & 1) != 0 ? -1 : 1, (corner & 2) != 0 ? -1 : 1);
+    const glm::dvec3 moved(matrix * glm::dvec4(d, 0.0));
+    square = std::max(square, glm::dot(moved, moved));
+  }
+  const double radius = std::sqrt(square);
+  const auto width = static_cast<double>(view.width), height = static_cast<double>(view.height);
+  const double all = std::max(width * height, 0.0);
+  if (!std::isfinite(radius) || !std::isfinite(center.x + center.y + center.z)) return 0;
+  const glm::dvec2 t(view.tangents);
+  // Beyond a plane of the view; planes through the eye.
+  if (-center.z < -radius || std::abs(center.x) + center.z * t.x > radius * std::sqrt(1 + t.x * t.x) ||
+      std::abs(center.y) + center.z * t.y > radius * std::sqrt(1 + t.y * t.y))
+    return 0;
+  const double distance = glm::length(center);
+  if (distance <= radius) return all;
+  const double seen = radius / std::sqrt(distance * distance - radius * radius) / t.y * 0.5 * height;  // pixels
+  return std::min(std::numbers::pi * seen * seen, all);
+}
+
+std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const BudgetView& view, std::size_t budget) {
+  const std::size_t count = items.size();
+  if (budget == 0 || count == 0) return std::vector<std::size_t>(count, 0);
+  std::vector<double> shares(count), needs(count), weights(count);
+  const auto whole = static_cast<double>(budget);
+  double left = whole;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double detail = static_cast<double>(items[i].detail), pixels = pixels_covered(items[i], view);
+    weights[i] = pixels * detail;
+    needs[i] = std::min(demand_of(items[i], pixels), whole * std::min(detail, 1.0));
+    shares[i] = std::min(needs[i], whole * kEvenPart / static_cast<double>(count));
+    left -= shares[i];
+  }
+  // Those that need least for their weight first: what they do not need is then shared by the rest.
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t i) { return !(weights[i] > 0); });
+  const auto hunger = [&](std::size_t i) { return (needs[i] - shares[i]) / weights[i]; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return hunger(a) < hunger(b); });
+  double weight = 0;
+  for (const std::size_t i : order) weight += weights[i];
+  for (const std::size_t i : order) {
+    const double part = std::min(needs[i] - shares[i], std::max(left, 0.0) * std::min(weights[i] / weight, 1.0));
+    shares[i] += part;
+    left -= part;
+    weight -= weights[i];
+  }
+  // Streams may use more than was thought.
+  double streams = 0;
+  const auto may_grow = [&](std::size_t i) { return items[i].cloud->levels && items[i].detail >= 1; };
+  for (const std::size_t i : order) streams += may_grow(i) ? weights[i] : 0;
+  for (const std::size_t i : order)
+    if (may_grow(i)) shares[i] += std::max(left, 0.0) * weights[i] / streams;
+  std::vector<std::size_t> result;
+  for (const double share : shares) result.push_back(static_cast<std::size_t>(std::clamp(share, 1.0, whole)));
+  return result;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/gl/light_sets.h"
+#include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
+#include "render/scene/render_list.h"
+#include "render/splat/splat_gl.h"
+#include "render/splat/splat_raster.h"
+
+#include <glm/mat4x4.hpp>
+
+#include <optional>
+#include <span>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// Draws the clouds of a RenderList: rasterises them, on the processor or with OpenGL, and shades the result with the
+/// lights of the scene, pixel by pixel, against the depth of what has been drawn.
+class SplatPass {
+ public:
+  explicit SplatPass(const Gl& gl);
+
+  /// `camera` must have its near and far planes set. Leaves blending and the depth test off.
+  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+            FrameStatistics& statistics);
+
+ private:
+  struct Shader {
+    Program program;
+    GLint normals = -1, depths = -1, colors = -1, origin = -1, size = -1, rectangle = -1, corner = -1, closing = -1,
+          pixel = -1, tangents = -1, depth_row = -1, base = -1, emissive_ambient = -1, specular_exponent = -1;
+  };
+  /// Null when the driver refused it.
+  const Shader* shader(bool colored, bool closing, std::size_t lights);
+  /// `closing`: how wide the holes are that are still to be closed, in pixels.
+  void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
+             const glm::mat4& clip_from_camera, const DrawOptions& options);
+  /// Empty where OpenGL is not wanted or cannot.
+  std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
+                                       const DrawOptions& options);
+  SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view);
+  void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
+              const void* pixels);
+
+  const Gl& gl_;
+  LightSets lights_;
+  SplatGl splat_gl_;
+  VertexArray no_attributes_;
+  Texture normals_, depths_, colors_;
+  std::unordered_map<std::size_t, Shader> shaders_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,112 @@
+#include "render/splat/splat_pieces.h"
+
+#include "qnv/lod/lod.h"
+#include "render/scene/color_ramps.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace gs::render {
+namespace {
+
+constexpr unsigned kDeepestLevel = 10;  // is red, and what is deeper
+constexpr std::size_t kAgeSteps = 64;
+
+/// Of a piece of a stream.
+std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
+  switch (color_by) {
+    case ColorBy::level:
+      return level_color(piece.level, kDeepestLevel);
+    case ColorBy::chunk:
+      return chunk_color(piece.chunk);
+    case ColorBy::age:
+      return age_color(static_cast<double>(piece.age));
+    case ColorBy::own:
+    case ColorBy::normal:
+      break;
+  }
+  return std::nullopt;
+}
+
+/// The first `count` vectors of a cloud, cut where the colour changes.
+std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t count,
+                                        ColorBy color_by) {
+  const std::size_t all = cloud->size();
+  const float growth = count < all ? static_cast<float>(all) / static_cast<float>(count) : 1.0f;
+  std::vector<SharedSplatPiece> pieces;
+  const auto add = [&](std::size_t first, std::size_t end, const std::optional<qnv::Rgb8>& tint) {
+    end = std::min(end, count);
+    if (first < end) pieces.push_back({cloud, first, end - first, growth, tint});
+  };
+  switch (color_by) {
+    case ColorBy::level: {
+      const unsigned deepest = octave_of(all == 0 ? 0 : all - 1);
+      for (std::size_t first = 0, end = kFirstOctave; first < count; first = end, end *= 2)
+        add(first, end, level_color(octave_of(first), deepest));
+      break;
+    }
+    case ColorBy::chunk:
+      for (std::size_t first = 0; first < count; first += kBlockVectors)
+        add(first, first + kBlockVectors, chunk_color(static_cast<std::uint32_t>(first / kBlockVectors)));
+      break;
+    case ColorBy::age: {
+      const std::size_t step = std::max<std::size_t>((all + kAgeSteps - 1) / kAgeSteps, 1);
+      for (std::size_t first = 0; first < count; first += step)
+        add(first, first + step,
+            age_color(static_cast<double>(first) / static_cast<double>(std::max(all - step, step))));
+      break;
+    }
+    case ColorBy::own:
+    case ColorBy::normal:
+      add(0, count, std::nullopt);
+      break;
+  }
+  return pieces;
+}
+
+/// False where the view cannot be one.
+bool look(const SplatView& view, qnv::LodView& lod) {
+  const glm::mat4 node_from_camera = glm::inverse(view.camera_from_node);
+  const glm::mat4 transposed = glm::transpose(view.camera_from_node);
+  lod.eye = glm::vec3(node_from_camera[3]);
+  if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return false;
+  // Distances are measured in the node's units, like the voxels' edges, so that the scale falls out.
+  lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
+  const std::array<glm::vec4, 5> planes{{{1, 0, -view.tangents.x, 0},
+                                         {-1, 0, -view.tangents.x, 0},
+                                         {0, 1, -view.tangents.y, 0},
+                                         {0, -1, -view.tangents.y, 0},
+                                         {0, 0, -1, -view.near_plane}}};
+  for (std::size_t i = 0; i < planes.size(); ++i) lod.planes[i] = transposed * planes[i];
+  return true;
+}
+
+}  // namespace
+
+SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view, const CutOptions& options) {
+  SplatCut cut;
+  if (!cloud->levels) {
+    const std::size_t all = cloud->size();
+    cut.pieces = prefix_of(cloud, options.budget == 0 ? all : std::min(all, options.budget), options.color_by);
+    return cut;
+  }
+  qnv::LodView lod;
+  if (!look(view, lod)) return cut;
+  lod.budget = options.budget;
+  lod.error_pixels = 1 / options.detail;
+  lod.viewport = options.viewport;
+  lod.most_decoded = options.most_decoded;
+  lod.leave_backs = true;
+  lod.each_chunk = options.color_by != ColorBy::own && options.color_by != ColorBy::normal;
+  for (const qnv::Piece& piece : cloud->levels->cut(lod))
+    cut.pieces.push_back({piece.cloud, piece.first, piece.count, 1, tint_of(piece, options.color_by)});
+  cut.pending = cloud->levels->pending();
+  cut.decoded = cloud->levels->decoded();
+  return cut;
+}
+
+}  // namespace gs::render

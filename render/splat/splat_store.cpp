@@ -1,0 +1,408 @@
+#include "render/splat/splat_store.h"
+
+#include "qnv/base/parallel.h"
+#include "render/scene/finite.h"
+#include "render/splat/splat_constants.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace gs::render {
+namespace {
+
+constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // codes
+constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // encoded at a time
+constexpr std::uint32_t kTaskDiscs = 16384;
+constexpr std::size_t kLeastRange = 1024;      // discs: clouds are cut into smaller ones only when they are small
+constexpr std::size_t kSampledRecords = 1024;  // of a chunk
+
+bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
+  const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  return finite(position) && size > 0 && std::isfinite(size) && weight >= 0 && std::isfinite(weight);
+}
+
+float radius_of(float weight) {
+  return std::sqrt(std::max(weight, std::numeric_limits<float>::min()) * (1 / splat::kPi));
+}
+
+/// The code 1 for `smallest`, the last for `largest`.
+glm::vec2 logarithms(float smallest, float largest) {
+  const float low = std::log2(smallest), step = (std::log2(largest) - low) / (kLargestLength - 1);
+  return {low - step, step};
+}
+
+std::uint32_t length_code(float length, const glm::vec2& coding) {
+  const float code = coding.y > 0 ? (std::log2(length) - coding.x) / coding.y : 1;
+  return static_cast<std::uint32_t>(std::lround(std::clamp(code, 1.0f, kLargestLength)));
+}
+
+/// Two codes of 14 bits: the octahedron unfolded to a square (Meyer et al. 2010).
+std::array<std::uint32_t, 2> splat_normal_codes(const glm::vec3& n) {
+  const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
+  float u = n.x / size, v = n.y / size;
+  if (n.z < 0) {
+    const float folded = (1 - std::abs(v)) * (u < 0 ? -1.0f : 1.0f);
+    v = (1 - std::abs(u)) * (v < 0 ? -1.0f : 1.0f);
+    u = folded;
+  }
+  const auto code = [](float c) {
+    return static_cast<std::uint32_t>(std::lround(std::clamp(c, -1.0f, 1.0f) * kLargestNormal + kLargestNormal));
+  };
+  return {code(u), code(v)};
+}
+
+std::size_t bytes_of(bool cells) { return sizeof(SplatCode) + (cells ? sizeof(CellCode) : 0); }
+
+bool has_cube(const qnv::Cell& cell) { return cell.edge > 0 && std::isfinite(cell.edge); }
+
+}  // namespace
+
+std::optional<SplatCoding> splat_coding(const qnv::Cloud& cloud) {
+  const std::size_t count = cloud.size();
+  if (cloud.normals.size() != count || cloud.weights.size() != count) return std::nullopt;
+  if (!cloud.colors.empty() && cloud.colors.size() != count) return std::nullopt;
+  if (!cloud.cells.empty() && cloud.cells.size() != count) return std::nullopt;
+  qnv::Box box;
+  float smallest = std::numeric_limits<float>::max(), largest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!can_be_drawn(cloud.positions[i], cloud.normals[i], cloud.weights[i])) continue;
+    box.add(cloud.positions[i]);
+    smallest = std::min(smallest, cloud.weights[i]);
+    largest = std::max(largest, cloud.weights[i]);
+  }
+  if (box.empty() || !finite(box.size())) return std::nullopt;
+  SplatCoding coding;
+  coding.lower = box.lower;
+  coding.step = box.size() / kLargestPosition;
+  coding.radius = logarithms(radius_of(smallest), radius_of(largest));
+  coding.largest_radius = radius_of(largest);
+  float shortest = std::numeric_limits<float>::max(), longest = 0;
+  for (const qnv::Cell& cell : cloud.cells) {
+    if (!has_cube(cell)) continue;
+    shortest = std::min(shortest, cell.edge);
+    longest = std::max(longest, cell.edge);
+  }
+  if (longest > 0) {
+    coding.edge = logarithms(shortest, longest);
+    for (const qnv::Cell& cell : cloud.cells)
+      if (has_cube(cell) && std::isfinite(cell.offset))
+        coding.reach = std::max(coding.reach, std::min(std::abs(cell.offset), cell.edge * SplatCoding::kOffsetRange));
+    coding.reach += longest * 1.1f;
+  }
+  return coding;
+}
+
+void encode_splats(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes) {
+  glm::vec3 per_unit(0);
+  for (int axis = 0; axis < 3; ++axis)
+    if (coding.step[axis] > 0) per_unit[axis] = 1 / coding.step[axis];
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    SplatCode& code = codes[i];
+    code = {};
+    const glm::vec3& position = cloud.positions[first + i];
+    const glm::vec3& normal = cloud.normals[first + i];
+    const float weight = cloud.weights[first + i];
+    if (!can_be_drawn(position, normal, weight)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      // The reciprocal of a step that is hardly a number is infinite, and 0 times that is none.
+      const float at = (position[axis] - coding.lower[axis]) * per_unit[axis];
+      code[static_cast<std::size_t>(axis)] =
+          static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, kLargestPosition) : 0.0f));
+    }
+    const auto [u, v] = splat_normal_codes(normal);
+    const std::uint32_t radius = length_code(radius_of(weight), coding.radius);
+    const qnv::Rgb8& color = cloud.colors.empty() ? cloud.color : cloud.colors[first + i];
+    code[0] |= u << 20;
+    code[1] |= v << 20;
+    code[2] |= radius << 20;
+    code[3] = std::uint32_t{color.r} | std::uint32_t{color.g} << 8 | std::uint32_t{color.b} << 16 | (u >> 12) << 24 |
+              (v >> 12) << 26 | (radius >> 12) << 28;
+  }
+}
+
+void encode_cells(const qnv::Cloud& cloud, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes) {
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = 0;
+    const qnv::Cell& cell = cloud.cells[first + i];
+    if (!has_cube(cell)) continue;
+    float offset = cell.offset / (cell.edge * SplatCoding::kOffsetRange);
+    offset = std::isfinite(offset) ? std::clamp(offset, -1.0f, 1.0f) : 0.0f;
+    codes[i] = length_code(cell.edge, coding.edge) | static_cast<std::uint32_t>(std::lround(offset * 32767 + 32767))
+                                                         << 16;
+  }
+}
+
+std::size_t most_buffer_texels(const Gl& gl) {
+  GLint most = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  return static_cast<std::size_t>(std::max(most, 65536));  // that many at least (OpenGL 3.3, table 6.41)
+}
+
+Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format) {
+  Texture texture = make_texture(gl);
+  gl.BindTexture(GL_TEXTURE_BUFFER, texture.name());
+  gl.TexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
+  return texture;
+}
+
+SplatStore::SplatStore(const Gl& gl, std::size_t most_bytes, std::size_t slab_discs)
+    : gl_(gl), most_bytes_(most_bytes), slab_discs_(std::clamp<std::size_t>(slab_discs, 1, most_buffer_texels(gl))) {}
+
+const SplatStore::Entry* SplatStore::find(const qnv::Cloud* cloud) const {
+  const auto found = entries_.find(cloud);
+  return found == entries_.end() ? nullptr : &found->second;
+}
+
+bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Cloud>> clouds) {
+  std::vector<Upload> uploads;
+  for (const auto& cloud : clouds) {
+    Entry& entry = entries_[cloud.get()];
+    // An expired entry belonged to another cloud that lay at the same address.
+    if (entry.cloud.expired()) {
+      give_back(entry);
+      entry = {};
+      entry.cloud = cloud;
+      uploads.push_back({cloud.get(), &entry});  // entries of a map stay where they are
+    }
+    entry.used = frame_;
+  }
+  if (uploads.empty()) return true;
+  qnv::parallel_for(
+      uploads.size(), [&](std::size_t i) { uploads[i].entry->coding = splat_coding(*uploads[i].cloud); }, 0);
+  bool good = true;
+  take_errors(gl_);
+  std::erase_if(uploads, [&](const Upload& upload) {
+    if (!upload.entry->coding) return true;
+    upload.entry->discs = upload.cloud->size();
+    upload.entry->cells = !upload.cloud->cells.empty();
+    if (place(*upload.entry)) return false;
+    entries_.erase(upload.cloud);
+    good = false;
+    return true;
+  });
+  upload(uploads);
+  return !take_errors(gl_) && good;
+}
+
+// Finds memory for all discs, or takes none.
+bool SplatStore::place(Entry& entry) {
+  std::size_t left = entry.discs, want = std::min(left, slab_discs_);
+  while (left > 0) {
+    want = std::min(want, left);
+    if (const auto range = take(want, entry.cells)) {
+      entry.ranges.push_back(*range);
+      left -= range->count;
+    } else if (want > kLeastRange) {
+      want /= 2;  // there may be room in pieces
+    } else {
+      give_back(entry);
+      return false;
+    }
+  }
+  return true;
+}
+
+std::optional<SplatStore::Range> SplatStore::take(std::size_t discs, bool cells) {
+  do {
+    for (std::size_t i = 0; i < slabs_.size(); ++i) {
+      Slab* slab = slabs_[i].get();
+      if (!slab || static_cast<bool>(slab->cells) != cells) continue;
+      const auto first = slab->free.take(discs);
+      if (!first) continue;
+      slab->discs += discs;
+      bytes_ += discs * bytes_of(cells);
+      return Range{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(*first),
+                   static_cast<std::uint32_t>(discs)};
+    }
+  } while (make_slab(cells) || make_room());
+  return std::nullopt;
+}
+
+bool SplatStore::make_slab(bool cells) {
+  const std::size_t bytes = slab_discs_ * bytes_of(cells);
+  if (reserved_bytes_ + bytes > most_bytes_) return false;
+  auto slab = std::make_unique<Slab>(Slab{{}, {}, {}, {}, RangeAllocator(slab_discs_), 0});
+  const auto make = [&](Buffer& buffer, Texture& texture, std::size_t size, GLenum format) {
+    buffer = make_buffer(gl_);
+    gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer.name());
+    gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STATIC_DRAW);
+    texture = make_buffer_texture(gl_, buffer, format);
+  };
+  make(slab->codes, slab->codes_texture, slab_discs_ * sizeof(SplatCode), GL_RGBA32UI);
+  if (cells) make(slab->cells, slab->cells_texture, slab_discs_ * sizeof(CellCode), GL_R32UI);
+  if (take_errors(gl_)) return false;
+  reserved_bytes_ += bytes;
+  const auto hole = std::find(slabs_.begin(), slabs_.end(), nullptr);
+  (hole == slabs_.end() ? slabs_.emplace_back() : *hole) = std::move(slab);
+  return true;
+}
+
+// Forgets what was drawn longest ago; what this frame needs stays. False when there is nothing to forget.
+bool SplatStore::make_room() {
+  std::uint64_t oldest = frame_;
+  for (const auto& [cloud, entry] : entries_)
+    if (!entry.ranges.empty()) oldest = std::min(oldest, entry.used);
+  if (oldest == frame_) return false;
+  std::erase_if(entries_, [&](const auto& item) {
+    if (item.second.used != oldest) return false;
+    give_back(item.second);
+    return true;
+  });
+  drop_empty_slabs();
+  return true;
+}
+
+void SplatStore::give_back(const Entry& entry) {
+  for (const Range& range : entry.ranges) {
+    Slab& slab = *slabs_[range.slab];
+    slab.free.give_back(range.first, range.count);
+    slab.discs -= range.count;
+    bytes_ -= range.count * bytes_of(entry.cells);
+  }
+}
+
+void SplatStore::drop_empty_slabs() {
+  for (auto& slab : slabs_) {
+    if (!slab || slab->discs > 0) continue;
+    reserved_bytes_ -= slab_discs_ * bytes_of(static_cast<bool>(slab->cells));
+    slab.reset();
+  }
+}
+
+void SplatStore::forget_unused() {
+  ++frame_;
+  std::erase_if(entries_, [&](const auto& item) {
+    if (!item.second.cloud.expired()) return false;
+    give_back(item.second);
+    return true;
+  });
+  drop_empty_slabs();
+}
+
+void SplatStore::upload(std::span<const Upload> uploads) {
+  // A part of a range that is encoded at one go.
+  struct Task {
+    const Upload* upload;
+    std::size_t from;  // in the cloud
+    Range to;
+    std::size_t at;  // in `codes`
+  };
+  std::vector<Task> tasks;
+  std::vector<SplatCode> codes;
+  std::vector<CellCode> cells;
+  std::size_t discs = 0;
+  const auto flush = [&] {
+    codes.resize(std::max(codes.size(), discs));
+    cells.resize(codes.size());
+    qnv::parallel_for(
+        tasks.size(),
+        [&](std::size_t t) {
+          const auto& [upload, from, to, at] = tasks[t];
+          encode_splats(*upload->cloud, *upload->entry->coding, from, std::span(codes).subspan(at, to.count));
+          if (upload->entry->cells)
+            encode_cells(*upload->cloud, *upload->entry->coding, from, std::span(cells).subspan(at, to.count));
+        },
+        0);
+    for (std::size_t t = 0; t < tasks.size();) {
+      // What lies side by side goes together.
+      const Range& first = tasks[t].to;
+      std::size_t end = t, count = 0;
+      while (end < tasks.size() && tasks[end].to.slab == first.slab && tasks[end].to.first == first.first + count)
+        count += tasks[end++].to.count;
+      const auto put = [&](const Buffer& buffer, const auto* values) {
+        gl_.BindBuffer(GL_TEXTURE_BUFFER, buffer.name());
+        gl_.BufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(first.first * sizeof *values),
+                          static_cast<GLsizeiptr>(count * sizeof *values), values + tasks[t].at);
+      };
+      const Slab& slab = *slabs_[first.slab];
+      put(slab.codes, codes.data());
+      if (slab.cells) put(slab.cells, cells.data());
+      t = end;
+    }
+    tasks.clear();
+    discs = 0;
+  };
+  for (const Upload& upload : uploads) {
+    std::size_t from = 0;
+    for (const Range& range : upload.entry->ranges)
+      for (std::uint32_t i = 0; i < range.count; i += kTaskDiscs) {
+        const std::uint32_t count = std::min(range.count - i, kTaskDiscs);
+        tasks.push_back({&upload, from, {range.slab, range.first + i, count}, discs});
+        from += count;
+        discs += count;
+        if (discs >= kUploadDiscs) flush();
+      }
+  }
+  flush();
+}
+
+SplatRecords::SplatRecords(const Gl& gl, std::span<const qnv::Rgb8> palette, bool two_sided)
+    : gl_(gl), palette_(make_texture(gl)), two_sided_(two_sided), colored_(!palette.empty()) {
+  std::array<qnv::Rgb8, 256> colors{};
+  std::copy_n(palette.begin(), std::min(palette.size(), colors.size()), colors.begin());
+  static_assert(sizeof colors == 256 * 3);
+  gl.BindTexture(GL_TEXTURE_2D, palette_.name());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, 256, 1, 0, GL_RGB, GL_UNSIGNED_BYTE, colors.data());
+}
+
+bool SplatRecords::add(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
+  // The shader reads records as two integers in the byte order of the machine.
+  static_assert(std::endian::native == std::endian::little);
+  const std::size_t count = records.size() / qnv::kRecordBytes;
+  if (!qnv::valid(frame)) return false;
+  const std::size_t most = most_buffer_texels(gl_);
+  for (std::size_t first = 0; first < count; first += most) {
+    const std::size_t part = std::min(most, count - first);
+    if (!add_chunk(records.subspan(first * qnv::kRecordBytes, part * qnv::kRecordBytes), frame)) return false;
+  }
+  return true;
+}
+
+bool SplatRecords::add_chunk(std::span<const std::byte> records, const qnv::RecordFrame& frame) {
+  const std::size_t count = records.size() / qnv::kRecordBytes;
+  take_errors(gl_);
+  Chunk chunk{make_buffer(gl_), {}, count, frame, nullptr};
+  gl_.BindBuffer(GL_TEXTURE_BUFFER, chunk.buffer.name());
+  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(records.size()), records.data(), GL_STATIC_DRAW);
+  chunk.texture = make_buffer_texture(gl_, chunk.buffer, GL_RG32UI);
+  if (take_errors(gl_)) return false;
+
+  const std::size_t step = (count + kSampledRecords - 1) / kSampledRecords, sampled = (count + step - 1) / step;
+  std::vector<std::byte> chosen;
+  for (std::size_t i = 0; i < count; i += step) {
+    const auto record = records.subspan(i * qnv::kRecordBytes, qnv::kRecordBytes);
+    chosen.insert(chosen.end(), record.begin(), record.end());
+  }
+  auto sample = std::make_shared<qnv::Cloud>();
+  sample->description.two_sided = two_sided_;
+  sample->positions.resize(sampled);
+  sample->normals.resize(sampled);
+  sample->weights.resize(sampled);
+  sample->classes.resize(sampled);
+  qnv::unpack_records(chosen, frame, sample->positions.data(), sample->normals.data(), sample->weights.data(),
+                      sample->classes.data());
+  sample->classes.clear();
+  chunk.sample = std::move(sample);
+  chunks_.push_back(std::move(chunk));
+  return true;
+}
+
+Texture make_normal_table(const Gl& gl) {
+  std::vector<glm::vec3> normals(qnv::kNormalCodes);
+  for (unsigned code = 0; code < qnv::kNormalCodes; ++code) normals[code] = qnv::normal_of(code);
+  Texture texture = make_texture(gl);
+  gl.BindTexture(GL_TEXTURE_2D, texture.name());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, qnv::kRecordThetas, qnv::kRecordPhis, 0, GL_RGB, GL_FLOAT, normals.data());
+  return texture;
+}
+
+}  // namespace gs::render

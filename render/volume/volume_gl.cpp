@@ -1,0 +1,262 @@
+#include "render/volume/volume_gl.h"
+
+#include "render/scene/color_ramps.h"
+#include "render/volume/volume_lens.h"
+#include "render/volume/volume_shaders.h"
+#include "render/volume/volume_tile.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kMostShaderLights = 8, kTransferAt = 15 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
+constexpr std::size_t kMostVectors = std::size_t{1} << 28;
+constexpr std::size_t kMostViewports = 16;
+constexpr std::size_t kSurveyedVectors = 8192;  // vectors
+// Pictures that would blend more samples than this are left to the processor, which stops where nothing shows through:
+// a driver that is busy for seconds is taken to hang.
+constexpr double kMostBlendedSamples = 2e10;
+constexpr float kOwnColor = 5, kVectorColor = 6;  // beside the numbers of ColorBy; volume_shaders.h has the same
+
+std::string defines() {
+  std::string text;
+  const auto define = [&](const char* name, const std::string& value) {
+    text += std::string("#define ") + name + " " + value + "\n";
+  };
+  for (const auto& [name, value] : {std::pair{"FOOTPRINT", kVolumeFootprint},
+                                    {"MOST_ALPHA", kVolumeMostAlpha},
+                                    {"LEAST_ALPHA", kVolumeLeastAlpha},
+                                    {"LEAST_AREA", kVolumePixel},
+                                    {"CUT", kVolumeCut},
+                                    {"PI", kVolumePi}}) {
+    // Not std::to_string of a float, which asks the locale.
+    const auto billionths = std::llround(double{value} * 1e9);
+    const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
+    define(name, std::to_string(billionths / 1'000'000'000) + "." + digits);
+  }
+  define("MOST_LIGHTS", std::to_string(kMostShaderLights));
+  define("ITEM_TEXELS", std::to_string(kItemTexels));
+  define("FIRST_OCTAVE", std::to_string(kFirstOctave));
+  define("BLOCK_VECTORS", std::to_string(kBlockVectors));
+  return text;
+}
+
+glm::vec4 row_of(const glm::mat4& matrix, int row) {
+  return {matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]};
+}
+
+glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
+
+/// The texels of an item, in the order of kVolumeDataShader; `start` is the number of its first vector.
+void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
+              std::vector<glm::vec4>& out) {
+  const VolumeOptions& options = item.options;
+  const VolumeModel& model = *item.model;
+  const auto lights = options.lights.empty() ? volume_headlight() : options.lights;
+  for (int i = 0; i < 3; ++i) out.push_back(row_of(lens.camera_from_node, i));
+  for (int i = 0; i < 3; ++i) out.push_back(row_of(glm::mat4(lens.normal_matrix), i));
+  out.emplace_back(place.coding.lower, 0);
+  out.emplace_back(place.coding.step, 0);
+  out.emplace_back(halves(start), halves(place.first));
+  out.emplace_back(halves(item.cloud->size()), 0, 0);
+  out.emplace_back(place.coding.weight, 0, 0);
+  out.push_back(options.clip.value_or(glm::vec4(0)));
+  out.emplace_back(options.ambient, options.diffuse, options.specular, static_cast<float>(lights.size()));
+  auto by = static_cast<float>(options.color_by);
+  if (options.color_by == ColorBy::own && options.color) by = kOwnColor;
+  if (options.color_by == ColorBy::own && !options.color && !item.cloud->colors.empty()) by = kVectorColor;
+  out.emplace_back(options.color.value_or(glm::vec3(0)), by);
+  out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
+                   options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
+  for (std::size_t i = 0; i < kMostShaderLights; ++i) {
+    const VolumeLight light = i < lights.size() ? lights[i] : VolumeLight{};
+    out.emplace_back(light.place, light.directional ? 1 : 0);
+    out.emplace_back(light.color, light.ambient);
+    out.emplace_back(light.attenuation, light.radius);
+    out.emplace_back(light.direction, light.cut_off_angle);
+    out.emplace_back(light.beam_width, 0, 0, 0);
+  }
+  const VolumeTransfer& transfer = volume_transfer(model, options);
+  out.insert(out.end(), transfer.begin(), transfer.end());
+}
+
+}  // namespace
+
+VolumeGl::VolumeGl(const Gl& gl, VolumeSort sort)
+    : gl_(gl),
+      store_(gl),
+      target_(gl),
+      wanted_sort_(sort == VolumeSort::automatic ? (gl.software ? VolumeSort::thread : VolumeSort::compute) : sort),
+      attributes_(make_vertex_array(gl)),
+      items_(make_texture(gl)) {
+  gl.BindVertexArray(attributes_.name());
+  gl.EnableVertexAttribArray(0);
+  gl.VertexAttribDivisor(0, 1);
+  gl.BindVertexArray(0);
+}
+
+bool VolumeGl::make_program_once() {
+  if (!tried_program_) {
+    tried_program_ = true;
+    auto made = make_program(gl_, defines(), std::string(kVolumeDataShader) + kVolumeShadeShader + kVolumeVertexShader,
+                             kVolumeFragmentShader);
+    if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
+  }
+  return program_.name() != 0;
+}
+
+bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
+  GLint most = 0;
+  gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (visible.items.size() * kItemTexels > static_cast<std::size_t>(std::max(most, 0))) return false;
+  std::vector<glm::vec4> texels;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < visible.items.size(); ++i) {
+    const VolumeItem& item = visible.items[i];
+    describe(item, visible.places[i], *volume_lens(lens, item.camera_from_node), start, texels);
+    start += item.count;
+  }
+  if (!item_buffer_) item_buffer_ = make_buffer(gl_);
+  gl_.BindBuffer(GL_TEXTURE_BUFFER, item_buffer_.name());
+  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(glm::vec4)), texels.data(),
+                 GL_STREAM_DRAW);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, items_.name());
+  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, item_buffer_.name());
+  return gl_.GetError() == GL_NO_ERROR;
+}
+
+VolumeGl::Viewport& VolumeGl::viewport(std::uint32_t number) {
+  if (!viewports_.contains(number) && viewports_.size() >= kMostViewports)
+    viewports_.erase(std::min_element(viewports_.begin(), viewports_.end(),
+                                      [](const auto& a, const auto& b) { return a.second.used < b.second.used; }));
+  Viewport& found = viewports_[number];
+  if (!found.order) found.order = make_buffer(gl_);
+  found.used = ++frame_;
+  return found;
+}
+
+bool VolumeGl::sort_with_compute(const Visible& visible, Viewport& viewport) {
+  if (!tried_compute_) {
+    tried_compute_ = true;
+    compute_ = VolumeGlSort::create(gl_, defines());
+  }
+  if (!compute_) return false;
+  std::vector<Sorted> wanted;
+  for (std::size_t i = 0; i < visible.items.size(); ++i)
+    wanted.push_back({visible.held[i].cloud, visible.places[i].first, visible.items[i].count,
+                      row_of(visible.items[i].camera_from_node, 2)});
+  const auto same = [](const Sorted& a, const Sorted& b) {
+    return !a.cloud.owner_before(b.cloud) && !b.cloud.owner_before(a.cloud) && a.first == b.first &&
+           a.count == b.count && a.row == b.row;
+  };
+  if (std::equal(wanted.begin(), wanted.end(), viewport.sorted.begin(), viewport.sorted.end(), same)) return true;
+  viewport.number = 0;
+  viewport.sorted.clear();
+  const VolumeGlSort::Data data{store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())};
+  if (!compute_->sort(data, visible.total, viewport.order)) {
+    take_errors(gl_);
+    compute_ = nullptr;
+    return false;
+  }
+  viewport.sorted = std::move(wanted);
+  return true;
+}
+
+bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
+  if (wanted_sort_ == VolumeSort::compute && sort_with_compute(visible, viewport)) {
+    sorted_by_ = VolumeSort::compute;
+    return true;
+  }
+  sorted_by_ = VolumeSort::thread;
+  viewport.sorted.clear();
+  std::vector<VolumeSortPart> parts;
+  for (std::size_t i = 0; i < visible.items.size(); ++i)
+    parts.push_back(
+        {visible.held[i].cloud, visible.items[i].count, row_of(visible.items[i].camera_from_node, 2) * -1.0f});
+  if (!viewport.sorter) viewport.sorter = std::make_unique<VolumeSorter>();
+  const VolumeSorter::Order order = viewport.sorter->order(parts);
+  if (order.far_first.size() != visible.total) return false;
+  pending = !order.exact;
+  if (viewport.number == order.number) return true;
+  viewport.number = order.number;
+  gl_.BindBuffer(GL_ARRAY_BUFFER, viewport.order.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.far_first.size_bytes()), order.far_first.data(),
+                 GL_STREAM_DRAW);
+  const bool good = gl_.GetError() == GL_NO_ERROR;
+  if (!good) viewport.number = 0;
+  return good;
+}
+
+void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
+  const bool apart = target_.begin(view.rectangle);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthMask(GL_FALSE);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.UseProgram(program_.name());
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
+  const std::array<std::pair<const char*, GLuint>, 3> textures{
+      {{"codes", store_.codes().name()}, {"items", items_.name()}, {"spacings", store_.spacings().name()}}};
+  for (GLuint unit = 0; unit < textures.size(); ++unit) {
+    gl_.ActiveTexture(GL_TEXTURE0 + unit);
+    gl_.BindTexture(GL_TEXTURE_BUFFER, textures[unit].second);
+    gl_.Uniform1i(at(textures[unit].first), static_cast<GLint>(unit));
+  }
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.Uniform1i(at("item_count"), static_cast<GLint>(visible.items.size()));
+  const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
+  const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
+  const glm::vec3 range(view.lens.near_plane, view.clip_from_camera[2][2], view.clip_from_camera[3][2]);
+  gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
+  gl_.Uniform3fv(at("depth_range"), 1, glm::value_ptr(range));
+  gl_.BindVertexArray(attributes_.name());
+  gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());
+  gl_.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, nullptr);
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(visible.total));
+  if (apart) target_.end();
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+}
+
+std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
+                                              const View& view) {
+  Visible visible;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    VolumeItem item = items[i];
+    item.count = std::min({item.count, item.cloud->size(), item.model->spacing.size()});
+    if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
+    if (item.options.lights.size() > kMostShaderLights) return std::nullopt;
+    visible.held.push_back(held[i]);
+    visible.items.push_back(item);
+    visible.total += item.count;
+  }
+  if (visible.items.empty()) return Drawn{};
+  if (visible.total > kMostVectors || !make_program_once()) return std::nullopt;
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  const VolumeSurvey survey = survey_volumes(visible.items, view.lens, kSurveyedVectors);
+  if (survey.pixels * std::max(samples, 1) > kMostBlendedSamples) return std::nullopt;
+  Drawn drawn{survey.vectors, false};
+  if (survey.vectors == 0 && visible.total <= kSurveyedVectors) return drawn;
+  take_errors(gl_);
+  visible.places = store_.place(visible.held);
+  if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
+  Viewport& own = viewport(view.viewport);
+  if (!sort(visible, own, drawn.pending)) return std::nullopt;
+  blend(visible, view, own.order);
+  return drawn;
+}
+
+}  // namespace gs::render

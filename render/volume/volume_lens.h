@@ -1,0 +1,44 @@
+#pragma once
+
+#include "render/splat/splat_raster.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+#include <optional>
+
+namespace gs::render {
+
+inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // fainter vectors are left out
+
+/// A volume in a view, as both splatters use it.
+struct VolumeLens {
+  glm::mat4 camera_from_node;
+  glm::mat3 normal_matrix;
+  float scale;               // of lengths, node to camera
+  float pixels_x, pixels_y;  // at depth 1
+  int width, height;
+};
+
+/// Empty when the volume is flattened or its matrix not finite, or the view is empty: then nothing of it can be seen.
+[[nodiscard]] inline std::optional<VolumeLens> volume_lens(const SplatView& view, const glm::mat4& camera_from_node) {
+  VolumeLens lens{};
+  lens.camera_from_node = camera_from_node;
+  const glm::mat3 linear(camera_from_node);
+  const float determinant = glm::determinant(linear);
+  if (!(std::abs(determinant) > 1e-30f) || !std::isfinite(determinant)) return std::nullopt;
+  const glm::vec4& place = camera_from_node[3];
+  if (!std::isfinite(place.x) || !std::isfinite(place.y) || !std::isfinite(place.z)) return std::nullopt;
+  lens.normal_matrix = glm::transpose(glm::inverse(linear));
+  lens.scale = std::cbrt(std::abs(determinant));
+  lens.pixels_x = static_cast<float>(view.width) / (2 * view.tangents.x);
+  lens.pixels_y = static_cast<float>(view.height) / (2 * view.tangents.y);
+  lens.width = view.width;
+  lens.height = view.height;
+  if (!(view.width > 0 && view.height > 0 && lens.pixels_x > 0 && lens.pixels_y > 0)) return std::nullopt;
+  return lens;
+}
+
+}  // namespace gs::render

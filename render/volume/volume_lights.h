@@ -1,0 +1,20 @@
+#pragma once
+
+#include "render/scene/render_list.h"
+#include "render/volume/volume_model.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <vector>
+
+namespace gs::render {
+
+/// The lights that shade a volume whose centre is `center`, camera space: up to four lights of the world, its
+/// directional ones first, then the point and spot lights that are strongest at the centre; and the headlight. One
+/// that adds nothing where there are none.
+[[nodiscard]] std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
+                                                     const glm::mat4& camera_from_world, const glm::vec3& center,
+                                                     bool headlight);
+
+}  // namespace gs::render

@@ -1,0 +1,215 @@
+#include "render/volume/volume_pass.h"
+
+#include "render/splat/splat_budget.h"
+#include "render/volume/volume_shaders.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+constexpr double kShareSteps = 8;               // an octave
+constexpr std::uint64_t kKeptModelFrames = 64;  // of the model of a prefix that is not drawn
+
+/// Shares of a budget for several clouds change with every step of the viewer: not the numbers that are shown.
+std::size_t steady(std::size_t share) {
+  if (share < 2) return share;
+  return static_cast<std::size_t>(
+      std::exp2(std::floor(std::log2(static_cast<double>(share)) * kShareSteps) / kShareSteps));
+}
+
+bool is_volume(const SplatItem& item) {
+  return item.cloud && item.cloud->description.kind == qnv::Kind::volume && !item.cloud->empty();
+}
+
+/// The depths with which a layer is laid over a picture, window space; 0: over whatever is there. Of pixels whose
+/// samples differ one between; without stops that where a pixel becomes opaque.
+std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops,
+                                 const glm::mat4& clip_from_camera) {
+  std::vector<float> depths(layer.depth.size(), 0.0f);
+  const auto window = [&](float depth) {
+    const float at = 0.5f - 0.5f * clip_from_camera[2][2] + 0.5f * clip_from_camera[3][2] / depth;
+    return at > 0 ? std::min(at, 1.0f) : 0.0f;
+  };
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (stops.near.empty()) {
+      if (layer.depth[i] > 0) depths[i] = window(layer.depth[i]);
+    } else if (!layer.edge_pixels.empty() && stops.near[i] != stops.far[i]) {
+      depths[i] = 0.5f * (window(stops.near[i]) + window(stops.far[i]));
+    }
+  }
+  return depths;
+}
+
+}  // namespace
+
+VolumePass::VolumePass(const Gl& gl, VolumeSort sort)
+    : gl_(gl),
+      volume_gl_(gl, sort),
+      target_(gl),
+      no_attributes_(make_vertex_array(gl)),
+      pixels_texture_(make_texture(gl)),
+      depths_texture_(make_texture(gl)) {
+  for (const Texture* texture : {&pixels_texture_, &depths_texture_}) {
+    gl.BindTexture(GL_TEXTURE_2D, texture->name());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  }
+  overlay_ = make_overlay("");
+  edge_overlay_ = make_overlay("#define EDGES\n");
+}
+
+VolumePass::Overlay VolumePass::make_overlay(const char* defines) const {
+  Overlay overlay;
+  auto made = make_program(gl_, defines, kVolumeScreenVertexShader, kVolumePixelsFragmentShader);
+  auto* program = std::get_if<Program>(&made);
+  if (!program) return overlay;
+  overlay.program = std::move(*program);
+  overlay.pixels = gl_.GetUniformLocation(overlay.program.name(), "pixels");
+  overlay.depths = gl_.GetUniformLocation(overlay.program.name(), "depths");
+  overlay.origin = gl_.GetUniformLocation(overlay.program.name(), "origin");
+  return overlay;
+}
+
+std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                                        std::size_t counted) {
+  const auto [first, last] = models_.equal_range(cloud.get());
+  for (auto entry = first; entry != last; ++entry) {
+    if (entry->second.counted != counted) continue;
+    entry->second.used = frame_;
+    return entry->second.model;
+  }
+  auto model = std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted));
+  models_.emplace(cloud.get(), Held{cloud, counted, model, frame_});
+  return model;
+}
+
+void VolumePass::forget_models() {
+  ++frame_;
+  std::erase_if(models_, [&](const auto& entry) {
+    const Held& held = entry.second;
+    const std::shared_ptr<const qnv::Cloud> cloud = held.cloud.lock();
+    return !cloud || (held.counted < cloud->size() && held.used + kKeptModelFrames < frame_);
+  });
+}
+
+void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_world, const SplatView& view,
+                        const DrawOptions& options, Scene& scene) {
+  const std::vector<std::size_t> shares = share_budget(
+      list.splats, {glm::dmat4(camera_from_world), view.tangents, view.width, view.height}, options.budget);
+  const CloudLook& look = options.clouds;
+  if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
+  scene.lights.reserve(list.splats.size());  // items point to them
+  for (std::size_t i = 0; i < list.splats.size(); ++i) {
+    const SplatItem& item = list.splats[i];
+    if (!is_volume(item)) continue;
+    const std::size_t size = item.cloud->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
+    const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
+    auto model = model_of(item.cloud, prefix.counted);
+    if (model->empty()) continue;
+    const qnv::Box& box = item.cloud->description.box;
+    const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
+    const glm::mat4 camera_from_node(glm::dmat4(camera_from_world) * glm::dmat4(item.world_from_node));
+    const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
+    VolumeOptions own;
+    own.opacity = look.opacity * (1 - item.material.transparency);
+    own.least_magnitude = look.least_magnitude;
+    if (look.clip) own.clip = *look.clip * item.world_from_node;
+    own.color_by = look.color_by;
+    if (!look.transfer.empty()) own.transfer = &scene.transfer;
+    own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
+    scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
+    scene.held.push_back({item.cloud, std::move(model)});
+  }
+}
+
+void VolumePass::draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
+                              const DrawOptions& options) {
+  if (!overlay.program) return;
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, pixels_texture_.name());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, layer.width, layer.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  gl_.UseProgram(overlay.program.name());
+  gl_.Uniform1i(overlay.pixels, 0);
+  gl_.Uniform1i(overlay.depths, 1);
+  gl_.Uniform2i(overlay.origin, options.x, options.y);
+  gl_.BindVertexArray(no_attributes_.name());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const DrawOptions& options) {
+  gl_.Viewport(options.x, options.y, options.width, options.height);
+  gl_.Scissor(options.x, options.y, options.width, options.height);
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthMask(GL_FALSE);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.ActiveTexture(GL_TEXTURE1);
+  gl_.BindSampler(1, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, depths_texture_.name());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, layer.width, layer.height, 0, GL_RED, GL_FLOAT, depths.data());
+  draw_overlay(overlay_, layer, layer.pixels, options);
+  if (!layer.edge_pixels.empty()) {
+    // The samples of a pixel that the first did not take.
+    gl_.DepthFunc(GL_GREATER);
+    draw_overlay(edge_overlay_, layer, layer.edge_pixels, options);
+  }
+  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
+}
+
+void VolumePass::on_processor(const Scene& scene, const SplatView& view, const glm::mat4& clip_from_camera,
+                              const DrawOptions& options, FrameStatistics& statistics) {
+  statistics.splats = "cpu";
+  const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
+  VolumeStops stops;
+  if (target_.read_depths(rectangle, clip_from_camera, depths_)) stops = depths_.stops();
+  const VolumeLayer layer = rasterize_volumes(scene.items, view, stops);
+  statistics.vectors += layer.vectors;
+  if (layer.empty()) return;
+  lay_over(layer, window_depths(layer, stops, clip_from_camera), options);
+  ++statistics.draw_calls;
+}
+
+void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+                      const DrawOptions& options, FrameStatistics& statistics) {
+  forget_models();
+  volume_gl_.forget_unused();
+  if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
+  SplatView view;
+  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.width = options.width;
+  view.height = options.height;
+  view.near_plane = camera.near_plane;
+  Scene scene;
+  gather(list, glm::mat4(camera_from_world_of(camera)), view, options, scene);
+  if (scene.items.empty()) return;
+  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+  if (with_gl) {
+    const VolumeGl::View gl_view{
+        view, clip_from_camera, {options.x, options.y, options.width, options.height}, options.viewport};
+    if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
+      statistics.vectors += drawn->vectors;
+      statistics.pending = statistics.pending || drawn->pending;
+      // One that OpenGL could not draw is told of.
+      if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
+      ++statistics.draw_calls;
+      return;
+    }
+  }
+  on_processor(scene, view, clip_from_camera, options, statistics);
+}
+
+}  // namespace gs::render

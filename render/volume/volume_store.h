@@ -1,0 +1,99 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "render/gl/gpu.h"
+#include "render/gl/range_allocator.h"
+#include "render/volume/volume_model.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace gs::render {
+
+/// A vector of a volume as the vertex shader reads it, 16 bytes: coordinates of 20 bits in the box of the cloud, an
+/// octahedral normal of 2 x 10 (both kNoNormal: none), a logarithmic weight of 16 (0: zero), a colour of 24 and the
+/// class of 8.
+using VolumeCode = std::array<std::uint32_t, 4>;
+
+/// What the codes of one cloud mean.
+struct VolumeCoding {
+  static constexpr std::uint32_t kLargestPosition = 0xFFFFF, kLargestNormal = 1022, kNoNormal = 1023,
+                                 kLargestWeight = 0xFFFF;
+  glm::vec3 lower{0}, step{0};  // position = lower + code * step; node space
+  glm::vec2 weight{0};          // log2 of it = x + code * y
+};
+
+/// For the first `count` vectors of a cloud that has a model. Safe for any numbers.
+[[nodiscard]] VolumeCoding volume_coding(const qnv::Cloud& cloud, std::size_t count);
+/// Encodes vectors `first` and following, as many as `codes` holds.
+void encode_volume_codes(const qnv::Cloud& cloud, const VolumeCoding& coding, std::size_t first,
+                         std::span<VolumeCode> codes);
+/// What the vertex shader makes of a code, but for its shading.
+struct VolumeDecoded {
+  glm::vec3 position{0}, normal{0};
+  float weight = 0;
+};
+[[nodiscard]] VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& coding);
+
+/// A volume whose cloud and model somebody holds.
+struct SharedVolume {
+  std::shared_ptr<const qnv::Cloud> cloud;
+  std::shared_ptr<const VolumeModel> model;
+};
+
+/// Keeps the vectors of volumes in the memory of the GPU, 20 bytes each, all in one buffer texture, so that those of
+/// several volumes can be drawn in one order. As many as their models have spacings for, and as long as somebody else
+/// holds the clouds. Belongs to the thread of its context.
+class VolumeStore {
+ public:
+  /// `most_bytes`: of the memory of the GPU that is taken.
+  explicit VolumeStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30);
+
+  struct Place {
+    std::size_t first = 0;  // texel of vector 0
+    VolumeCoding coding;
+  };
+  /// Uploads what is not there yet. Where the volumes of one picture lie, in their order; empty when there is no room
+  /// for them. Valid until the next call.
+  std::vector<Place> place(std::span<const SharedVolume> volumes);
+  /// To be called once a frame. Frees the places of clouds that nobody holds any more.
+  void forget_unused();
+
+  [[nodiscard]] const Texture& codes() const { return codes_; }        // GL_RGBA32UI
+  [[nodiscard]] const Texture& spacings() const { return spacings_; }  // GL_R32F
+  [[nodiscard]] std::size_t bytes() const { return capacity_ * kBytes; }
+
+  static constexpr std::size_t kBytes = sizeof(VolumeCode) + sizeof(float);
+
+ private:
+  struct Entry {
+    std::weak_ptr<const qnv::Cloud> cloud;
+    std::weak_ptr<const VolumeModel> model;
+    std::size_t first = 0, count = 0;
+    VolumeCoding coding;
+    std::uint64_t used = 0;
+  };
+
+  Entry* find(const SharedVolume& volume);
+  Entry* add(const SharedVolume& volume);
+  bool resize(std::size_t capacity);
+  void upload(const qnv::Cloud& cloud, const Entry& entry);
+  void upload_spacings(const qnv::Cloud& cloud, const VolumeModel& model, const Entry& entry);
+
+  const Gl& gl_;
+  std::size_t most_, capacity_ = 0;  // vectors
+  std::uint64_t frame_ = 0;
+  Buffer code_buffer_, spacing_buffer_;
+  Texture codes_, spacings_;
+  RangeAllocator free_{0};
+  std::vector<Entry> entries_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,266 @@
+#include "render/volume/volume_target.h"
+
+#include "render/volume/volume_shaders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+constexpr int kStep = 64;              // of the sizes of textures
+constexpr float kSmooth = 1 / 256.0f;  // depths of one pixel that differ by less, in proportion, are of one surface
+
+Program program_of(const Gl& gl, const char* defines, const char* fragment) {
+  auto made = make_program(gl, defines, kVolumeScreenVertexShader, fragment);
+  auto* program = std::get_if<Program>(&made);
+  return program ? std::move(*program) : Program();
+}
+
+GLenum target_of(int samples) { return samples > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D; }
+
+}  // namespace
+
+VolumeTarget::VolumeTarget(const Gl& gl) : gl_(gl), no_attributes_(make_vertex_array(gl)) {}
+
+VolumeTarget::Bound VolumeTarget::bound() const {
+  Bound framebuffers;
+  gl_.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffers.draw);
+  gl_.GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &framebuffers.read);
+  return framebuffers;
+}
+
+void VolumeTarget::bind(const Bound& framebuffers) const {
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(framebuffers.draw));
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(framebuffers.read));
+}
+
+bool VolumeTarget::depth_formats(std::array<GLenum, 2>& formats) const {
+  const bool window = bound().draw == 0;
+  const GLenum depth = window ? GL_DEPTH : GL_DEPTH_ATTACHMENT, stencil = window ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
+  const auto get = [&](GLenum attachment, GLenum name) {
+    GLint value = 0;
+    gl_.GetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, attachment, name, &value);
+    return value;
+  };
+  formats = {0, 0};
+  if (get(depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE) return false;
+  const GLint bits = get(depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
+  if (bits == 0) return false;
+  const bool real = get(depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT;
+  const bool with_stencil = get(stencil, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
+                            get(stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
+  if (real) formats = {GL_DEPTH_COMPONENT32F, GL_DEPTH32F_STENCIL8};
+  if (!real && bits == 24) formats = {GL_DEPTH_COMPONENT24, GL_DEPTH24_STENCIL8};
+  if (!real && bits == 32) formats = {GL_DEPTH_COMPONENT32, 0};
+  if (!real && bits == 16) formats = {GL_DEPTH_COMPONENT16, 0};
+  if (with_stencil) std::swap(formats[0], formats[1]);
+  return true;
+}
+
+void VolumeTarget::attach(const Texture& texture, GLenum attachment, GLenum internal, GLenum format, GLenum type) {
+  const GLenum target = target_of(samples_);
+  gl_.BindTexture(target, texture.name());
+  if (samples_ > 1) {
+    gl_.TexImage2DMultisample(target, samples_, internal, width_, height_, GL_TRUE);
+  } else {
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      gl_.TexParameteri(target, filter, GL_NEAREST);
+    gl_.TexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.TexImage2D(target, 0, static_cast<GLint>(internal), width_, height_, 0, format, type, nullptr);
+  }
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, target, texture.name(), 0);
+}
+
+bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format, bool colored) {
+  const bool large_enough = width <= width_ && height <= height_ && samples == samples_;
+  if (framebuffer_ && large_enough && depth_format == depth_format_ && (colored_ || !colored)) return true;
+  const bool same = samples == samples_;
+  // Viewports of several sizes share one, which grows.
+  const auto size = [&](int wanted, int had) {
+    return std::min(std::max((wanted + kStep - 1) / kStep * kStep, same ? had : 0), gl_.max_texture_size);
+  };
+  width_ = size(width, width_);
+  height_ = size(height, height_);
+  samples_ = samples;
+  depth_format_ = depth_format;
+  colored_ = colored;
+  framebuffer_ = {};
+  color_ = {};
+  depth_ = {};
+  take_errors(gl_);
+  if (width > width_ || height > height_) return false;
+  framebuffer_ = make_framebuffer(gl_);
+  color_ = make_texture(gl_);
+  depth_ = make_texture(gl_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  const GLenum drawn = colored ? GL_COLOR_ATTACHMENT0 : GL_NONE;
+  gl_.DrawBuffers(1, &drawn);
+  gl_.ReadBuffer(drawn);
+  if (colored) attach(color_, GL_COLOR_ATTACHMENT0, GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT);
+  const bool stencil = depth_format == GL_DEPTH24_STENCIL8 || depth_format == GL_DEPTH32F_STENCIL8;
+  attach(depth_, stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, depth_format,
+         stencil ? GL_DEPTH_STENCIL : GL_DEPTH_COMPONENT,
+         depth_format == GL_DEPTH32F_STENCIL8  ? GL_FLOAT_32_UNSIGNED_INT_24_8_REV
+         : depth_format == GL_DEPTH24_STENCIL8 ? GL_UNSIGNED_INT_24_8
+                                               : GL_FLOAT);
+  const bool complete = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  if (take_errors(gl_) || !complete) framebuffer_ = {};
+  return framebuffer_.name() != 0;
+}
+
+bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool colored) {
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  std::array<GLenum, 2> formats{};
+  if (!depth_formats(formats)) return false;
+  // What worked before first.
+  if (formats[1] == depth_format_ && framebuffer_) std::swap(formats[0], formats[1]);
+  for (const GLenum format : formats) {
+    if (format == 0) continue;
+    if (make(r.width, r.height, std::max(samples, 1), format, colored)) {
+      gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(from.draw));
+      gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
+      gl_.Viewport(0, 0, r.width, r.height);
+      gl_.Scissor(0, 0, r.width, r.height);
+      take_errors(gl_);
+      gl_.BlitFramebuffer(r.x, r.y, r.x + r.width, r.y + r.height, 0, 0, r.width, r.height, GL_DEPTH_BUFFER_BIT,
+                          GL_NEAREST);
+      if (!take_errors(gl_)) return true;
+      framebuffer_ = {};
+    }
+    bind(from);
+  }
+  return false;
+}
+
+bool VolumeTarget::read_samples(const TargetRectangle& r, std::vector<float>& both) {
+  if (!extremes_) extremes_ = program_of(gl_, "", kVolumeExtremesFragmentShader);
+  if (!extremes_) return false;
+  take_errors(gl_);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  if (!extremes_framebuffer_ || r.width > extremes_width_ || r.height > extremes_height_) {
+    extremes_width_ = std::max(r.width, extremes_width_);
+    extremes_height_ = std::max(r.height, extremes_height_);
+    extremes_framebuffer_ = make_framebuffer(gl_);
+    extreme_depths_ = make_texture(gl_);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, extremes_framebuffer_.name());
+    gl_.BindTexture(GL_TEXTURE_2D, extreme_depths_.name());
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RG32F, extremes_width_, extremes_height_, 0, GL_RG, GL_FLOAT, nullptr);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, extreme_depths_.name(), 0);
+    if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) extremes_framebuffer_ = {};
+  }
+  if (take_errors(gl_) || !extremes_framebuffer_) return false;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, extremes_framebuffer_.name());
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(GL_TEXTURE_2D_MULTISAMPLE, depth_.name());
+  gl_.UseProgram(extremes_.name());
+  gl_.Uniform1i(gl_.GetUniformLocation(extremes_.name(), "depths"), 0);
+  gl_.Uniform1i(gl_.GetUniformLocation(extremes_.name(), "samples"), samples_);
+  gl_.BindVertexArray(no_attributes_.name());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.ReadPixels(0, 0, r.width, r.height, GL_RG, GL_FLOAT, both.data());
+  return !take_errors(gl_);
+}
+
+bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_from_camera, TargetDepths& depths) {
+  if (r.width < 1 || r.height < 1) return false;
+  const auto pixels = static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height);
+  const Bound from = bound();
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  take_errors(gl_);
+  const bool several = samples > 1;
+  std::vector<float> read(pixels * (several ? 2 : 1));
+  bool good = false;
+  if (several) {
+    good = copy_depth(from, r, false) && read_samples(r, read);
+    bind(from);
+    gl_.Viewport(r.x, r.y, r.width, r.height);
+    gl_.Scissor(r.x, r.y, r.width, r.height);
+  } else {
+    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(from.draw));
+    gl_.ReadPixels(r.x, r.y, r.width, r.height, GL_DEPTH_COMPONENT, GL_FLOAT, read.data());
+    good = !take_errors(gl_);
+    bind(from);
+  }
+  if (!good) return false;
+  const float scale = clip_from_camera[3][2], shift = clip_from_camera[2][2] - 1;
+  const auto distance = [&](float window) {
+    return window < 1 ? scale / (2 * window + shift) : std::numeric_limits<float>::infinity();
+  };
+  depths.near.resize(pixels);
+  depths.far.clear();
+  if (several) depths.far.resize(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    depths.near[i] = distance(read[several ? 2 * i : i]);
+    if (!several) continue;
+    const float far = distance(read[2 * i + 1]);
+    depths.far[i] = depths.near[i] < far * (1 - kSmooth) ? far : depths.near[i];
+  }
+  return true;
+}
+
+bool VolumeTarget::begin(const TargetRectangle& rectangle) {
+  if (rectangle.width < 1 || rectangle.height < 1) return false;
+  outer_ = bound();
+  rectangle_ = rectangle;
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  Program& program = samples > 1 ? multiple_ : single_;
+  if (!program) program = program_of(gl_, samples > 1 ? "#define SAMPLES\n" : "", kVolumeLayerFragmentShader);
+  if (!program || !copy_depth(outer_, rectangle, true)) {
+    bind(outer_);
+    gl_.Viewport(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
+    gl_.Scissor(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
+    return false;
+  }
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  static constexpr float kNothing[4] = {0, 0, 0, 0};
+  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+  return true;
+}
+
+void VolumeTarget::lay_over(int sample) {
+  if (samples_ > 1) {
+    gl_.SampleMaski(0, 1u << sample);
+    gl_.Uniform1i(gl_.GetUniformLocation(multiple_.name(), "sample_number"), sample);
+  }
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void VolumeTarget::end() {
+  bind(outer_);
+  gl_.Viewport(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
+  gl_.Scissor(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(target_of(samples_), color_.name());
+  const Program& program = samples_ > 1 ? multiple_ : single_;
+  gl_.UseProgram(program.name());
+  gl_.Uniform1i(gl_.GetUniformLocation(program.name(), "layer"), 0);
+  gl_.Uniform2i(gl_.GetUniformLocation(program.name(), "origin"), rectangle_.x, rectangle_.y);
+  gl_.BindVertexArray(no_attributes_.name());
+  if (samples_ > 1) gl_.Enable(GL_SAMPLE_MASK);
+  for (int sample = 0; sample < samples_; ++sample) lay_over(sample);
+  if (samples_ > 1) {
+    gl_.SampleMaski(0, 0xFFFFFFFFu);
+    gl_.Disable(GL_SAMPLE_MASK);
+  }
+  gl_.Disable(GL_BLEND);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,256 @@
+// What a confined process can still do: each attempt is made in a process of its own.
+#include "app/base/confinement.h"
+
+#include "app/commands/options.h"
+#include "app/serve/child_program.h"
+#include "net/base/file.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+
+using namespace gs;
+using namespace gs::app;
+
+namespace {
+
+// Whether it succeeds in a process that is confined so.
+bool succeeds_confined(const Confinement& confinement, const std::function<bool()>& attempt) {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    constexpr int kNotConfined = 3;
+    if (confine(confinement)) ::_exit(kNotConfined);
+    ::_exit(attempt() ? 0 : 1);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  INFO("status " << status);
+  REQUIRE(WIFEXITED(status));
+  REQUIRE((WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 1));
+  return WEXITSTATUS(status) == 0;
+}
+
+bool file_opens(const std::string& path, int flags) {
+  const int file = ::open(path.c_str(), flags | O_CLOEXEC, 0600);
+  if (file >= 0) ::close(file);
+  return file >= 0;
+}
+
+bool calls(long number, long a = 0, long b = 0, long c = 0, long d = 0) {
+  return ::syscall(number, a, b, c, d, 0L, 0L) >= 0;
+}
+
+const std::string kConfinedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
+
+}  // namespace
+
+TEST_CASE("confined: files of the folder are read, those of OUT's folder written, and no others") {
+  if (confinement_support().landlock == 0) {
+    WARN("skipped: this kernel has no Landlock");
+    return;
+  }
+  const ScratchFolder scratch;
+  scratch.write("in/deep/a.wrl", "inside");
+  scratch.write("out/old", "old");
+  scratch.write("secret", "secret");
+  std::filesystem::create_symlink("../secret", scratch.path("in/link"));
+  const Confinement both{scratch.path("in"), scratch.path("out")};
+  const auto can_open = [&](const std::string& name, int flags) {
+    const std::string path = name.starts_with('/') ? name : scratch.path(name);
+    return succeeds_confined(both, [&] { return file_opens(path, flags); });
+  };
+  CHECK(can_open("in/deep/a.wrl", O_RDONLY));
+  CHECK(can_open("in", O_RDONLY | O_DIRECTORY));
+  CHECK_FALSE(can_open("in/deep/a.wrl", O_WRONLY));
+  CHECK_FALSE(can_open("in/deep/a.wrl", O_RDWR));
+  CHECK_FALSE(can_open("in/deep/a.wrl", O_RDONLY | O_TRUNC));
+  CHECK_FALSE(can_open("in/new", O_WRONLY | O_CREAT));
+  CHECK_FALSE(can_open("in/link", O_RDONLY));
+  CHECK_FALSE(can_open("secret", O_RDONLY));
+  CHECK_FALSE(can_open("in/../secret", O_RDONLY));
+  CHECK_FALSE(can_open("new", O_WRONLY | O_CREAT));
+  CHECK_FALSE(can_open("", O_RDONLY | O_DIRECTORY));
+  CHECK_FALSE(can_open("/etc/passwd", O_RDONLY));
+  CHECK_FALSE(can_open("/etc/hosts", O_RDONLY));
+  CHECK_FALSE(can_open("/root", O_RDONLY | O_DIRECTORY));
+  CHECK_FALSE(can_open("/tmp", O_RDONLY | O_DIRECTORY));
+  CHECK_FALSE(can_open("/proc/1/environ", O_RDONLY));
+  CHECK_FALSE(can_open("/proc/" + std::to_string(::getpid()) + "/environ", O_RDONLY));
+  CHECK_FALSE(can_open("/dev/tty", O_RDWR));
+  CHECK_FALSE(can_open("/usr/bin/new", O_WRONLY | O_CREAT));
+  CHECK(can_open("/usr/bin/env", O_RDONLY));
+  CHECK(can_open("/dev/null", O_RDWR));
+  CHECK(can_open("out/new", O_RDWR | O_CREAT | O_TRUNC));
+  CHECK(can_open("out/old", O_RDWR));
+  CHECK(succeeds_confined(both, [&] {
+    const std::string text = "as a whole";
+    return !net::write_file_atomically(scratch.path("out/whole"), std::as_bytes(std::span(text))) &&
+           ::unlink(scratch.path("out/old").c_str()) == 0;
+  }));
+  CHECK(scratch.read("out/whole") == "as a whole");
+  const auto fails = [&](const std::function<int()>& call) {
+    return !succeeds_confined(both, [&] { return call() == 0; });
+  };
+  const std::string in = scratch.path("in/deep/a.wrl"), out = scratch.path("out/new");
+  CHECK(fails([&] { return ::rename(out.c_str(), scratch.path("elsewhere").c_str()); }));
+  CHECK(fails([&] { return ::rename(in.c_str(), scratch.path("out/moved").c_str()); }));
+  CHECK(fails([&] { return ::link(in.c_str(), scratch.path("out/linked").c_str()); }));
+  CHECK(fails([&] { return ::symlink("/etc", scratch.path("out/etc").c_str()); }));
+  CHECK(fails([&] { return ::mkdir(scratch.path("out/folder").c_str(), 0700); }));
+  CHECK(fails([&] { return ::mkfifo(scratch.path("out/pipe").c_str(), 0600); }));
+  CHECK(fails([&] { return ::unlink(in.c_str()); }));
+  CHECK(fails([&] { return ::rmdir(scratch.path("in/deep").c_str()); }));
+  CHECK(fails([&] { return ::truncate(in.c_str(), 0); }));
+  CHECK(fails([&] { return ::chmod(in.c_str(), 0); }));
+  CHECK(fails([&] { return ::chmod(scratch.path("secret").c_str(), 0777); }));
+  CHECK(fails([&] { return ::utimensat(AT_FDCWD, in.c_str(), nullptr, 0); }));
+  CHECK(scratch.read("in/deep/a.wrl") == "inside");
+  // Nowhere to write.
+  CHECK_FALSE(succeeds_confined({scratch.path("in"), ""}, [&] { return file_opens(out, O_WRONLY); }));
+  CHECK(confine({scratch.path("nothing"), ""}).has_value());
+}
+
+TEST_CASE("confined: no sockets, no other processes, nothing that changes the machine") {
+  if (!confinement_support().seccomp) {
+    WARN("skipped: this kernel has no seccomp");
+    return;
+  }
+  const ScratchFolder scratch;
+  const Confinement here{scratch.path(""), scratch.path("")};
+  const auto can = [&](const std::function<bool()>& attempt) { return succeeds_confined(here, attempt); };
+  for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK, AF_PACKET, AF_VSOCK, AF_BLUETOOTH, AF_ALG})
+    for (const int type : {SOCK_STREAM, SOCK_DGRAM, SOCK_RAW})
+      CHECK_FALSE(can([&] { return ::socket(family, type, 0) >= 0 || errno != EPERM; }));
+  // Not by one that was there before, either.
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  REQUIRE(socket >= 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(9);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const auto* to = reinterpret_cast<const sockaddr*>(&address);
+  CHECK_FALSE(can([&] { return ::connect(socket, to, sizeof address) == 0; }));
+  CHECK_FALSE(can([&] { return ::bind(socket, to, sizeof address) == 0; }));
+  CHECK_FALSE(can([&] { return ::sendto(socket, "x", 1, 0, to, sizeof address) == 1; }));
+  ::close(socket);
+  int pair[2];
+  CHECK_FALSE(can([&] { return ::socketpair(AF_UNIX, SOCK_STREAM, 0, pair) == 0; }));
+  char program[] = "/bin/true";
+  char* const arguments[] = {program, nullptr};
+  CHECK_FALSE(can([&] { return ::execv(program, arguments) == 0; }));
+  CHECK_FALSE(can([] {
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(0);
+    return child > 0;
+  }));
+  CHECK_FALSE(can([] { return std::system("true") == 0; }));
+  const pid_t parent = ::getpid();
+  CHECK_FALSE(can([&] { return ::kill(parent, 0) == 0; }));
+  CHECK(can([] { return ::kill(::getpid(), 0) == 0; }));
+  CHECK_FALSE(can([&] { return calls(SYS_pidfd_open, parent); }));
+  CHECK_FALSE(can([&] { return calls(SYS_ptrace, 16, parent); }));
+  char page[256];
+  CHECK_FALSE(can([&] { return calls(SYS_io_uring_setup, 1, reinterpret_cast<long>(page)) || errno != EPERM; }));
+  CHECK_FALSE(can([] { return calls(SYS_unshare, 0) || errno != EPERM; }));
+  CHECK_FALSE(can([] { return calls(SYS_memfd_create, reinterpret_cast<long>("x")); }));
+  CHECK_FALSE(can(
+      [] { return ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0) != MAP_FAILED; }));
+  CHECK_FALSE(can([] {
+    rlimit limit{};
+    return ::getrlimit(RLIMIT_CORE, &limit) == 0 && ::setrlimit(RLIMIT_CORE, &limit) == 0;
+  }));
+  // What is needed: memory, threads, limits that are read.
+  CHECK(can([] {
+    rlimit limit{};
+    int sum = 0;
+    std::thread([&sum] { sum = 1; }).join();
+    void* const memory = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    return memory != MAP_FAILED && sum == 1 && ::getrlimit(RLIMIT_CORE, &limit) == 0;
+  }));
+#ifdef __x86_64__
+  // The same calls by the numbers of other architectures: refused, or the end of the process.
+  CHECK_FALSE(can([] { return calls(0x40000000 + SYS_getpid) || errno != EPERM; }));
+#endif
+}
+
+TEST_CASE("the option --confine: commands do their work, and read and write nothing beyond") {
+  const ScratchFolder scratch;
+  scratch.write("in/box.wrl", kConfinedWorld + "Inline { url \"part/inner.wrl\" }\n");
+  scratch.write("in/part/inner.wrl", "#VRML V2.0 utf8\nTransform { children Shape { geometry Sphere { } } }\n");
+  const std::string beyond = scratch.write("beyond.wrl", kConfinedWorld), in = scratch.path("in"),
+                    box = quoted(scratch.path("in/box.wrl"));
+  std::filesystem::create_directory(scratch.path("out"));
+  const std::string confined = "--confine " + quoted(in) + " ";
+  const Run picture =
+      run(confined + "--size 64x48 --samples 1 --snapshot " + quoted(scratch.path("out/o.png")) + " " + box);
+  INFO(picture.output);
+  CHECK(picture.status == kDone);
+  CHECK(picture.output.empty());
+  CHECK(scratch.read("out/o.png").starts_with("\x89PNG"));
+  const Run encoded = run("encode " + confined + "--vectors 2000 " + box + " " + quoted(scratch.path("out/o.qnv")));
+  INFO(encoded.output);
+  CHECK(encoded.status == kDone);
+  CHECK(scratch.read("out/o.qnv").size() > 1000);
+  CHECK(run("check " + confined + box).status == kDone);
+  CHECK(run("info " + confined + box).output.find("triangles") != std::string::npos);
+  const Run window = run(confined + box);
+  CHECK(window.status == kUsage);
+  CHECK(run("check --confine '' " + box).status == kUsage);
+  if (confinement_support().landlock == 0) {
+    WARN("skipped: this kernel has no Landlock");
+    return;
+  }
+  const Run outside = run("check " + confined + quoted(beyond));
+  CHECK(outside.status == kFailed);
+  CHECK(outside.output.find("Permission denied") != std::string::npos);
+  CHECK(run("check --confine " + quoted(scratch.path("none")) + " " + box).status == kFailed);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take terabytes
+TEST_CASE("a child gets no more memory and no larger files than it may, and none of our descriptors") {
+  const ScratchFolder scratch;
+  std::stop_source stop;
+  ChildLimits limits;
+  limits.memory = std::uint64_t{64} << 20;
+  const auto memory = run_child("/bin/sh", {"-c", "ulimit -d >&2; exit 1"}, limits, stop.get_token());
+  REQUIRE(memory);
+  CHECK(memory->message == "65536");
+  CHECK(memory->lasting);
+  const int open = ::open("/etc/passwd", O_RDONLY);  // without O_CLOEXEC
+  REQUIRE(open >= 0);
+  const auto descriptors = run_child("/bin/sh", {"-c", "echo /proc/self/fd/* >&2; exit 1"}, {}, stop.get_token());
+  ::close(open);
+  REQUIRE(descriptors);
+  // The shell's own three, and what it reads the folder by.
+  CHECK(descriptors->message.find("/proc/self/fd/4") == std::string::npos);
+  const std::string world = scratch.write("box.wrl", kConfinedWorld);
+  limits = {};
+  limits.file_bytes = 100;
+  const auto full = run_child(GHOSTSPACE_BINARY, {"encode", world, scratch.path("o.qnv")}, limits, stop.get_token());
+  REQUIRE(full);
+  CHECK_FALSE(full->lasting);
+  CHECK_FALSE(run_child("/nowhere", {}, {}, stop.get_token())->lasting);
+  CHECK(run_child("/bin/sh", {"-c", "kill -SEGV $$"}, {}, stop.get_token())->lasting);
+  CHECK_FALSE(run_child("/bin/sh", {"-c", "kill -KILL $$"}, {}, stop.get_token())->lasting);
+}
+#endif

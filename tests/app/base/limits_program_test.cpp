@@ -1,0 +1,116 @@
+#include "app/base/gunzip.h"
+#include "net/base/file.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <variant>
+
+namespace gs::limits_program_test {
+// The program itself on files that ask for far more than they are, with the limits as they are by default: what it
+// holds at its most. Sanitizers hold more, so only the answer counts with them.
+namespace {
+
+using namespace app;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kMeasures = false;
+#else
+constexpr bool kMeasures = true;
+#endif
+
+constexpr std::uint64_t kMost = std::uint64_t{2} << 30;
+const std::string kHeader = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
+
+/// Runs a command that writes measurements, and looks at them.
+Run measured(const ScratchFolder& folder, const std::string& command, const std::string& file) {
+  const std::string stats = folder.path("stats.json");
+  std::filesystem::remove(stats);
+  Run result = run(command + " --timeout 300 --stats " + quoted(stats) + " " + quoted(file));
+  INFO(result.output);
+  const auto json = nlohmann::json::parse(folder.read("stats.json"), nullptr, false);
+  REQUIRE(json.is_object());
+  if (kMeasures) CHECK(json["peak_rss_bytes"].get<std::uint64_t>() < kMost);
+  return result;
+}
+
+std::string gzip_of(std::string head, const std::string& unit, std::size_t bytes) {
+  std::string text = std::move(head);
+  text.reserve(text.size() + bytes + unit.size());
+  for (const std::size_t end = text.size() + bytes; text.size() < end;) text += unit;
+  const auto packed = gzip(std::as_bytes(std::span(text)));
+  return {reinterpret_cast<const char*>(packed.data()), packed.size()};
+}
+
+}  // namespace
+
+TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay below two gigabytes") {
+  const ScratchFolder folder;
+  const std::size_t large = kMeasures ? std::size_t{600} << 20 : std::size_t{80} << 20;
+  SECTION("nodes") {
+    const Run nodes =
+        measured(folder, "check", folder.write("nodes.wrz", gzip_of(kHeader, "Group{}", large / watched_step(8))));
+    if (kMeasures) CHECK(nodes.output.find("more than the limit for nodes and numbers") != std::string::npos);
+  }
+  SECTION("numbers") {
+    const Run numbers = measured(
+        folder, "check",
+        folder.write("numbers.wrz", gzip_of(kHeader + "Shape { geometry PointSet { coord Coordinate { point [ ", "0 ",
+                                            large / watched_step(8))));
+    if (kMeasures) CHECK(numbers.output.find("unpacks to more than 250 times its size") != std::string::npos);
+  }
+  SECTION("a ratio that no honest file has") {
+    const Run blanks =
+        measured(folder, "check", folder.write("blanks.wrz", gzip_of(kHeader, std::string(4096, ' '), large)));
+    CHECK(blanks.output.find("unpacks to more than 250 times its size") != std::string::npos);
+  }
+  SECTION("PROTO") {
+    std::string text = kHeader + "PROTO P0 [ ] { Shape { geometry Sphere { } } }\n";
+    for (int i = 1; i <= 24; ++i) {
+      const std::string inner = "P" + std::to_string(i - 1) + " { } ";
+      text += "PROTO P" + std::to_string(i) + " [ ] { Group { children [ " + inner + inner + "] } }\n";
+    }
+    const Run result = measured(folder, "check", folder.write("proto.wrl", text + "P24 { }\n"));
+    CHECK(result.status == 1);
+    CHECK(result.output.find("more than the limit for PROTO instances, 512 MiB") != std::string::npos);
+  }
+}
+
+TEST_CASE("print writes deep scenes without a text that is larger than they are") {
+  const ScratchFolder folder;
+  std::string text = "#VRML V2.0 utf8\n", end;
+  for (int i = 0; i < 900; ++i) {
+    text += "Group { children [ ";
+    end += "] } ";
+  }
+  for (int i = 0; i < 2000; ++i) text += "Shape { } ";
+  const Run result = run("print " + quoted(folder.write("deep.wrl", text + end)));
+  CHECK(result.status == 0);
+  CHECK(result.output.size() < 1'000'000);
+  // It reads back the same.
+  const Run again = run("print " + quoted(folder.write("again.wrl", result.output)));
+  CHECK(again.output == result.output);
+}
+
+TEST_CASE("--memory is a size, and lowers and raises limits") {
+  const ScratchFolder folder;
+  std::string text = kHeader;
+  for (int i = 0; i < 100'000; ++i) text += "Group { } ";
+  const std::string file = quoted(folder.write("groups.wrl", text));
+  CHECK(run("check " + file).status == 0);
+  const Run small = run("check --memory 16M " + file);
+  CHECK(small.status == 1);
+  CHECK(small.output.find("more than the limit for nodes and numbers, 8 MiB of one world (--memory raises it)") !=
+        std::string::npos);
+  CHECK(run("check --memory 1G " + file).status == 0);
+  for (const char* wrong : {"1", "16", "x", "16Q", "-16M", "99999999999999999G"})
+    CHECK(run("check --memory " + std::string(wrong) + " " + file).status == 2);
+}
+
+}  // namespace gs::limits_program_test

@@ -1,0 +1,216 @@
+#include "app/commands/command_line.h"
+#include "app/commands/options.h"
+
+#include "app/commands/commands.h"
+#include "app/serve/archive.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+using namespace gs::app;
+
+namespace {
+
+const std::string kBox =
+    "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Box { } }\n";
+
+}  // namespace
+
+TEST_CASE("every option of the table stands in the help and the manual page, once") {
+  std::set<std::string_view> names;
+  std::map<std::string_view, Run> helps;
+  const std::string manual = manual_page();
+  for (const OptionRow& row : option_rows()) {
+    CHECK(names.insert(row.name).second);
+    std::string roff(row.name);
+    for (std::size_t i = 0; (i = roff.find('-', i)) != std::string::npos; i += 2) roff.replace(i, 1, "\\-");
+    CHECK(manual.find(roff) != std::string::npos);
+    for (const CommandRow& command : command_rows()) {
+      if (row.commands.find(std::string(command.name) + " ") == std::string_view::npos) continue;
+      auto [entry, added] = helps.try_emplace(command.name);
+      Run& help = entry->second;
+      if (added) help = run(command.name == "open" ? "--help" : std::string(command.name) + " --help");
+      CHECK(help.status == kDone);
+      CHECK(help.output.find(row.name) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("wrong usage gives one clear line and status 2") {
+  for (const char* arguments :
+       {"--size 0x0 a.wrl", "--size big a.wrl", "--nonsense", "check", "print a b", "--orbit 1 a.wrl",
+        "--background 2,0,0 a.wrl", "--headlight maybe a.wrl", "--backend metal a.wrl", "--timeout -1 a.wrl",
+        "--snapshot out.png a.wrl b.wrl", "--samples 0 a.wrl", "--max-bytes many a.wrl", "serve --host a/b .",
+        "serve --cors example.org .", "serve --proxies 10.0.0.0/33 .", "serve --host '' ."}) {
+    const Run result = run(arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status == kUsage);
+    CHECK(result.output.starts_with("ghostspace: "));
+  }
+}
+
+TEST_CASE("check reports errors with their places, and measures") {
+  const ScratchFolder folder;
+  const std::string good = folder.write("good.wrl", kBox),
+                    bad = folder.write("bad.wrl", "#VRML V2.0 utf8\nShape { bogus 1 }\n");
+  CHECK(run("check " + quoted(good)).status == kDone);
+  CHECK(run("check " + quoted(good)).output.empty());
+  const Run result = run("check --stats " + quoted(folder.path("s.json")) + " " + quoted(good) + " " + quoted(bad));
+  CHECK(result.status == kFailed);
+  CHECK(result.output == bad + ":2:9: error: Shape has no field 'bogus'; skipped\n");
+  const auto stats = nlohmann::json::parse(folder.read("s.json"));
+  CHECK(stats["bytes"] == kBox.size() + 34);
+  CHECK(stats["nodes"] == 5);
+  CHECK(stats["peak_rss_bytes"] > 100000);
+  CHECK(stats["parse_s"] > 0);
+}
+
+TEST_CASE("print gives VRML97 that prints the same again") {
+  const ScratchFolder folder;
+  const Run first = run("print " + quoted(folder.write("a.wrl", kBox)));
+  CHECK(first.status == kDone);
+  const Run second = run("print " + quoted(folder.write("b.wrl", first.output)));
+  CHECK(second.output == first.output);
+  CHECK(run("print " + quoted(folder.path("missing.wrl"))).status == kFailed);
+}
+
+TEST_CASE("nodes prints the table as PROTOs that parse and as Markdown") {
+  const ScratchFolder folder;
+  const Run text = run("nodes");
+  CHECK(text.status == kDone);
+  CHECK(text.output.find("PROTO Box [") != std::string::npos);
+  CHECK(run("nodes --wrl").output == text.output);
+  const Run markdown = run("nodes --markdown");
+  CHECK(markdown.output.find("| field | SFVec3f | size | 2 2 2 | (0,inf) |") != std::string::npos);
+}
+
+TEST_CASE("fetch tells what came, when there was a picture, and what was lost") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox);
+  const Run file = run("fetch --json " + quoted(world));
+  CHECK(file.status == 0);
+  const auto told = nlohmann::json::parse(file.output);
+  CHECK(told["bytes"] == kBox.size());
+  CHECK(told["triangles"] == 12);
+  CHECK(told["vectors"] == 0);
+  CHECK(told["complete"] == true);
+  CHECK(told["first_picture_s"].get<double>() >= 0);
+  CHECK_FALSE(told.contains("cells"));
+  CHECK(run("fetch " + quoted(folder.path("none.wrl"))).status == 1);
+  const Run lossy = run("fetch --loss 0.1 http://127.0.0.1:1/a.qnv");
+  CHECK(lossy.status == 2);
+  CHECK(lossy.output.find("expected a cells: URL") != std::string::npos);
+
+  REQUIRE(run("encode --vectors 200000 " + quoted(world) + " " + quoted(folder.path("box.qnv"))).status == 0);
+  ArchiveOptions served;
+  served.folder = folder.path("");
+  served.cells_port = 0;
+  served.log = "";
+  auto started = Archive::start(served);
+  REQUIRE(std::holds_alternative<std::unique_ptr<Archive>>(started));
+  const auto& archive = *std::get<std::unique_ptr<Archive>>(started);
+  const std::string url = "cells://127.0.0.1:" + std::to_string(*archive.cells_port()) + "/box.qnv";
+  const auto whole = nlohmann::json::parse(run("fetch --json " + quoted(url)).output);
+  CHECK(whole["vectors"].get<int>() > 100'000);
+  CHECK(whole["cells"]["lost_datagrams"] == 0);
+  CHECK(whole["first_picture_bytes"].get<int>() > 0);
+  const Run half = run("fetch --json --loss 0.5:3 " + quoted(url));
+  CHECK(half.status == 0);
+  const auto rest = nlohmann::json::parse(half.output);
+  CHECK(rest["cells"]["lost_datagrams"].get<int>() > 0);
+  CHECK(rest["vectors"].get<int>() > 100);
+  const Run words = run("fetch --rate 20000000 " + quoted(url));
+  CHECK(words.output.find("first picture after") != std::string::npos);
+  CHECK(words.output.find("granted 20.000 Mbit/s") != std::string::npos);
+}
+
+TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox), out = folder.path("out.png");
+  const std::string base = "--backend osmesa --samples 1 --size 64x48 --snapshot " + quoted(out) + " ";
+  const Run first = run(base + "--stats " + quoted(folder.path("s.json")) + " " + quoted(world));
+  INFO(first.output);
+  REQUIRE(first.status == kDone);
+  const std::string picture = folder.read("out.png");
+  CHECK(picture.starts_with("\x89PNG"));
+  const auto stats = nlohmann::json::parse(folder.read("s.json"));
+  CHECK(stats["triangles"] == 12);
+  CHECK(stats["backend"] == "osmesa");
+  CHECK(stats["colors"] >= 2);
+  for (const char* key :
+       {"bytes", "load_s", "first_image_s", "frame_s", "vectors", "peak_rss_bytes", "splats", "errors", "warnings"})
+    CHECK(stats.contains(key));
+  CHECK(run(base + quoted(world)).status == kDone);
+  CHECK(folder.read("out.png") == picture);
+
+  const std::string notes = folder.write("notes.txt", "mine");
+  const Run refused = run("--backend osmesa --snapshot " + quoted(notes) + " " + quoted(world));
+  CHECK(refused.status == kFailed);
+  CHECK(folder.read("notes.txt") == "mine");
+  CHECK(run("--backend osmesa --snapshot " + quoted(world) + " " + quoted(world)).status == kFailed);
+  CHECK(folder.read("box.wrl") == kBox);
+}
+
+TEST_CASE("a snapshot of what is no world gives one line and status 1") {
+  const ScratchFolder folder;
+  const std::string out = quoted(folder.path("out.png"));
+  for (const std::string& file :
+       {folder.path("missing.wrl"), folder.write("empty.wrl", ""), folder.write("b.wrl", std::string(64, '\0')),
+        folder.write("cut.wrl", kBox.substr(0, 60)), folder.path("")}) {
+    const Run result = run("--backend osmesa --size 32x32 --snapshot " + out + " " + quoted(file));
+    INFO(file << "\n" << result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  }
+  CHECK(run("--snapshot " + out + " --viewpoint nowhere --backend osmesa " + quoted(folder.write("box.wrl", kBox)))
+            .output.find("no Viewpoint 'nowhere'; the world has none") != std::string::npos);
+}
+
+TEST_CASE("a world that can't be drawn in time is given up in one line, and leaves no picture") {
+  const ScratchFolder folder;
+  // 2^20 boxes in one place, each as large as the picture.
+  std::string text =
+      "#VRML V2.0 utf8\nDEF N0 Shape { appearance Appearance { material Material { transparency 0.5 } } geometry Box { "
+      "} }\n";
+  for (int i = 1; i <= 20; ++i) {
+    const std::string inner = "USE N" + std::to_string(i - 1) + " ";
+    text += "DEF N" + std::to_string(i) + " Group { children [ " + inner + inner + "] }\n";
+  }
+  const Run result = run("--backend osmesa --samples 1 --timeout 1 --snapshot " + quoted(folder.path("out.png")) + " " +
+                         quoted(folder.write("boxes.wrl", text)));
+  INFO(result.output);
+  CHECK(result.status == kFailed);
+  CHECK(result.output.find("drawing takes longer than --timeout") != std::string::npos);
+  CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  CHECK(folder.read("out.png").empty());
+}
+
+TEST_CASE("measurements are written over nothing but measurements") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("box.wrl", kBox), stats = folder.path("s.json");
+  CHECK(run("check --stats " + quoted(stats) + " " + quoted(world)).status == kDone);
+  CHECK(run("check --stats " + quoted(stats) + " " + quoted(world)).status == kDone);
+  const std::string gltf = "{\n  \"asset\": { \"version\": \"2.0\" }\n}\n";
+  for (const auto& [name, bytes] :
+       {std::pair<std::string, std::string>{"box.wrl", kBox}, {"model.gltf", gltf}, {"list.json", "[1]"}}) {
+    const std::string file = folder.write(name, bytes);
+    const Run result = run("check --stats " + quoted(file) + " " + quoted(world));
+    INFO(result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+    CHECK(folder.read(name) == bytes);
+  }
+}

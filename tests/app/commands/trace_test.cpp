@@ -1,0 +1,129 @@
+#include "app/commands/options.h"
+#include "app/session/input_rows.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace gs::app::trace_test {
+namespace {
+
+std::string complaint(const std::string& text) {
+  vrml::Diagnostics diagnostics;
+  (void)read_input_rows(text, "in.jsonl", diagnostics);
+  return diagnostics.entries().empty() ? std::string() : diagnostics.entries().front().text();
+}
+
+const std::string kWorld = R"(#VRML V2.0 utf8
+DEF V1 Viewpoint { description "Front" } DEF V2 Viewpoint { description "Back" position 0 0 -10 orientation 0 1 0 3.14159 }
+DEF Clock TimeSensor { cycleInterval 0.1 startTime 946684800.05 }
+DEF Path PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 2 0 0 ] }
+DEF Place Transform { children Shape { geometry Box { } appearance Appearance { material Material { } } } }
+Transform { }
+ROUTE Clock.fraction_changed TO Path.set_fraction ROUTE Path.value_changed TO Place.translation
+)";
+
+}  // namespace
+
+TEST_CASE("lines of --input are read, and what is wrong with them is told with its place") {
+  vrml::Diagnostics diagnostics;
+  const auto rows = read_input_rows(
+      "{\"t\":0,\"viewpoint\":\"Back\"}\n\n{\"t\":1.5,\"set\":\"A.b.set_x\",\"value\":\"1 0 0\"}\r\n"
+      "{\"t\":2,\"set\":\"A.on\",\"value\":true}\n{\"t\":2,\"set\":\"A.n\",\"value\":-2}",
+      "in.jsonl", diagnostics);
+  CHECK(diagnostics.errors() == 0);
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[0].kind == InputRow::Kind::viewpoint);
+  CHECK(rows[0].name == "Back");
+  CHECK(rows[1].time == 1.5);
+  CHECK(rows[1].name == "A.b");
+  CHECK(rows[1].event == "set_x");
+  CHECK(rows[1].location.line == 3);
+  CHECK(rows[2].value == "TRUE");
+  CHECK(rows[3].value == "-2");
+
+  CHECK(complaint("{\"t\":1}\n{\"t\":") == "in.jsonl:1:1: error: expected one of \"set\" and \"viewpoint\"");
+  CHECK(complaint("\n{\"t\":1,") == "in.jsonl:2:8: error: this is no JSON");
+  CHECK(complaint("[1]") == "in.jsonl:1:1: error: expected a JSON object");
+  CHECK(complaint("{\"t\":-1,\"viewpoint\":\"A\"}").find("in.jsonl:1:2: error: expected \"t\"") == 0);
+  CHECK(complaint("{\"t\":1e999,\"viewpoint\":\"A\"}") == "in.jsonl:1:1: error: a number is too large");
+  CHECK(complaint("{\"t\":2,\"viewpoint\":\"A\"}\n{\"t\":1,\"viewpoint\":\"A\"}") ==
+        "in.jsonl:2:2: error: rows must be in the order of time");
+  CHECK(complaint("{\"t\":1,\"press\":[1,2]}") ==
+        "in.jsonl:1:8: error: \"press\" is not supported yet; expected \"set\" or \"viewpoint\"");
+  CHECK(complaint("{\"t\":1,\"set\":\"nothing\",\"value\":\"1\"}").find("in.jsonl:1:8: error: ") == 0);
+  CHECK(complaint("{\"t\":1,\"set\":\"A.b\"}").find("expected \"value\"") != std::string::npos);
+}
+
+TEST_CASE("trace prints each event with its timestamp, the same every time") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.wrl", kWorld);
+  const Run first = run("trace " + quoted(world) + " --until 0.2");
+  CHECK(first.status == kDone);
+  CHECK(first.output.starts_with("946684800 V1.isBound TRUE\n946684800 V1.bindTime 946684800\n"));
+  CHECK(first.output.find("946684800.05 Clock.isActive TRUE\n") != std::string::npos);
+  CHECK(first.output.find(" Path.value_changed 2 0 0\n") != std::string::npos);
+  CHECK(first.output.find(" Place.translation_changed 2 0 0\n") != std::string::npos);
+  CHECK(first.output.find(" Clock.isActive FALSE\n") != std::string::npos);
+  CHECK(run("trace " + quoted(world) + " --until 0.2").output == first.output);
+  CHECK(run("trace " + quoted(world)).status == kUsage);
+  CHECK(run("trace --until 1 nowhere.wrl").status == kFailed);
+}
+
+TEST_CASE("trace does what --input says") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.wrl", kWorld);
+  const std::string input = folder.write("in.jsonl",
+                                         "{\"t\":0.01,\"viewpoint\":\"Back\"}\n"
+                                         "{\"t\":0.02,\"set\":\"Transform#2.set_scale\",\"value\":\"1 2 3\"}\n"
+                                         "{\"t\":0.02,\"set\":\"Place.removeChildren\",\"value\":\"[Shape#1]\"}\n");
+  const Run result = run("trace " + quoted(world) + " --until 0.03 --input " + quoted(input));
+  CHECK(result.status == kDone);
+  CHECK(result.output.find("946684800.01 V1.isBound FALSE\n") != std::string::npos);
+  CHECK(result.output.find("946684800.01 V2.isBound TRUE\n") != std::string::npos);
+  CHECK(result.output.find("946684800.02 Transform#2.scale_changed 1 2 3\n") != std::string::npos);
+  CHECK(result.output.find("946684800.02 Place.children_changed [ ]\n") != std::string::npos);
+
+  const std::string bad =
+      folder.write("bad.jsonl",
+                   "{\"t\":0,\"set\":\"Nobody.set_scale\",\"value\":\"1 2 3\"}\n"
+                   "{\"t\":0,\"set\":\"Place.set_nothing\",\"value\":\"1 2 3\"}\n"
+                   "{\"t\":0,\"set\":\"Place.set_scale\",\"value\":\"1 2\"}\n"
+                   "{\"t\":0,\"set\":\"Place.set_scale\",\"value\":\"1 2 3 ] field SFBool b TRUE\"}\n"
+                   "{\"t\":0,\"viewpoint\":\"Nowhere\"}\n");
+  const Run wrong = run("trace " + quoted(world) + " --until 1 --input " + quoted(bad));
+  CHECK(wrong.status == kFailed);
+  CHECK(wrong.output.find("bad.jsonl:1:8: error: no node 'Nobody'") != std::string::npos);
+  CHECK(wrong.output.find("bad.jsonl:2:8: error: Transform has no eventIn 'set_nothing'") != std::string::npos);
+  CHECK(wrong.output.find("bad.jsonl:3:32: error: expected a value of type SFVec3f") != std::string::npos);
+  CHECK(wrong.output.find("bad.jsonl:4:32: error: expected a value of type SFVec3f") != std::string::npos);
+  CHECK(wrong.output.find("bad.jsonl:5:8: error: no Viewpoint 'Nowhere'") != std::string::npos);
+  CHECK(wrong.output.find("isBound") == std::string::npos);
+}
+
+TEST_CASE("a snapshot with --time is the picture after so much simulated time") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.wrl", kWorld), still = folder.write("still.wrl", R"(#VRML V2.0 utf8
+Viewpoint { } Transform { translation 2 0 0 children
+  Shape { geometry Box { } appearance Appearance { material Material { } } } })");
+  const std::string size = " --size 64x64 --snapshot ";
+  const auto picture = [&](const std::string& name, const std::string& arguments) {
+    const Run drawn = run(arguments + size + quoted(folder.path(name)));
+    INFO(drawn.output);
+    CHECK(drawn.status == kDone);
+    return run_shell("cksum < " + quoted(folder.path(name))).output;
+  };
+  const std::string begin = picture("0.png", quoted(world)), end = picture("1.png", "--time 1 " + quoted(world));
+  CHECK(begin != end);
+  CHECK(picture("2.png", "--time 1 " + quoted(world)) == end);
+  CHECK(picture("3.png", quoted(still)) == end);
+  const std::string input = folder.write("in.jsonl", "{\"t\":0.01,\"viewpoint\":2}\n");
+  CHECK(picture("4.png", "--time 1 --input " + quoted(input) + " " + quoted(world)) ==
+        picture("5.png", "--time 1 --viewpoint Back " + quoted(world)));
+  CHECK(run("--time 1 " + quoted(world)).status == kUsage);
+  CHECK(run("--time soon" + size + "a.png " + quoted(world)).status == kUsage);
+}
+
+}  // namespace gs::app::trace_test

@@ -1,0 +1,277 @@
+// encode, info and export, as a user runs them.
+#include "app/commands/commands.h"
+#include "app/commands/vectors_of.h"
+#include "app/formats/export/export.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <sys/wait.h>
+#include <csignal>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+#include <thread>
+
+using namespace gs::app;
+
+namespace {
+
+nlohmann::json info(const std::string& file) {
+  const Run result = run("info --json " + quoted(file));
+  INFO(result.output);
+  REQUIRE(result.status == kDone);
+  return nlohmann::json::parse(result.output);
+}
+
+const std::string kBall =
+    "#VRML V2.0 utf8\nWorldInfo { title \"The ball\" }\n"
+    "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } geometry Sphere { radius 2 } }\n";
+constexpr double kBallArea = 50.2655;
+
+// A ball of 16 in a cube of 32: values fall from its middle to its surface.
+std::string raw_ball() {
+  std::string voxels;
+  for (int z = -16; z < 16; ++z)
+    for (int y = -16; y < 16; ++y)
+      for (int x = -16; x < 16; ++x)
+        voxels += static_cast<char>(std::max(0, 200 - 200 * (x * x + y * y + z * z) / 196));
+  return voxels;
+}
+
+}  // namespace
+
+TEST_CASE("encode: a world becomes a stream of its area, title and source, and info tells of it") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), out = folder.path("ball.qnv");
+  const Run result = run("encode --vectors 20000 " + quoted(world) + " " + quoted(out));
+  INFO(result.output);
+  REQUIRE(result.status == kDone);
+  CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  CHECK(result.output.starts_with(out + ": "));
+  CHECK(result.output.find(" bits/vector, ") != std::string::npos);
+  const nlohmann::json facts = info(out);
+  CHECK(facts["type"] == "QNV");
+  CHECK(facts["payload"] == "packed");
+  CHECK(facts["kind"] == "surface");
+  CHECK(facts["area"] == Approx(kBallArea).epsilon(0.02));
+  CHECK(facts["metadata"]["title"] == "The ball");
+  CHECK(facts["metadata"]["source"] == "ball.wrl");
+  CHECK(facts["metadata"]["units"] == "m");
+  CHECK(facts["damaged_chunks"] == 0);
+  CHECK(facts["vectors"] > 10000);
+  CHECK(facts["vectors"] < 40000);
+  std::size_t shown = 0, chunks = 0;
+  for (const auto& level : facts["levels"]) {
+    shown += level["shown"].get<std::size_t>();
+    chunks += level["chunks"].get<std::size_t>();
+  }
+  CHECK(shown == facts["vectors"]);
+  CHECK(chunks == facts["chunks"]);
+  CHECK(run("info " + quoted(out)).output.find("title: The ball") != std::string::npos);
+}
+
+TEST_CASE("encode: the same bytes for the same seed, others for another") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall);
+  const auto encode = [&](const std::string& options, const std::string& name) {
+    const Run result = run("encode --vectors 3000 " + options + " " + quoted(world) + " " + quoted(folder.path(name)));
+    INFO(result.output);
+    REQUIRE(result.status == kDone);
+    return folder.read(name);
+  };
+  CHECK(encode("--packed", "a.qnv") == encode("", "b.qnv"));
+  const std::string records = encode("--records --seed 7", "c.qnv");
+  CHECK(records == encode("--records --seed 7", "d.qnv"));
+  CHECK(records != encode("--records --seed 8", "e.qnv"));
+  const nlohmann::json facts = info(folder.path("c.qnv"));
+  CHECK(facts["payload"] == "records");
+  CHECK(facts["vectors"] == facts["vectors_at_full_detail"]);
+  CHECK(facts["vectors"] <= 3000);
+}
+
+TEST_CASE("encode: --max-bytes is kept, and said when it cannot be") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), out = folder.path("ball.qnv");
+  for (const char* payload : {"--packed", "--records"})
+    for (const std::size_t most : {2000, 5000, 20000, 100000}) {
+      const Run result = run("encode " + std::string(payload) + " --max-bytes " + std::to_string(most) + " " +
+                             quoted(world) + " " + quoted(out));
+      INFO(payload << " " << result.output);
+      REQUIRE(result.status == kDone);
+      CHECK(folder.read("ball.qnv").size() <= most);
+      CHECK(folder.read("ball.qnv").size() > most / 2);
+      CHECK(info(out)["damaged_chunks"] == 0);
+    }
+  const std::string before = folder.read("ball.qnv");
+  for (const char* payload : {"--packed", "--records"}) {
+    const Run result = run("encode " + std::string(payload) + " --max-bytes 100 " + quoted(world) + " " + quoted(out));
+    INFO(result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+  }
+  CHECK(folder.read("ball.qnv") == before);
+}
+
+TEST_CASE("encode: volumes, with and without a header, and their isosurfaces") {
+  const ScratchFolder folder;
+  const std::string raw = folder.write("ball.raw", raw_ball()), out = folder.path("ball.qnv");
+  const std::string how = " --dims 32x32x32 --type u8 --spacing 0.5,0.5,0.5 ";
+  REQUIRE(run("encode --fraction 0.01" + how + quoted(raw) + " " + quoted(out)).status == kDone);
+  nlohmann::json facts = info(out);
+  CHECK(facts["kind"] == "volume");
+  CHECK(facts["payload"] == "records");
+  CHECK(facts["vectors"] == 328);  // round(0.01 * 32768)
+  CHECK(facts["spacing"] == 0.5);
+  REQUIRE(run("encode --vectors 1000" + how + quoted(raw) + " " + quoted(out)).status == kDone);
+  CHECK(info(out)["vectors"] == 1000);
+  // 200 - 200 r^2 / 196 = 100 at r = 7 sqrt(2) voxels of 0.5.
+  REQUIRE(run("encode --isovalue 100" + how + quoted(raw) + " " + quoted(out)).status == kDone);
+  facts = info(out);
+  CHECK(facts["kind"] == "surface");
+  CHECK(facts["payload"] == "packed");
+  CHECK(facts["area"] == Approx(4 * 3.14159265 * 24.5).epsilon(0.03));
+  CHECK(facts["metadata"]["isovalue"] == "100");
+  const Run none = run("encode --isovalue 1000" + how + quoted(raw) + " " + quoted(out));
+  CHECK(none.status == kFailed);
+  CHECK(none.output.find("no surface") != std::string::npos);
+  const nlohmann::json volume = nlohmann::json::parse(run("info --json" + how + quoted(raw)).output);
+  CHECK(volume["dimensions"] == nlohmann::json({32, 32, 32}));
+  CHECK(volume["values"] == nlohmann::json({0.0, 200.0}));
+  CHECK(volume["type_of_voxels"] == "u8");
+  CHECK(run("encode " + quoted(raw) + " " + quoted(out)).output.find("--dims") != std::string::npos);
+}
+
+TEST_CASE("export: every format of the table, and what we read comes back") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 3000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  for (const ExportFormat& format : export_formats()) {
+    const std::string out = folder.path("out" + std::string(format.extension));
+    const Run result = run("export --vectors 1000 " + quoted(stream) + " " + quoted(out));
+    INFO(result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.starts_with(out + ": 1000 vectors, "));
+    // Again over its own kind.
+    CHECK(run("export --vectors 1000 " + quoted(stream) + " " + quoted(out)).status == kDone);
+    CHECK(info(out)["bytes"] > 1000);
+  }
+  const nlohmann::json points = info(folder.path("out.ply")), splats = info(folder.path("out.spz"));
+  CHECK(points["vectors"] == 1000);
+  CHECK(points["area"] == Approx(kBallArea).epsilon(0.02));
+  CHECK(splats["vectors"] == 1000);
+  CHECK(splats["area"] == Approx(kBallArea).epsilon(0.1));
+  // A mesh is encoded on the way; a world for any browser names the stream for ours.
+  CHECK(run("export --vectors 500 " + quoted(world) + " " + quoted(folder.path("mesh.ply"))).status == kDone);
+  CHECK(info(folder.path("mesh.ply"))["vectors"] == 500);
+  REQUIRE(run("export --vrml97 " + quoted(stream) + " " + quoted(folder.path("world.wrl"))).status == kDone);
+  CHECK(folder.read("world.wrl").find("\"ball.qnv\"") != std::string::npos);
+  CHECK(info(folder.path("world.wrl"))["vectors"] == info(stream)["vectors"]);
+  CHECK(run("check " + quoted(folder.path("world.wrl"))).output.empty());
+}
+
+TEST_CASE("encode and export write over nothing but what they write") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 1000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  CHECK(run("encode --vectors 1000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  const std::string bytes = folder.read("ball.qnv");
+  const std::string notes = folder.write("notes.qnv", "mine"),
+                    mesh = folder.write("mesh.ply", "ply\nformat ascii 1.0\n");
+  for (const std::string& arguments :
+       {"encode " + quoted(world) + " " + quoted(notes), "encode " + quoted(stream) + " " + quoted(stream),
+        "export " + quoted(stream) + " " + quoted(mesh), "export " + quoted(world) + " " + quoted(world),
+        "encode " + quoted(folder.path("missing.wrl")) + " " + quoted(stream),
+        "encode " + quoted(folder.write("empty.wrl", "#VRML V2.0 utf8\n")) + " " + quoted(stream),
+        "export " + quoted(folder.write("cut.qnv", bytes.substr(0, 40))) + " " + quoted(folder.path("x.ply")),
+        "info " + quoted(folder.path("cut.qnv")), "info " + quoted(folder.path("missing"))}) {
+    const Run result = run(arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+    CHECK(result.output.find("error: ") != std::string::npos);
+  }
+  CHECK(folder.read("notes.qnv") == "mine");
+  CHECK(folder.read("mesh.ply") == "ply\nformat ascii 1.0\n");
+  CHECK(folder.read("ball.wrl") == kBall);
+  CHECK(folder.read("ball.qnv") == bytes);
+  // A stream that was cut is less, not nothing.
+  const std::string cut = folder.write("half.qnv", bytes.substr(0, bytes.size() * 2 / 3));
+  CHECK(run("export " + quoted(cut) + " " + quoted(folder.path("half.ply"))).status == kDone);
+  CHECK(info(folder.path("half.ply"))["vectors"] > 0);
+  CHECK(info(cut)["problems"].size() == 1);
+}
+
+TEST_CASE("encode, info and export: wrong usage gives one line and status 2") {
+  for (const char* arguments :
+       {"encode a.wrl", "encode a.wrl b.qnv c.qnv", "encode a.wrl b.wrl", "encode --vectors 0 a.wrl b.qnv",
+        "encode --vectors many a.wrl b.qnv", "encode --fraction 2 a.wrl b.qnv", "encode --fraction 0 a.wrl b.qnv",
+        "encode --vectors 5 --max-bytes 5 a.wrl b.qnv", "encode --packed --records a.wrl b.qnv",
+        "encode --isovalue nan a.raw b.qnv", "encode --dims 1x2 a.raw b.qnv", "encode --type u12 a.raw b.qnv",
+        "encode --spacing 1,0,1 a.raw b.qnv", "encode --seed x a.wrl b.qnv", "export a.qnv", "export a.qnv b.nothing",
+        "export --vrml97 a.qnv b.spz", "info", "info a b"}) {
+    const Run result = run(arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status == kUsage);
+    CHECK(result.output.starts_with("ghostspace: "));
+  }
+  CHECK(run("export a.qnv b.nothing").output.find(".3dgs.ply") != std::string::npos);
+}
+
+TEST_CASE("encode: an interrupt cancels every kind of work") {
+  const ScratchFolder folder;
+  Options options;
+  for (const std::string& file : {folder.write("ball.wrl", kBall), folder.write("ball.raw", raw_ball()),
+                                  folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n")}) {
+    options.files = {file, folder.path("out.qnv")};
+    if (file.ends_with(".raw")) options.raw.dimensions = {32, 32, 32};
+    for (const auto isovalue : {std::optional<double>(), std::optional<double>(100)}) {
+      if (isovalue && !file.ends_with(".raw")) continue;
+      options.isovalue = isovalue;
+      const auto input = open_input(options, file);
+      REQUIRE(input);
+      ProgressBar progress;
+      CHECK_FALSE(progress.cancelled());
+      REQUIRE(raise(SIGINT) == 0);
+      while (!progress.cancelled()) std::this_thread::yield();
+      CHECK(std::holds_alternative<gs::qnv::EncodeError>(encode_input(options, *input, progress)));
+    }
+    options.raw = {};
+    options.isovalue.reset();
+  }
+}
+
+TEST_CASE("snapshot: budgets, losses and prefixes of a stream, drawn either way") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 20000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  const auto snapshot = [&](const std::string& options) {
+    const std::string stats = folder.path("stats.json");
+    const Run result =
+        run("--snapshot " + quoted(folder.path("ball.png")) + " --size 200x150 --backend osmesa --stats " +
+            quoted(stats) + " " + options + " " + quoted(stream));
+    INFO(options << "\n" << result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.empty());
+    return nlohmann::json::parse(folder.read("stats.json"));
+  };
+  const nlohmann::json whole = snapshot("");
+  CHECK(whole["vectors"] > 500);
+  CHECK(whole["splats"] == "cpu");
+  CHECK(whole["colors"] > 10);
+  CHECK(snapshot("--splats gl")["splats"] == "gl");
+  // Of a ball about half of the discs face the viewer.
+  const nlohmann::json few = snapshot("--budget 800");
+  CHECK(few["vectors"] > 100);
+  CHECK(few["vectors"] <= 800);
+  CHECK(snapshot("--max-bytes 1000")["vectors"] > 20);
+  const nlohmann::json lossy = snapshot("--loss 1");
+  CHECK(lossy["vectors"] > 100);
+  CHECK(run("--snapshot x.png --loss 1.5 " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --splats fast " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --budget 0 " + quoted(stream)).status == kUsage);
+}

@@ -1,0 +1,350 @@
+#include "app/formats/export/export.h"
+#include "app/formats/mesh/gltf.h"
+#include "app/formats/mesh/points.h"
+#include "app/formats/splats/splats.h"
+#include "vrml/syntax/parser.h"
+
+#include "tests/app/clouds.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <set>
+
+namespace {
+
+using namespace gs::test;
+using namespace gs::app;
+using gs::qnv::Kind;
+using gs::qnv::Rgb8;
+using gs::vrml::Color;
+
+Bytes written(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportOptions&),
+              const ExportOptions& options = {}) {
+  auto result = write(cloud, options);
+  if (const auto* problem = std::get_if<std::string>(&result)) {
+    FAIL("not exported: " << *problem);
+    return {};
+  }
+  return std::move(std::get<Bytes>(result));
+}
+
+struct Tolerance {
+  float position, normal, area;  // units; dot product below 1; logarithm
+  int color;
+};
+
+void check_same(const Cloud& a, const Cloud& b, const Tolerance& tolerance) {
+  REQUIRE(a.size() == b.size());
+  float position = 0, normal = 0, area = 0;
+  int color = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int k = 0; k < 3; ++k) position = std::max(position, std::abs(a.positions[i][k] - b.positions[i][k]));
+    normal = std::max(normal, 1 - dot(a.normals[i], b.normals[i]));
+    area = std::max(area, std::abs(std::log(a.weights[i] / b.weights[i])));
+    color = std::max({color, std::abs(a.colors[i].r - b.colors[i].r), std::abs(a.colors[i].g - b.colors[i].g),
+                      std::abs(a.colors[i].b - b.colors[i].b)});
+  }
+  CHECK(position <= tolerance.position);
+  CHECK(normal <= tolerance.normal);
+  CHECK(area <= tolerance.area);
+  CHECK(color <= tolerance.color);
+  CHECK(b.description.total == Approx(a.description.total).epsilon(0.07));
+}
+
+/// A sphere that is not centred, with normals to both poles.
+Cloud model() {
+  Cloud cloud = sphere(999, 2, {3, -1, 0.5f});
+  cloud.normals[0] = {0, 0, 1};
+  cloud.normals[1] = {0, 0, -1};
+  cloud.normals[2] = glm::vec3(1e-5f, 0, -1);
+  return cloud;
+}
+
+Cloud volume_cloud() {
+  Cloud cloud = sphere(10);
+  cloud.colors.clear();
+  cloud.description.kind = Kind::volume;
+  cloud.description.spacing = 0.25f;
+  cloud.description.transfer = {{0.0f, {0, 0, 0}, 0.0f}, {0.5f, {255, 0, 0}, 0.5f}, {1.0f, {255, 255, 255}, 1.0f}};
+  for (int i = 0; i < 10; ++i) cloud.classes.push_back(static_cast<std::uint8_t>(i * 28));  // 0..252
+  return cloud;
+}
+
+TEST_CASE("the table of export formats") {
+  CHECK(export_format_of("a.ply")->name == "ply");
+  CHECK(export_format_of("dir.spz/a.3DGS.PLY")->name == "3dgs-ply");
+  CHECK(export_format_of("a.glb")->name == "glb");
+  CHECK(export_format_of("a.spz")->name == "spz");
+  CHECK(export_format_of("a.v3.spz")->name == "spz3");
+  CHECK(export_format_of("a.wrl")->name == "vrml97");
+  CHECK(export_format_of("a.patches.wrl")->name == "vrml97-patches");
+  CHECK(export_format_of("a.exe") == nullptr);
+  CHECK(export_format_of("") == nullptr);
+  std::set<std::string_view> names, extensions;
+  for (const ExportFormat& format : export_formats()) {
+    CHECK(names.insert(format.name).second);
+    CHECK(extensions.insert(format.extension).second);
+    CHECK(export_format_named(format.name) == &format);
+  }
+  CHECK(export_format_named("nothing") == nullptr);
+}
+
+TEST_CASE("PLY points come back bit for bit") {
+  const Cloud cloud = model();
+  const Bytes bytes = written(cloud, export_points_ply);
+  CHECK(is_points_ply(bytes));
+  CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 31);
+  const Cloud back = cloud_of(import_points_ply, bytes);
+  CHECK(back.positions == cloud.positions);
+  CHECK(back.weights == cloud.weights);
+  CHECK(back.colors == cloud.colors);
+  check_same(cloud, back, {0, 1e-6f, 0, 0});
+  Bytes short_one(bytes.begin(), bytes.begin() + 1200);
+  check_hostile(import_points_ply, short_one, 31);
+}
+
+TEST_CASE("3DGS PLY comes back") {
+  const Cloud cloud = model();
+  const Bytes bytes = written(cloud, export_splats_ply);
+  CHECK(is_splats_ply(bytes));
+  CHECK_FALSE(is_splats_compressed_ply(bytes));
+  CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 68);
+  const Cloud back = cloud_of(import_splats_ply, bytes);
+  check_same(cloud, back, {0, 1e-6f, 1e-5f, 0});
+  CHECK(metadata(back, "splats not discs").empty());
+}
+
+TEST_CASE("SPZ comes back within its steps") {
+  const Cloud cloud = model();
+  for (auto* write : {export_spz, export_spz3}) {
+    const Bytes bytes = written(cloud, write);
+    CHECK(is_splats_spz(bytes) == (write == export_spz));
+    const Cloud back = cloud_of(import_splats_spz, bytes);
+    // The largest coordinate is 5: 20 bits behind the point. Two scales to 1/32 in their logarithm; quaternions
+    // to 1/723 a component; colours to 0.282 / 38.25 of 255 and a rounding.
+    check_same(cloud, back, {0.51f / (1 << 20), 2e-5f, 0.0626f, 2});
+    CHECK(metadata(back, "splats not discs").empty());
+    check_hostile(import_splats_spz, bytes, 211);
+  }
+  CHECK(written(cloud, export_spz).size() < 999 * 20);
+  CHECK(std::holds_alternative<std::string>(export_spz(Cloud(), {})));
+  CHECK(std::holds_alternative<std::string>(export_spz3(Cloud(), {})));
+}
+
+TEST_CASE("SPZ fits its fixed point to the coordinates") {
+  for (const float size : {1e-3f, 1.0f, 1e5f, 1e9f}) {
+    const Cloud cloud = sphere(50, size);
+    const Cloud back = cloud_of(import_splats_spz, written(cloud, export_spz));
+    REQUIRE(back.size() == 50);
+    // Up to 2^23 the largest coordinate decides; then the format ends.
+    if (size < 1e6f) CHECK(length(back.positions[7] - cloud.positions[7]) <= size * 3e-7f + 1e-7f);
+  }
+}
+
+struct Glb {
+  nlohmann::json document;
+  Bytes binary;
+};
+Glb read_glb(const Bytes& bytes) {
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, &bytes.at(at), 4);
+    return value;
+  };
+  REQUIRE(string_of(bytes).substr(0, 4) == "glTF");
+  REQUIRE(word(4) == 2);
+  REQUIRE(word(8) == bytes.size());
+  REQUIRE(word(16) == 0x4e4f534a);
+  const std::size_t length = word(12);
+  REQUIRE(length % 4 == 0);
+  Glb glb;
+  glb.document = nlohmann::json::parse(string_of(bytes).substr(20, length));
+  if (20 + length < bytes.size()) {
+    REQUIRE(word(20 + length + 4) == 0x004e4942);
+    REQUIRE(word(20 + length) % 4 == 0);
+    glb.binary.assign(bytes.begin() + static_cast<std::ptrdiff_t>(28 + length), bytes.end());
+    REQUIRE(glb.binary.size() == word(20 + length));
+  }
+  return glb;
+}
+
+TEST_CASE("GLB with KHR_gaussian_splatting") {
+  const Cloud cloud = model();
+  const Bytes bytes = written(cloud, export_glb, {"b\xffll \"1\"", {}});
+  const Glb glb = read_glb(bytes);
+  const auto& document = glb.document;
+  CHECK(document["extensionsUsed"] == nlohmann::json{"KHR_gaussian_splatting"});
+  CHECK_FALSE(document.contains("extensionsRequired"));
+  const auto& primitive = document["meshes"][0]["primitives"][0];
+  CHECK(primitive["mode"] == 0);
+  CHECK(primitive["extensions"]["KHR_gaussian_splatting"]["kernel"] == "ellipse");
+  CHECK(primitive["extensions"]["KHR_gaussian_splatting"]["colorSpace"] == "srgb_rec709_display");
+  CHECK(primitive["attributes"].size() == 6);
+  CHECK(glb.binary.size() == 999 * 60);
+  const auto floats = [&](const char* name, std::size_t width) {
+    const auto& accessor = document["accessors"][primitive["attributes"][name].get<std::size_t>()];
+    REQUIRE(accessor["componentType"] == 5126);
+    REQUIRE(accessor["count"] == 999);
+    const auto& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    REQUIRE(view["byteOffset"].get<std::size_t>() % 4 == 0);
+    REQUIRE(view["byteLength"].get<std::size_t>() == 999 * width * 4);
+    std::vector<float> values(999 * width);
+    std::memcpy(values.data(), &glb.binary.at(view["byteOffset"].get<std::size_t>()), values.size() * 4);
+    return values;
+  };
+  const auto positions = floats("POSITION", 3), rotations = floats("KHR_gaussian_splatting:ROTATION", 4);
+  const auto scales = floats("KHR_gaussian_splatting:SCALE", 3),
+             opacities = floats("KHR_gaussian_splatting:OPACITY", 1);
+  const auto dc = floats("KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", 3);
+  SplatModel splats;
+  splats.axes = kFromRightUpBack;
+  splats.resize(999);
+  glm::vec3 least(1e9f), most(-1e9f);
+  for (std::size_t i = 0; i < 999; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t at = 3 * i + static_cast<std::size_t>(k);
+      splats.positions[i][k] = positions[at];
+      splats.scales[i][k] = scales[at];
+      splats.dc[i][k] = dc[at];
+      least[k] = std::min(least[k], positions[at]);
+      most[k] = std::max(most[k], positions[at]);
+    }
+    for (int k = 0; k < 4; ++k) splats.rotations[i][k] = rotations[4 * i + static_cast<std::size_t>(k)];
+    splats.opacities[i] = opacities[i];
+  }
+  check_same(cloud, cloud_of_splats(splats), {0, 1e-6f, 1e-5f, 0});
+  const auto& accessor = document["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
+  for (int k = 0; k < 3; ++k) {
+    CHECK(accessor["min"][static_cast<std::size_t>(k)].get<float>() == least[k]);
+    CHECK(accessor["max"][static_cast<std::size_t>(k)].get<float>() == most[k]);
+  }
+}
+
+TEST_CASE("our own glTF reader shows the points of the GLB") {
+  const Cloud cloud = model();
+  const Bytes bytes = written(cloud, export_glb);
+  const Imported result =
+      imported([](auto b, auto& scene, auto& diagnostics) { import_gltf(b, scene, diagnostics); }, bytes);
+  CHECK(result.diagnostics.errors() == 0);
+  CHECK(result.points() == cloud.positions);
+  const Color color = result.colors()[300];
+  CHECK(color.r == Approx(static_cast<float>(cloud.colors[300].r) / 255).margin(0.03));
+  CHECK(color.b == Approx(200.0f / 255).margin(0.01));
+  const Glb empty = read_glb(written(Cloud(), export_glb));
+  CHECK(empty.binary.empty());
+  CHECK_FALSE(empty.document.contains("meshes"));
+}
+
+Imported parsed(const std::string& text) {
+  Imported result;
+  gs::vrml::parse(text, *result.scene, result.diagnostics);
+  return result;
+}
+
+TEST_CASE("VRML97 points for any browser") {
+  const Cloud cloud = model();
+  const std::string text = string_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
+  CHECK(text.starts_with("#VRML V2.0 utf8"));
+  const Imported world = parsed(text);
+  CHECK(world.messages().empty());
+  const auto shapes = world.all("Shape");
+  REQUIRE(shapes.size() == 1);
+  const auto instance = world.scene->get<gs::vrml::SFNode>(shapes[0], "geometry");
+  const auto points = world.scene->resolve_as(instance, "PointSet");
+  REQUIRE(points);
+  CHECK(world.scene->get<gs::vrml::MFString>(instance, "url")[0] == "ball.qnv");
+  CHECK(world.scene->get<gs::vrml::SFVec3f>(instance, "bboxSize").x == Approx(4).margin(0.02));
+  const auto coordinates = world.scene->get<gs::vrml::SFNode>(points, "coord");
+  const auto& array = world.scene->get<gs::vrml::MFVec3f>(coordinates, "point");
+  REQUIRE(array.size() == cloud.size());
+  CHECK(std::equal(array.begin(), array.end(), cloud.positions.begin()));
+  const auto colors = world.scene->get<gs::vrml::SFNode>(points, "color");
+  const auto& color = world.scene->get<gs::vrml::MFColor>(colors, "color");
+  REQUIRE(color.size() == cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(std::lround(color[i].g * 255) == cloud.colors[i].g);
+}
+
+TEST_CASE("VRML97 points of one colour are shaded, since nothing else would light them") {
+  Cloud cloud = sphere(100);
+  cloud.colors.clear();
+  cloud.color = {200, 200, 200};
+  const Imported world = parsed(string_of(written(cloud, export_vrml97_points)));
+  float least = 1, most = 0;
+  const auto colors = world.all("Color");
+  REQUIRE_FALSE(colors.empty());
+  for (const Color& c : world.scene->get<gs::vrml::MFColor>(colors[0], "color")) {
+    least = std::min(least, c.r);
+    most = std::max(most, c.r);
+  }
+  CHECK(most == Approx(200.0f / 255).margin(0.05));
+  CHECK(least < 0.4f);
+}
+
+TEST_CASE("VRML97 patches have the areas and sides of the discs") {
+  const Cloud cloud = model();
+  const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
+  CHECK(world.messages().empty());
+  const auto faces =
+      world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "IndexedFaceSet");
+  REQUIRE(faces);
+  const auto& points = world.scene->get<gs::vrml::MFVec3f>(world.scene->get<gs::vrml::SFNode>(faces, "coord"), "point");
+  const auto& index = world.scene->get<gs::vrml::MFInt32>(faces, "coordIndex");
+  REQUIRE(points.size() == 4 * cloud.size());
+  REQUIRE(index.size() == 5 * cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const glm::vec3 a = points[4 * i + 1] - points[4 * i], b = points[4 * i + 3] - points[4 * i];
+    const glm::vec3 normal(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    REQUIRE(length(normal) == Approx(cloud.weights[i]).epsilon(1e-3));
+    REQUIRE(dot(normal, cloud.normals[i]) == Approx(cloud.weights[i]).epsilon(1e-3));
+    REQUIRE(length(points[4 * i] + points[4 * i + 2] - cloud.positions[i] * 2.0f) < 1e-5f);
+    REQUIRE(index[5 * i + 3] == static_cast<std::int32_t>(4 * i + 3));
+  }
+}
+
+TEST_CASE("volumes become balls with the colours of their transfer function") {
+  const Cloud cloud = volume_cloud();
+  const Cloud points = cloud_of(import_points_ply, written(cloud, export_points_ply));
+  REQUIRE(points.size() == 10);
+  CHECK(points.colors[9].r == 255);
+  CHECK(points.colors[9].g == 249);  // class 252: half way from 0.5 to 1 by 0.9765
+  CHECK(points.weights[0] == 0.0625f);
+  CHECK(dot(points.normals[4], cloud.normals[4]) == Approx(-1));
+  // The first one cannot be seen.
+  const Cloud splats = cloud_of(import_splats_spz, written(cloud, export_spz));
+  CHECK(splats.size() == 9);
+  CHECK(metadata(splats, "splats not discs") == "9");
+  for (auto* write : {export_vrml97_points, export_vrml97_patches})
+    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
+}
+
+TEST_CASE("clouds with broken numbers are exported without them") {
+  Cloud cloud = sphere(6);
+  cloud.positions[0].x = NAN;
+  cloud.weights[1] = INFINITY;
+  cloud.weights[2] = 0;
+  cloud.normals[3].y = -INFINITY;
+  CHECK(cloud_of(import_splats_ply, written(cloud, export_splats_ply)).size() == 2);
+  CHECK(cloud_of(import_splats_spz, written(cloud, export_spz)).size() == 2);
+  CHECK(cloud_of(import_points_ply, written(cloud, export_points_ply)).size() == 2);
+  CHECK(read_glb(written(cloud, export_glb)).binary.size() == 120);
+  for (const ExportFormat& format : export_formats()) {
+    (void)format.write(cloud, {});
+    (void)format.write(Cloud(), {});
+  }
+  for (auto* write : {export_vrml97_points, export_vrml97_patches}) {
+    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
+    CHECK(parsed(string_of(written(Cloud(), write))).messages().empty());
+  }
+}
+
+TEST_CASE("the PROTO that stands in for the QNV node") {
+  const Bytes file = file_bytes(std::filesystem::path(GHOSTSPACE_TESTS).parent_path() / "assets/protos/QNV.wrl");
+  REQUIRE_FALSE(file.empty());
+  const Imported world =
+      parsed(string_of(file) + "Shape { geometry QNV { url \"a.qnv\" detail 2 bboxSize 1 2 3 vectors [ 1, 2 ] } }\n");
+  CHECK(world.messages().empty());
+  CHECK(world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "PointSet"));
+}
+
+}  // namespace

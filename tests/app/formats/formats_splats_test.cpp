@@ -1,0 +1,477 @@
+#include "app/formats/mesh/point_areas.h"
+#include "app/formats/mesh/points.h"
+#include "app/formats/splats/splats.h"
+
+#include "tests/app/clouds.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+
+namespace {
+
+using namespace gs::test;
+using namespace gs::app;
+using gs::qnv::Rgb8;
+
+constexpr float kPi = std::numbers::pi_v<float>;
+const glm::vec4 kNoTurn(0, 0, 0, 1);
+
+bool near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) { return length(a - b) <= tolerance; }
+
+SplatModel one_splat(glm::vec3 position, glm::vec3 scale, glm::vec4 rotation) {
+  SplatModel model;
+  model.format = "test";
+  model.axes = kFromRightUpBack;
+  model.resize(1);
+  model.positions[0] = position;
+  model.scales[0] = scale;
+  model.rotations[0] = rotation;
+  model.opacities[0] = 1;
+  return model;
+}
+
+TEST_CASE("a splat becomes the disc across its smallest axis") {
+  SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
+  model.dc[0] = {0, 0.5f / kSphericalHarmonic0, -9};
+  Cloud cloud = cloud_of_splats(model);
+  check_sound(cloud);
+  REQUIRE(cloud.size() == 1);
+  CHECK(cloud.positions[0] == glm::vec3(1, 2, 3));
+  CHECK(near(cloud.normals[0], {0, 0, 1}));
+  // The integral of the Gaussian, 2 pi s1 s2, is the area.
+  CHECK(cloud.weights[0] == Approx(12 * kPi));
+  CHECK(cloud.colors[0] == Rgb8{128, 255, 0});
+  CHECK(metadata(cloud, "splats not discs").empty());
+  CHECK(metadata(cloud, "source") == "test");
+
+  // A quarter turn around x leads y to z: the disc across y looks along z.
+  const float half = std::sqrt(0.5f);
+  cloud = cloud_of_splats(one_splat({0, 0, 0}, {1, 0.01f, 1}, {half, 0, 0, half}));
+  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
+  // The same with another length of the quaternion, and with the axes of most files.
+  model = one_splat({0, 5, 7}, {0.01f, 1, 1}, {0, 0, 3 * half, 3 * half});
+  model.axes = kFromRightDownForward;
+  cloud = cloud_of_splats(model);
+  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 1, 0}));
+  CHECK(cloud.positions[0] == glm::vec3(0, -5, -7));
+}
+
+TEST_CASE("the sides of splats") {
+  // Round ones look away from the middle of the box, flat ones keep their z axis, known normals win.
+  SplatModel model = one_splat({0, 0, -1}, {1, 1, 0.1f}, kNoTurn);
+  model.resize(2);
+  model.positions[1] = {0, 0, 1};
+  model.scales[1] = model.scales[0];
+  model.rotations[1] = kNoTurn;
+  model.opacities[1] = 1;
+  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, -1}));
+  CHECK(near(cloud_of_splats(model).normals[1], {0, 0, 1}));
+  model.scales[0].z = model.scales[1].z = 0;
+  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, 1}));
+  model.normals = {{0, 0.1f, -2}, {0, 0, 0}};
+  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, -1}));
+  CHECK(near(cloud_of_splats(model).normals[1], {0, 0, 1}));
+}
+
+TEST_CASE("splats that cannot be discs are counted") {
+  SplatModel model;
+  model.format = "test";
+  model.announced = 12;
+  model.resize(10);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    model.positions[i] = {static_cast<float>(i), 0, 0};
+    model.scales[i] = {1, 1, 0.2f};
+    model.rotations[i] = kNoTurn;
+    model.opacities[i] = 0.5f;
+  }
+  model.scales[1] = {1, 0.31f, 1};  // thick
+  model.opacities[2] = 0.9f / 255;
+  model.positions[3].y = NAN;
+  model.scales[4].x = INFINITY;
+  model.scales[5] = {0, 0, 0};
+  model.rotations[6] = {0, 0, 0, 0};
+  model.scales[7].z = -1;
+  model.opacities[8] = NAN;
+  const Cloud cloud = cloud_of_splats(model);
+  check_sound(cloud);
+  CHECK(cloud.size() == 3);
+  CHECK(metadata(cloud, "splats not discs") == "1");
+  CHECK(metadata(cloud, "splats too faint") == "1");
+  CHECK(metadata(cloud, "splats broken") == "6");
+  CHECK(metadata(cloud, "splats missing") == "2");
+  CHECK(std::holds_alternative<std::string>(import_result(SplatModel())));
+}
+
+constexpr const char* k2dgs =
+    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+    "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+    "property float scale_0\nproperty float scale_1\n"
+    "property float rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\nend_header\n"
+    "1 2 3 0 0 0 0 0 0 1 0 0 0\n"
+    "4 5 6 1.7724539 0 -1.7724539 10 0.6931472 0 0 1 0 0\n";
+
+TEST_CASE("2DGS PLY") {
+  CHECK(is_splats_ply(bytes_of(k2dgs)));
+  CHECK_FALSE(is_splats_compressed_ply(bytes_of(k2dgs)));
+  const Cloud cloud = cloud_of(import_splats_ply, bytes_of(k2dgs));
+  REQUIRE(cloud.size() == 2);
+  CHECK(metadata(cloud, "source") == "2DGS PLY");
+  CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
+  CHECK(near(cloud.normals[0], {0, 0, -1}));  // +Z of the file is away from the viewer
+  CHECK(near(cloud.normals[1], {0, 0, 1}));   // half a turn around x
+  CHECK(cloud.weights[0] == Approx(2 * kPi));
+  CHECK(cloud.weights[1] == Approx(4 * kPi));  // ln 2
+  CHECK(cloud.colors[1] == Rgb8{255, 128, 0});
+  check_hostile(import_splats_ply, bytes_of(k2dgs));
+}
+
+TEST_CASE("3DGS PLY of a trained scene") {
+  const auto path = shared_folder() / "data/splats/train-1000.ply";
+  if (!std::filesystem::exists(path)) {
+    WARN("no " << path);
+    return;
+  }
+  Bytes bytes = file_bytes(path);
+  CHECK(is_splats_ply(bytes));
+  CHECK_FALSE(is_points_ply(bytes_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")));
+  const Cloud cloud = cloud_of(import_splats_ply, bytes);
+  REQUIRE(cloud.size() == 1000);
+  CHECK(metadata(cloud, "splats not discs") == "865");
+  // Computed from the file by other means, in double precision.
+  CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
+  CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
+  CHECK(near(cloud.normals[0], {0.9759472f, 0.2069927f, 0.0684179f}));
+  CHECK(std::abs(dot(cloud.normals[500], {-0.0859895f, -0.9825963f, -0.1646523f})) == Approx(1));
+  CHECK(cloud.weights[500] == Approx(0.005127410793246222));
+  CHECK(cloud.colors[0] == Rgb8{110, 144, 108});
+  CHECK(cloud.colors[999] == Rgb8{72, 105, 92});
+  bytes.resize(bytes.size() - 248 * 100 - 7);
+  const Cloud shorter = cloud_of(import_splats_ply, bytes);
+  CHECK(shorter.size() == 899);
+  CHECK(metadata(shorter, "splats missing") == "101");
+  bytes.resize(4000);
+  check_hostile(import_splats_ply, bytes, 97);
+}
+
+void put_antimatter(Bytes& to, glm::vec3 p, glm::vec3 s, std::initializer_list<int> color_and_rotation) {
+  for (int k = 0; k < 3; ++k) put(to, p[k]);
+  for (int k = 0; k < 3; ++k) put(to, s[k]);
+  for (const int b : color_and_rotation) to.push_back(static_cast<std::byte>(b));
+}
+
+TEST_CASE("antimatter .splat, of which every prefix is a scene") {
+  Bytes bytes;
+  put_antimatter(bytes, {1, 2, 3}, {0.5f, 0.25f, 0.001f}, {255, 0, 51, 255, 255, 128, 128, 128});
+  // (0, 1, 1, 0) as w x y z: half a turn around the diagonal leads z to -z; x and y change places.
+  put_antimatter(bytes, {-1, 0, 0}, {0.001f, 1, 1}, {0, 255, 0, 128, 128, 218, 218, 128});
+  put_antimatter(bytes, {0, 0, 0}, {1, 1, 1}, {0, 0, 0, 0, 255, 128, 128, 128});  // not to be seen
+  const Cloud cloud = cloud_of(import_splats_antimatter, bytes);
+  REQUIRE(cloud.size() == 2);
+  CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
+  CHECK(cloud.weights[0] == Approx(kPi / 4));
+  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
+  CHECK(near(cloud.normals[1] * cloud.normals[1], {0, 1, 0}));
+  CHECK(cloud.colors[0] == Rgb8{255, 0, 51});
+  CHECK(metadata(cloud, "splats too faint") == "1");
+  bytes.resize(70);
+  CHECK(metadata(cloud_of(import_splats_antimatter, bytes), "splats missing") == "1");
+  CHECK(problem_of(import_splats_antimatter, Bytes(31)).find("32 bytes") != std::string::npos);
+  check_hostile(import_splats_antimatter, bytes);
+}
+
+struct Ksplat {
+  std::uint16_t mode = 0, degree = 0;
+  std::uint32_t count = 0, bucket_size = 0, full = 0;
+  std::vector<std::uint32_t> partial;
+  std::vector<glm::vec3> centers;
+  float block = 0;
+  Bytes splats;
+
+  [[nodiscard]] Bytes file() const {
+    Bytes bytes(4096 + 1024);
+    const auto set = [&](std::size_t at, auto value) { std::memcpy(&bytes[at], &value, sizeof value); };
+    bytes[1] = std::byte{1};
+    for (const std::size_t at : {4, 8}) set(at, std::uint32_t{1});
+    set(12, count);
+    set(16, count);
+    set(20, mode);
+    set(4096, count);
+    set(4100, count);
+    set(4104, bucket_size);
+    set(4108, static_cast<std::uint32_t>(centers.size()));
+    set(4112, block);
+    set(4116, std::uint16_t{12});
+    set(4128, full);
+    set(4132, static_cast<std::uint32_t>(partial.size()));
+    set(4136, degree);
+    for (const auto size : partial) put(bytes, size);
+    for (const auto& center : centers)
+      for (int k = 0; k < 3; ++k) put(bytes, center[k]);
+    bytes.insert(bytes.end(), splats.begin(), splats.end());
+    return bytes;
+  }
+};
+
+TEST_CASE(".ksplat with floats") {
+  Ksplat made;
+  made.count = 2;
+  made.degree = 1;
+  for (int i = 0; i < 2; ++i) {
+    for (const float f : {1.0f, 2.0f, 3.0f + static_cast<float>(i), 0.5f, 0.25f, 0.001f, 2.0f, 0.0f, 0.0f, 0.0f})
+      put(made.splats, f);
+    for (const int b : {10, 20, 30, 255}) made.splats.push_back(static_cast<std::byte>(b));
+    for (int k = 0; k < 9; ++k) put(made.splats, 0.5f);
+  }
+  const Bytes bytes = made.file();
+  const Cloud cloud = cloud_of(import_splats_ksplat, bytes);
+  REQUIRE(cloud.size() == 2);
+  CHECK(cloud.positions[1] == glm::vec3(1, -2, -4));
+  CHECK(cloud.weights[0] == Approx(kPi / 4));
+  CHECK(cloud.colors[0] == Rgb8{10, 20, 30});
+  CHECK(near(cloud.normals[0], {0, 0, -1}));
+  Bytes wrong = bytes;
+  wrong[0] = std::byte{1};
+  CHECK(problem_of(import_splats_ksplat, wrong).find("version 1.1") != std::string::npos);
+  wrong = bytes;
+  wrong.resize(wrong.size() - 1);
+  CHECK(problem_of(import_splats_ksplat, wrong).find("too early") != std::string::npos);
+}
+
+TEST_CASE(".ksplat with buckets") {
+  for (const std::uint16_t mode : {1, 2}) {
+    Ksplat made;
+    made.mode = mode;
+    made.degree = 1;
+    made.count = 4;
+    made.bucket_size = 2;
+    made.full = 1;
+    made.partial = {1, 1};
+    made.centers = {{10, 0, 0}, {20, 0, 0}, {30, 0, 0}};
+    made.block = 2 * 32767;  // one unit a step
+    for (int i = 0; i < 4; ++i) {
+      for (const int c : {32767 + i, 32767, 32766}) put(made.splats, static_cast<std::uint16_t>(c));
+      for (const int half : {0x3800, 0x3400, 0x0400})
+        put(made.splats, static_cast<std::uint16_t>(half));                                         // 1/2 1/4 2^-14
+      for (const int half : {0, 0x3c00, 0, 0}) put(made.splats, static_cast<std::uint16_t>(half));  // x = 1
+      for (const int b : {10, 20, 30, 255}) made.splats.push_back(static_cast<std::byte>(b));
+      for (int k = 0; k < 9 * (mode == 1 ? 2 : 1); ++k) made.splats.push_back(std::byte{7});
+    }
+    const Bytes bytes = made.file();
+    const Cloud cloud = cloud_of(import_splats_ksplat, bytes);
+    REQUIRE(cloud.size() == 4);
+    CHECK(cloud.positions[0] == glm::vec3(10, 0, 1));
+    CHECK(cloud.positions[1] == glm::vec3(11, 0, 1));
+    CHECK(cloud.positions[2] == glm::vec3(22, 0, 1));
+    CHECK(cloud.positions[3] == glm::vec3(33, 0, 1));
+    CHECK(cloud.weights[3] == Approx(kPi / 4));
+    CHECK(near(cloud.normals[0], {0, 0, 1}));
+    check_hostile(import_splats_ksplat, bytes, 13);
+  }
+}
+
+Bytes gzip(const Bytes& data) {
+  Bytes result(compressBound(static_cast<uLong>(data.size())) + 64);
+  z_stream stream{};
+  REQUIRE(deflateInit2(&stream, 6, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) == Z_OK);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
+  stream.avail_in = static_cast<uInt>(data.size());
+  stream.next_out = reinterpret_cast<Bytef*>(result.data());
+  stream.avail_out = static_cast<uInt>(result.size());
+  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
+  result.resize(stream.total_out);
+  deflateEnd(&stream);
+  return result;
+}
+
+/// Two splats of an SPZ file as it is before it is packed.
+Bytes spz(std::uint32_t version, int flags = 0) {
+  Bytes data;
+  put(data, std::uint32_t{0x5053474e});
+  put(data, version);
+  put(data, std::uint32_t{2});
+  for (const int b : {0, 4, flags, 0}) data.push_back(static_cast<std::byte>(b));
+  for (int i = 0; i < 2; ++i)
+    for (const int fixed : {16, -16, 40 + i}) {  // 1, -1, 2.5
+      if (version == 1) {
+        put(data, static_cast<std::uint16_t>(fixed == 16 ? 0x3c00 : fixed == -16 ? 0xbc00 : 0x4100));
+        continue;
+      }
+      for (int shift = 0; shift < 24; shift += 8) data.push_back(static_cast<std::byte>(fixed >> shift & 255));
+    }
+  for (int i = 0; i < 2; ++i) data.push_back(std::byte{255});
+  for (int i = 0; i < 6; ++i) data.push_back(std::byte{255});                                // dc 10/3: colour over 1
+  for (const int s : {160, 160, 0, 160, 160, 0}) data.push_back(static_cast<std::byte>(s));  // exp(0), exp(-10)
+  for (int i = 0; i < 2; ++i) {
+    if (version < 3) {
+      for (const int b : {255, 127, 127}) data.push_back(static_cast<std::byte>(b));  // x = 1: half a turn
+    } else {
+      // x, the component 0, is dropped; y, z and w, the lowest, are 0.
+      put(data, std::uint32_t{0});
+    }
+  }
+  if (flags & 2) {
+    put(data, 0xadbe0003u);
+    put(data, std::uint32_t{4});
+    put(data, std::uint32_t{6});  // right, down, forward
+  }
+  return data;
+}
+
+TEST_CASE("SPZ versions 1 to 3") {
+  for (const std::uint32_t version : {1u, 2u, 3u}) {
+    const Bytes bytes = gzip(spz(version));
+    const Cloud cloud = cloud_of(import_splats_spz, bytes);
+    REQUIRE(cloud.size() == 2);
+    CHECK(cloud.positions[0] == glm::vec3(1, -1, 2.5f));
+    CHECK(cloud.weights[0] == Approx(2 * kPi));
+    CHECK(cloud.colors[0] == Rgb8{255, 255, 255});
+    CHECK(near(cloud.normals[0], {0, 0, -1}, 0.01f));
+    check_hostile(import_splats_spz, bytes);
+    // Rubbish that unpacks.
+    Bytes data = spz(version);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      Bytes changed = data;
+      changed[i] ^= std::byte{0xff};
+      check_any(import_splats_spz, gzip(changed));
+      changed.resize(i);
+      check_any(import_splats_spz, gzip(changed));
+    }
+  }
+  CHECK(cloud_of(import_splats_spz, gzip(spz(3, 2))).positions[0] == glm::vec3(1, 1, -2.5f));
+  CHECK(problem_of(import_splats_spz, gzip(spz(5))).find("version 5") != std::string::npos);
+  CHECK(problem_of(import_splats_spz, spz(3)).find("header of 32") == std::string::npos);
+  CHECK_FALSE(problem_of(import_splats_spz, bytes_of("hello, world")).empty());
+}
+
+TEST_CASE("SPZ counts that the file cannot hold take no memory") {
+  Bytes bytes = spz(4);
+  bytes.resize(32);
+  const std::uint32_t count = 60'000'000;
+  std::memcpy(&bytes[8], &count, 4);
+  CHECK(problem_of(import_splats_spz, bytes).find("cannot hold") != std::string::npos);
+  std::memcpy(&bytes[4], "\x03\0\0\0", 4);
+  CHECK(problem_of(import_splats_spz, gzip(bytes)).find("cannot hold") != std::string::npos);
+}
+
+TEST_CASE("the same scene as SPZ version 4 and as compressed PLY") {
+  const auto folder = shared_folder() / "data/splats";
+  if (!std::filesystem::exists(folder / "biker.spz")) {
+    WARN("no " << folder);
+    return;
+  }
+  const Bytes packed = file_bytes(folder / "biker.spz"), ply = file_bytes(folder / "biker.compressed.ply");
+  CHECK(is_splats_spz(packed));
+  CHECK(is_splats_compressed_ply(ply));
+  CHECK_FALSE(is_splats_ply(ply));
+  const Cloud a = cloud_of(import_splats_spz, packed), b = cloud_of(import_splats_compressed_ply, ply);
+  REQUIRE(a.size() == 152746);
+  REQUIRE(b.size() == a.size());
+  float position = 0, area = 0;
+  int color = 0;
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int k = 0; k < 3; ++k) position = std::max(position, std::abs(a.positions[i][k] - b.positions[i][k]));
+    area = std::max(area, std::abs(std::log(a.weights[i] / b.weights[i])));
+    color = std::max({color, std::abs(a.colors[i].r - b.colors[i].r), std::abs(a.colors[i].g - b.colors[i].g),
+                      std::abs(a.colors[i].b - b.colors[i].b)});
+    turned += std::abs(dot(a.normals[i], b.normals[i])) < 0.99f ? 1 : 0;
+  }
+  // SPZ: positions to 1/4096, scales to 1/16 in their logarithm (two of them, half a step each), colours to
+  // 0.28 / (255 * 0.15); the PLY adds its own, smaller steps.
+  CHECK(position < 0.0015f);
+  CHECK(area < 0.08f);
+  CHECK(color <= 3);
+  // Where two axes are equally long, the steps decide which is the smallest.
+  CHECK(static_cast<double>(turned) < 0.05 * static_cast<double>(a.size()));
+  CHECK(a.description.total == Approx(b.description.total).epsilon(0.002));
+  CHECK(near(a.description.box.upper, {0.414307f, 3.18018f, 0.532227f}, 0.001f));
+
+  Bytes head(packed.begin(), packed.begin() + 4000);
+  check_hostile(import_splats_spz, head, 499);
+  for (const std::size_t n : {packed.size() - 1, packed.size() / 2}) {
+    head.assign(packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(n));
+    check_any(import_splats_spz, head);
+  }
+  head.assign(ply.begin(), ply.begin() + 60000);
+  const Cloud less = cloud_of(import_splats_compressed_ply, head);
+  CHECK(metadata(less, "splats missing") == std::to_string(152746 - less.size()));
+  head.resize(46000);
+  check_hostile(import_splats_compressed_ply, head, 5003);
+}
+
+TEST_CASE("areas of points are those of their neighbours' disc") {
+  const Cloud ball = sphere(2000, 3);
+  const auto areas = point_areas(ball.positions);
+  double total = 0;
+  for (const float area : areas) total += area;
+  CHECK(total == Approx(36 * kPi).epsilon(0.05));
+
+  std::vector<glm::vec3> grid;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) grid.emplace_back(0.5f * static_cast<float>(x), 0.5f * static_cast<float>(y), 2.0f);
+  // In the middle four neighbours are one step away, four sqrt(2), four two.
+  CHECK(point_areas(grid)[15 * 30 + 15] == Approx(kPi * 0.25f * (4 + 4 * 2 + 4 * 4) / 84));
+
+  // Against the neighbours found one by one.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 700; ++i)
+    points.emplace_back(unit(random), std::round(unit(random) * 4), unit(random) * unit(random));
+  const auto fast = point_areas(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<float> distances;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (k != i) distances.push_back(length(points[k] - points[i]));
+    std::sort(distances.begin(), distances.end());
+    double squares = 0;
+    for (std::size_t k = 0; k < 12; ++k) squares += static_cast<double>(distances[k]) * distances[k];
+    REQUIRE(fast[i] == Approx(std::numbers::pi * squares / 84).epsilon(1e-4));
+  }
+  CHECK(point_areas(std::vector<glm::vec3>()).empty());
+  CHECK(point_areas(std::vector<glm::vec3>(1)) == std::vector<float>{1});
+  CHECK(point_areas(std::vector<glm::vec3>(5000)) == std::vector<float>(5000, 0));
+}
+
+TEST_CASE("points with normals") {
+  const char* const ply =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+      "nx\n"
+      "property float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\nproperty uchar "
+      "blue\nend_header\n"
+      "0 0 0 0 0 2 255 0 9\n1 0 0 0 0 2 1 2 3\n0 0 -0 0 0 1 4 5 6\n5 5 5 0 0 0 7 8 9\n";
+  CHECK(is_points_ply(bytes_of(ply)));
+  const Cloud cloud = cloud_of(import_points_ply, bytes_of(ply));
+  REQUIRE(cloud.size() == 2);
+  CHECK(cloud.normals[0] == glm::vec3(0, 0, 1));
+  CHECK(cloud.colors[0] == Rgb8{255, 0, 9});
+  CHECK(cloud.weights[0] == Approx(kPi / 1.5));  // a disc of radius 1 holds one point and a half
+  CHECK(metadata(cloud, "points doubled") == "1");
+  CHECK(metadata(cloud, "points broken") == "1");
+  check_hostile(import_points_ply, bytes_of(ply));
+
+  const char* const xyz = "# points\n0 0 0 0 1 0\n\n 1 0 0 0 1 0 \r\n0 1 0 0 -3 0\n";
+  CHECK(cloud_of(import_points_xyz, bytes_of(xyz)).normals[2] == glm::vec3(0, -1, 0));
+  CHECK(problem_of(import_points_xyz, bytes_of("0 0 0 0 1 0\n1 2 3\n")).find("line 2") != std::string::npos);
+  CHECK(cloud_of(import_points_xyz, bytes_of("0 0 0 0 1 0 9 8 7\n")).colors[0] == Rgb8{9, 8, 7});
+  check_hostile(import_points_xyz, bytes_of(xyz));
+}
+
+TEST_CASE("scans of points") {
+  const auto folder = shared_folder() / "data/meshes/cgal";
+  if (!std::filesystem::exists(folder / "kitten.xyz")) {
+    WARN("no " << folder);
+    return;
+  }
+  const Cloud kitten = cloud_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
+  CHECK(kitten.size() == 5210);
+  CHECK(near(kitten.normals[0], {0.340472f, 0.937712f, -0.0690972f}));
+  // Nobody has told us its area; that of an ellipsoid in its box of 0.65 x 1 x 0.59 is 1.7.
+  CHECK(kitten.description.total == Approx(1.7).epsilon(0.15));
+  const Bytes building = file_bytes(folder / "building.ply");
+  CHECK(is_points_ply(building));
+  CHECK(cloud_of(import_points_ply, building).size() == 100000);
+}
+
+}  // namespace

@@ -1,0 +1,212 @@
+// Files of vectors as worlds: what load_world makes of them, and of QNV nodes.
+#include "app/formats/content_types.h"
+#include "app/world/world_loader.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/records/record.h"
+#include "tests/app/clouds.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/volume_files.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+using namespace gs;
+using namespace gs::app;
+using test::string_of;
+
+namespace {
+
+std::string ball_stream(std::size_t count) {
+  qnv::EncodeOptions options;
+  options.payload = qnv::Payload::records;
+  options.metadata = {{"title", "a ball"}};
+  auto encoded = qnv::encode_cloud(test::sphere(count), options);
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
+}
+
+double area(const qnv::Cloud& cloud) {
+  double sum = 0;
+  for (const float weight : cloud.weights) sum += weight;
+  return sum;
+}
+
+// The only cloud of a world.
+const qnv::Cloud& only_cloud(const OpenedWorld& world) {
+  INFO(said(world));
+  REQUIRE(world.clouds.size() == 1);
+  CHECK(world.clouds.begin()->first->type->name == "QNV");
+  return *world.clouds.begin()->second;
+}
+
+// Two numbers of a QNV node's `vectors`.
+std::string words_of(const qnv::RecordFields& fields) {
+  const std::uint64_t bits = qnv::join_fields(fields);
+  return std::to_string(static_cast<std::int32_t>(bits & 0xffffffff)) + " " +
+         std::to_string(static_cast<std::int32_t>(bits >> 32)) + " ";
+}
+
+}  // namespace
+
+TEST_CASE("a QNV stream opens as a shape, whole, cut and gzip'd") {
+  const ScratchFolder folder;
+  const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
+  const OpenedWorld world = load_world(file);
+  const qnv::Cloud& cloud = only_cloud(world);
+  CHECK(cloud.size() == 3000);
+  CHECK(area(cloud) == Approx(12.566370614).epsilon(0.001));
+  CHECK(world.title == "a ball");
+  CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
+  REQUIRE(world.scene->roots().size() == 2);
+  const vrml::NodeId qnv = world.scene->get<vrml::SFNode>(world.scene->roots()[1], "geometry");
+  CHECK(world.scene->get<vrml::MFString>(qnv, "url")[0].view() == "ball.qnv");
+  CHECK(world.scene->get<vrml::SFVec3f>(qnv, "bboxSize").x == Approx(2).epsilon(0.01));
+
+  const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+  const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
+  CHECK(only_cloud(load_world(folder.write("packed.qnv", packed))).size() == 3000);
+
+  // Every cut is a smaller ball of the same area, and no error.
+  std::size_t before = 0;
+  LoadOptions cut;
+  for (cut.max_bytes = 3000; cut.max_bytes < bytes.size(); cut.max_bytes += 1500) {
+    const OpenedWorld part = load_world(file, cut);
+    INFO(cut.max_bytes << " " << said(part));
+    CHECK(part.diagnostics.errors() + part.diagnostics.warnings() == 0);
+    CHECK_FALSE(part.truncated);
+    CHECK(only_cloud(part).size() >= before);
+    CHECK(area(only_cloud(part)) == Approx(12.566370614).epsilon(0.01));
+    before = only_cloud(part).size();
+  }
+  CHECK(before > 1500);
+  // A file that ends early says so; one without a header is refused.
+  const OpenedWorld early = load_world(folder.write("early.qnv", bytes.substr(0, bytes.size() / 2)));
+  CHECK(early.diagnostics.errors() == 0);
+  CHECK(said(early).find("early.qnv: warning: byte ") != std::string::npos);
+  CHECK_FALSE(only_cloud(early).empty());
+  const OpenedWorld none = load_world(folder.write("none.qnv", bytes.substr(0, 50)));
+  CHECK_FALSE(none.scene);
+  CHECK(none.diagnostics.errors() == 1);
+}
+
+TEST_CASE("damage in a stream costs a chunk and is told with its place") {
+  const ScratchFolder folder;
+  std::string bytes = ball_stream(3000);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  const OpenedWorld world = load_world(folder.write("ball.qnv", bytes));
+  const qnv::Cloud& cloud = only_cloud(world);
+  CHECK(cloud.size() > 1000);
+  CHECK(cloud.size() < 3000);
+  CHECK(said(world).find("a chunk is damaged") != std::string::npos);
+  CHECK(world.diagnostics.errors() == 0);
+}
+
+TEST_CASE("QNV nodes get their vectors in the main scene, in Inlines and in PROTO instances") {
+  const ScratchFolder folder;
+  folder.write("ball.qnv", ball_stream(500));
+  folder.write("inner.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url [ \"missing.qnv\" \"ball.qnv\" ] } }\n");
+  const OpenedWorld world = load_world(folder.write(
+      "world.wrl",
+      "#VRML V2.0 utf8\nPROTO Ball [ field MFString from [] ] { Shape { geometry QNV { url IS from } } }\n"
+      "Shape { geometry DEF A QNV { url \"ball.qnv\" } }\nBall { from \"ball.qnv\" }\nInline { url \"inner.wrl\" }\n"
+      "Inline { url \"ball.qnv\" }\nShape { geometry QNV { url \"nowhere.qnv\" } }\n"
+      "Shape { geometry QNV { url \"ball.qnv\" transfer [ 0 1 0 0 0  1 0 0 1 1 ] } }\n"));
+  INFO(said(world));
+  CHECK(world.clouds.size() == 5);
+  std::size_t own = 0;
+  for (const auto& [node, cloud] : world.clouds) {
+    CHECK(cloud->size() == 500);
+    own += cloud->description.transfer.size();
+  }
+  CHECK(own == 2);
+  CHECK(world.diagnostics.errors() == 0);
+  CHECK(world.diagnostics.warnings() == 1);
+  CHECK(said(world).find("QNV: cannot find 'nowhere.qnv'") != std::string::npos);
+}
+
+TEST_CASE("the fallback PROTO of a QNV node gives way to its stream") {
+  const ScratchFolder folder;
+  folder.write("ball.qnv", ball_stream(500));
+  const std::string text =
+      "#VRML V2.0 utf8\nPROTO QNV [ exposedField MFString url [] ] { PointSet { } }\nShape { geometry QNV { url "
+      "\"ball.qnv\" } }\n";
+  const OpenedWorld world = load_world(folder.write("world.wrl", text));
+  CHECK(only_cloud(world).size() == 500);
+  const vrml::NodeId geometry = world.scene->get<vrml::SFNode>(world.scene->roots()[0], "geometry");
+  CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.clouds.begin()->first);
+  // Without the stream the fallback stays.
+  const ScratchFolder other;
+  const OpenedWorld fallback = load_world(other.write("world.wrl", text));
+  CHECK(fallback.clouds.empty());
+  const vrml::NodeId kept = fallback.scene->get<vrml::SFNode>(fallback.scene->roots()[0], "geometry");
+  CHECK(fallback.scene->node(fallback.scene->resolve(kept)).type->name == "PointSet");
+}
+
+TEST_CASE("records inside a QNV node lie in its bounding box") {
+  const ScratchFolder folder;
+  const std::string words = words_of({0, 512, 1023, 16, 0, 32767, 255}) + words_of({1023, 0, 0, 0, 0, 1, 0});
+  const auto node = [&](const std::string& fields) {
+    return load_world(folder.write(
+        "world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { vectors [ " + words + "] " + fields + " } }\n"));
+  };
+  const OpenedWorld world = node("bboxCenter 1 2 3 bboxSize 2 4 8 transfer [ 0 1 0 0 1  1 0 0 1 1 ]");
+  const qnv::Cloud& cloud = only_cloud(world);
+  REQUIRE(cloud.size() == 2);
+  CHECK(cloud.positions[0].x == Approx(0).margin(0.002));
+  CHECK(cloud.positions[0].y == Approx(2).margin(0.004));
+  CHECK(cloud.positions[0].z == Approx(7).margin(0.008));
+  CHECK(cloud.weights[0] == Approx(32));  // the largest side: 4 by 8
+  CHECK(cloud.weights[1] == Approx(32.0 / 32767));
+  REQUIRE(cloud.colors.size() == 2);
+  CHECK(cloud.colors[0] == qnv::Rgb8{0, 0, 255});
+  CHECK(cloud.colors[1] == qnv::Rgb8{255, 0, 0});
+  const OpenedWorld volume = node("bboxSize 1 1 1 profile \"VOLUME\"");
+  CHECK(only_cloud(volume).description.kind == qnv::Kind::volume);
+  CHECK(only_cloud(volume).classes == std::vector<std::uint8_t>{255, 0});
+  CHECK(only_cloud(volume).weights[0] == Approx(1));
+  for (const char* bad : {"", "bboxSize 0 0 0", "bboxSize 1e30 1e30 1e30", "bboxSize -1 2 2"}) {
+    const OpenedWorld none = node(bad);
+    CHECK(none.clouds.empty());
+    CHECK(said(none).find("expected bboxCenter and bboxSize") != std::string::npos);
+  }
+}
+
+TEST_CASE("splats, points and volumes open as shapes of vectors") {
+  const ScratchFolder folder;
+  const OpenedWorld points = load_world(folder.write("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 1\n"));
+  CHECK(only_cloud(points).size() == 4);
+  const OpenedWorld ply =
+      load_world(folder.write("p.ply",
+                              "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+                              "float z\nproperty float nx\n"
+                              "property float ny\nproperty float nz\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n"));
+  CHECK(only_cloud(ply).size() == 2);
+  std::string voxels(4 * 4 * 4, '\0');
+  voxels[21] = '\x64';
+  const OpenedWorld volume = load_world(
+      folder.write("v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n" + voxels));
+  const qnv::Cloud& gradients = only_cloud(volume);
+  CHECK(gradients.description.kind == qnv::Kind::volume);
+  CHECK(gradients.size() == 6);  // round(0.09 * 64): the neighbours of the voxel
+  CHECK(volume.scene
+            ->get<vrml::SFString>(
+                volume.scene->get<vrml::SFNode>(volume.scene->roots()[volume.scene->roots().size() - 1], "geometry"),
+                "profile")
+            .view() == "VOLUME");
+  LoadOptions cut;
+  cut.max_bytes = 100;
+  CHECK(said(load_world(folder.path("v.nrrd"), cut)).find("cannot be read in part") != std::string::npos);
+  for (const auto& [name, bytes] : {std::pair<std::string, std::string>{"bad.spz", "NGSPxxxx"},
+                                    {"bad.splat", "12"},
+                                    {"bad.ksplat", ""},
+                                    {"bad.xyz", "a b c"},
+                                    {"bad.nii", "xx"}}) {
+    const OpenedWorld bad = load_world(folder.write(name, bytes));
+    INFO(name << "\n" << said(bad));
+    CHECK_FALSE(bad.scene);
+    CHECK(bad.diagnostics.errors() == 1);
+    CHECK(said(bad).starts_with(folder.path(name) + ": error: "));
+  }
+}

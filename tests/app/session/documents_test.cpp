@@ -1,0 +1,179 @@
+#include "app/session/documents.h"
+
+#include "app/viewer/viewer_view.h"
+#include "vrml/scene/node_type.h"
+#include "vrml/scene/scene_graph.h"
+
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+namespace {
+
+using namespace gs;
+using namespace gs::app;
+
+std::shared_ptr<Document> empty_document(const std::string& path) {
+  auto document = std::make_shared<Document>();
+  document->world.path = path;
+  return document;
+}
+
+/// A world of one QNV node with this cloud.
+OpenedWorld world_of(qnv::Cloud cloud) {
+  OpenedWorld world = world_with({});
+  const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
+  const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
+  world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
+  world.scene->add_root(shape);
+  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Cloud>(std::move(cloud));
+  return world;
+}
+
+}  // namespace
+
+TEST_CASE("A file is read once, and again when that is asked for") {
+  DocumentList list;
+  CHECK_FALSE(list.begin("a.wrl"));
+  list.add("");
+  CHECK(list.entries().empty());
+  list.add("a.wrl");
+  CHECK(list.awaited("a.wrl"));
+  CHECK_FALSE(list.awaited("b.wrl"));
+  const auto reading = list.begin("a.wrl");
+  REQUIRE(reading);
+  CHECK(reading->path == "a.wrl");
+  CHECK_FALSE(list.begin("a.wrl"));
+  CHECK(list.awaited("a.wrl"));
+  CHECK(list.deliver(reading->number, empty_document("a.wrl")) == "a.wrl");
+  CHECK_FALSE(list.awaited("a.wrl"));
+  CHECK_FALSE(list.begin("a.wrl"));
+  CHECK_FALSE(list.deliver(reading->number, empty_document("a.wrl")));
+  const auto before = list.document("a.wrl");
+  REQUIRE(before);
+
+  list.add("a.wrl");
+  CHECK(list.entries().size() == 1);
+  const auto again = list.begin("a.wrl");
+  REQUIRE(again);
+  CHECK(list.document("a.wrl") == before);  // until it is read
+  list.reload("a.wrl");                     // once more while it is being read
+  CHECK_FALSE(list.begin("a.wrl"));
+  list.deliver(again->number, empty_document("a.wrl"));
+  CHECK(list.document("a.wrl") != before);
+  CHECK(list.begin("a.wrl"));
+}
+
+TEST_CASE("Several files are read at a time, and end in any order") {
+  DocumentList list;
+  list.add("a");
+  list.add("b");
+  const auto a = list.begin("a"), b = list.begin("b");
+  REQUIRE((a && b));
+  CHECK(list.deliver(b->number, empty_document("b")) == "b");
+  CHECK(list.document("a") == nullptr);
+  CHECK(list.deliver(a->number, empty_document("a")) == "a");
+  CHECK(list.document("a")->world.path == "a");
+}
+
+TEST_CASE("A file that cannot be opened leaves the list, unless it was open") {
+  DocumentList list;
+  list.add("bad");
+  list.add("good");
+  auto reading = list.begin("bad");
+  CHECK(list.fail(reading->number) == "bad");
+  CHECK(list.entries().size() == 1);
+  CHECK_FALSE(list.fail(reading->number));
+  reading = list.begin("good");
+  list.deliver(reading->number, empty_document("good"));
+  list.reload("good");
+  reading = list.begin("good");
+  CHECK(list.fail(reading->number) == "good");
+  CHECK(list.document("good"));
+  CHECK_FALSE(list.awaited("good"));
+}
+
+TEST_CASE("What was cancelled does not arrive") {
+  DocumentList list;
+  list.add("a");
+  list.cancel("a");  // nothing is being read yet
+  const auto reading = list.begin("a");
+  list.cancel("a");
+  CHECK(*reading->cancelled);
+  CHECK(list.awaited("a"));  // from the beginning
+  CHECK_FALSE(list.deliver(reading->number, empty_document("a")));
+  CHECK_FALSE(list.document("a"));
+  const auto again = list.begin("a");
+  REQUIRE(again);
+  CHECK(again->number != reading->number);
+  CHECK_FALSE(list.fail(reading->number));
+  list.give_up(list.entries()[0].path);
+  CHECK(*again->cancelled);
+  CHECK(list.entries().empty());
+}
+
+TEST_CASE("Where a world is entered") {
+  const auto entered = [](std::initializer_list<const char*> types, const char* viewpoint, bool& found) {
+    return view_of(make_document(world_with(types)), {800, 600}, viewpoint, &found);
+  };
+  bool found = false;
+  SECTION("nothing in it says anything") {
+    const View view = entered({"Group"}, "", found);
+    CHECK(found);
+    CHECK(view.navigation.mode == NavigationMode::examine);
+    CHECK_FALSE(view.viewpoint);
+    CHECK(view.headlight);
+    (void)entered({"Group"}, "Front", found);
+    CHECK_FALSE(found);
+  }
+  SECTION("a Viewpoint and a NavigationInfo") {
+    const View view = entered({"Viewpoint", "NavigationInfo"}, "", found);
+    CHECK(view.document->has_navigation_info);
+    CHECK(found);
+    CHECK(view.viewpoint == 0u);
+    CHECK(view.navigation.mode == NavigationMode::walk);
+    CHECK(view.navigation.pose.position == glm::vec3(0, 0, 10));  // the default of 6.53
+    CHECK(view.navigation.speed == 1);
+  }
+  SECTION("nothing at all") {
+    const auto document = make_document(OpenedWorld());
+    REQUIRE(document->list);
+    CHECK(document->list->items.empty());
+    View view = view_of(std::shared_ptr<Document>(make_document(OpenedWorld())), {800, 600}, "");
+    CHECK_FALSE(follow_viewer(view));
+  }
+}
+
+TEST_CASE("A document knows of its clouds") {
+  qnv::Cloud cloud;
+  cloud.positions = {{0, 0, 0}, {1, 1, 1}};
+  cloud.normals = {{0, 0, 1}, {0, 1, 0}};
+  cloud.weights = {3, 8};
+  cloud.description.box.add({0, 0, 0});
+  cloud.description.box.add({1, 1, 1});
+  SECTION("a surface") {
+    const auto document = make_document(world_of(cloud));
+    CHECK(document->has_surface_clouds);
+    CHECK_FALSE(document->has_volumes);
+    CHECK(document->has_clouds());
+  }
+  SECTION("a volume") {
+    cloud.description.kind = qnv::Kind::volume;
+    cloud.description.value_range = {-1000, 3000};
+    cloud.description.metadata = {{"title", "head"}};
+    cloud.classes = {1, 2};
+    const auto document = make_document(world_of(cloud));
+    CHECK_FALSE(document->has_surface_clouds);
+    CHECK(document->has_volumes);
+  }
+  CHECK_FALSE(make_document(world_with({"Group"}))->has_clouds());
+}
+
+TEST_CASE("The label of a file is the last part of its path") {
+  CHECK(file_label("/home/somebody/world.wrl") == "world.wrl");
+  CHECK(file_label("world.wrl") == "world.wrl");
+  CHECK(file_label("http://example.org/a/b.wrz") == "b.wrz");
+  CHECK(file_label("folder/") == "folder");
+  CHECK(file_label("/") == "/");
+  CHECK(file_label("").empty());
+}

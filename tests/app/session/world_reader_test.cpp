@@ -1,0 +1,89 @@
+#include "app/session/world_reader.h"
+
+#include "net/load/transport_memory.h"
+
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+
+namespace {
+
+/// A world of so many boxes that comes in about half a second.
+LoadOptions slow_world(int boxes) {
+  std::string text = "#VRML V2.0 utf8\n";
+  for (int i = 0; i < boxes; ++i)
+    text += "Transform { translation " + std::to_string(i) + " 0 0 children Shape { geometry Box { } } }\n";
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  options.memory->put("memory://a/slow.wrl", [text](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.head.content_length = text.size();
+    const auto bytes = std::as_bytes(std::span(text));
+    answer.body = {bytes.begin(), bytes.end()};
+    answer.bytes_per_second = text.size() * 2;
+    answer.block = 4096;
+    return answer;
+  });
+  return options;
+}
+
+std::vector<WorldReader::News> all_news(WorldReader& reader) {
+  std::vector<WorldReader::News> all;
+  while (all.empty() || !all.back().over) {
+    WorldReader::News news = reader.take();
+    if (news.document)
+      all.push_back(std::move(news));
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("A reader tells what there is to see, and in the end hands over the world") {
+  std::atomic<int> woken = 0;
+  WorldReader reader("memory://a/slow.wrl", slow_world(3000), [&] { ++woken; });
+  const std::vector<WorldReader::News> news = all_news(reader);
+  REQUIRE(news.size() > 1);
+  CHECK(woken >= static_cast<int>(news.size()));
+  for (std::size_t i = 0; i + 1 < news.size(); ++i) {
+    CHECK(news[i].document->is_preview);
+    CHECK_FALSE(news[i].document->world.scene);
+    CHECK(news[i].document->list->items.size() <= news[i + 1].document->list->items.size());
+  }
+  CHECK(news.front().document->list->items.size() < 3000);
+  const Document& whole = *news.back().document;
+  CHECK_FALSE(whole.is_preview);
+  REQUIRE(whole.world.scene);
+  CHECK(whole.list->items.size() == 3000);
+  CHECK_FALSE(whole.world.truncated);
+  while (!reader.ended()) std::this_thread::yield();
+}
+
+TEST_CASE("Cancelling a reader keeps what has come, and ending one waits for nothing") {
+  WorldReader reader("memory://a/slow.wrl", slow_world(3000), {});
+  while (!reader.take().document) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  reader.cancel();
+  const std::vector<WorldReader::News> news = all_news(reader);
+  const Document& part = *news.back().document;
+  REQUIRE(part.world.scene);
+  CHECK(part.world.truncated);
+  CHECK(part.list->items.size() > 0);
+  CHECK(part.list->items.size() < 3000);
+  const WorldReader dropped("memory://a/slow.wrl", slow_world(30000), {});
+  WorldReader none("memory://a/none.wrl", slow_world(1), {});
+  const std::vector<WorldReader::News> failed = all_news(none);
+  CHECK_FALSE(failed.back().document->world.scene);
+  CHECK(failed.back().document->world.diagnostics.errors() == 1);
+}

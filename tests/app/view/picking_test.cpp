@@ -1,0 +1,217 @@
+#include "app/view/picking.h"
+
+#include "qnv/base/cloud.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <limits>
+
+namespace {
+
+using namespace gs;
+using namespace gs::app;
+
+/// A square of side 2 in the plane z = 0.
+std::shared_ptr<const vrml::Mesh> square_mesh() {
+  auto mesh = std::make_shared<vrml::Mesh>();
+  mesh->positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh->indices = {0, 1, 2, 0, 2, 3};
+  for (const glm::vec3& p : mesh->positions) mesh->bounds.add(p);
+  return mesh;
+}
+
+render::RenderList list_of(std::initializer_list<glm::mat4> places) {
+  render::RenderList list;
+  const auto mesh = square_mesh();
+  for (const glm::mat4& place : places) {
+    render::DrawItem item;
+    item.mesh = mesh;
+    item.world_from_node = place;
+    list.items.push_back(item);
+  }
+  return list;
+}
+glm::mat4 at(float z) { return glm::translate(glm::mat4(1), {0, 0, z}); }
+
+/// A disc of area 3.14 in the plane z = 0, towards +z: it covers 1.7 about the origin.
+std::shared_ptr<qnv::Cloud> disc() {
+  auto cloud = std::make_shared<qnv::Cloud>();
+  cloud->positions = {{0, 0, 0}};
+  cloud->normals = {{0, 0, 1}};
+  cloud->weights = {3.14159f};
+  return cloud;
+}
+
+/// Ten layers of vectors from z = 0 to -0.9.
+std::shared_ptr<qnv::Cloud> fog_volume(float opacity) {
+  auto cloud = std::make_shared<qnv::Cloud>();
+  cloud->description.kind = qnv::Kind::volume;
+  cloud->description.spacing = 0.1f;
+  cloud->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
+  for (int i = 0; i < 10 * 441; ++i) {
+    cloud->positions.emplace_back(0.1f * static_cast<float>(i % 21 - 10), 0.1f * static_cast<float>(i / 21 % 21 - 10),
+                                  -0.1f * static_cast<float>(i / 441));
+    cloud->normals.emplace_back(0, 0, 1);
+    cloud->weights.push_back(i < 5 * 441 ? 1.0f : 2.0f);  // the farther half has the longer gradients
+    cloud->classes.push_back(i < 5 * 441 ? 100 : 200);
+  }
+  cloud->description.box = {{-1, -1, -0.9f}, {1, 1, 0}};
+  return cloud;
+}
+
+void add(render::RenderList& list, std::shared_ptr<const qnv::Cloud> cloud, const glm::mat4& place) {
+  render::SplatItem item;
+  item.cloud = std::move(cloud);
+  item.world_from_node = place;
+  list.splats.push_back(std::move(item));
+}
+
+const Ray kAhead{{0, 0, 0}, {0, 0, -1}};
+
+}  // namespace
+
+TEST_CASE("The nearest face is hit, from either side, whatever the order") {
+  const render::RenderList list = list_of({at(-5), at(-2), at(3)});
+  const auto hit = pick(list, {{0.5f, -0.25f, 0}, {0, 0, -1}});
+  REQUIRE(hit);
+  CHECK(hit->distance == Approx(2));
+  CHECK(hit->item == 1);
+  const auto behind = pick(list, {{0, 0, 0}, {0, 0, 1}});
+  REQUIRE(behind);
+  CHECK(behind->item == 2);
+  CHECK_FALSE(pick(list, {{1.5f, 0, 0}, {0, 0, -1}}));
+  CHECK_FALSE(pick(list, {{0, 0, 0}, {1, 0, 0}}));
+}
+
+TEST_CASE("Distances are the world's, under scale and rotation") {
+  const glm::mat4 place = glm::rotate(glm::scale(at(-4), glm::vec3(3, 2, 5)), 0.4f, glm::vec3(0, 0, 1));
+  const auto hit = pick(list_of({place}), {{0.3f, 0.2f, 1}, {0, 0, -1}});
+  REQUIRE(hit);
+  CHECK(hit->distance == Approx(5));
+}
+
+TEST_CASE("Flat, singular, empty and too many are no trouble") {
+  render::RenderList list = list_of({glm::mat4(0.0f), at(-2)});
+  list.items.emplace_back();
+  CHECK(pick(list, {{0, 0, 0}, {0, 0, -1}})->item == 1);
+  PickOptions one;
+  one.max_triangles = 1;
+  CHECK_FALSE(pick(list, {{0, 0, 0}, {0, 0, -1}}, one));
+  CHECK_FALSE(pick({}, {}));
+}
+
+TEST_CASE("Discs and polygons hide each other") {
+  render::RenderList list = list_of({at(-3)});
+  add(list, disc(), at(-2));
+  add(list, disc(), at(-4));
+  const auto disc_first = pick(list, kAhead);
+  REQUIRE(disc_first);
+  CHECK(disc_first->distance == Approx(2));
+  CHECK(disc_first->splat == std::size_t{0});
+  list.splats.erase(list.splats.begin());
+  const auto polygon_first = pick(list, kAhead);
+  REQUIRE(polygon_first);
+  CHECK(polygon_first->distance == Approx(3));
+  CHECK_FALSE(polygon_first->splat);
+  CHECK(polygon_first->item == 0);
+  // Beside the polygon the disc behind it.
+  const auto beside = pick(list, {{1.3f, 0, 0}, {0, 0, -1}});
+  REQUIRE(beside);
+  CHECK(beside->distance == Approx(4));
+  CHECK(beside->splat == std::size_t{0});
+}
+
+TEST_CASE("Discs are hit under transformations, and from behind where they have two sides") {
+  render::RenderList list;
+  add(list, disc(), glm::scale(at(-4), {2, 0.5f, 3}));
+  CHECK(pick(list, {{3.3f, 0, 0}, {0, 0, -1}})->distance == Approx(4));
+  CHECK_FALSE(pick(list, {{3.5f, 0, 0}, {0, 0, -1}}));
+  CHECK(pick(list, {{0, 0.8f, 0}, {0, 0, -1}}));
+  CHECK_FALSE(pick(list, {{0, 0.9f, 0}, {0, 0, -1}}));
+  const Ray behind{{0, 0, -9}, {0, 0, 1}};
+  CHECK_FALSE(pick(list, behind));
+  auto two_sided = disc();
+  two_sided->description.two_sided = true;
+  list.splats[0].cloud = two_sided;
+  CHECK(pick(list, behind)->distance == Approx(5));
+}
+
+TEST_CASE("Volumes are hit where they are dense, before what lies behind them") {
+  render::RenderList list = list_of({at(-5)});
+  add(list, fog_volume(0.9f), at(-2));
+  Picker picker;
+  const auto hit = picker.pick(list, kAhead);
+  REQUIRE(hit);
+  CHECK(hit->distance == Approx(2).margin(0.11));
+  CHECK(hit->splat == std::size_t{0});
+  list.items[0].world_from_node = at(-1);
+  CHECK_FALSE(picker.pick(list, kAhead)->splat);
+  CHECK(picker.pick(list, kAhead)->distance == Approx(1));
+}
+
+TEST_CASE("A faint volume is hit only where nothing else is") {
+  render::RenderList list = list_of({at(-5)});
+  add(list, fog_volume(0.02f), at(-2));
+  const auto through = pick(list, kAhead);
+  REQUIRE(through);
+  CHECK(through->distance == Approx(5));
+  CHECK_FALSE(through->splat);
+  list.items.clear();
+  const auto faint = pick(list, kAhead);
+  REQUIRE(faint);
+  CHECK(faint->splat == std::size_t{0});
+  CHECK((faint->distance > 2.2f && faint->distance < 2.7f));
+}
+
+TEST_CASE("What the look leaves out of a volume is not hit") {
+  render::RenderList list;
+  add(list, fog_volume(0.9f), at(-2));
+  Picker picker;
+  PickOptions options;
+  options.clouds.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
+  CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.8).margin(0.11));
+  options = {};
+  options.clouds.least_magnitude = 1.5f;
+  CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
+  options = {};
+  options.clouds.transfer = {{0.5f, {}, 0}, {0.6f, {}, 0.9f}};  // class 100 is transparent
+  CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
+  options.clouds.transfer = {{0, {}, 0}};
+  CHECK_FALSE(picker.pick(list, kAhead, options));
+  options = {};
+  list.splats[0].material.transparency = 1;
+  CHECK_FALSE(picker.pick(list, kAhead, options));
+  // Another cloud at the same place in memory or not: the picker must not take one for the other.
+  for (int i = 0; i < 20; ++i) {
+    list.splats.clear();
+    add(list, fog_volume(0.9f), at(-2 - static_cast<float>(i)));
+    CHECK(picker.pick(list, kAhead)->distance == Approx(2 + i).margin(0.11));
+  }
+}
+
+TEST_CASE("Clouds that make no sense are not hit") {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  render::RenderList list;
+  list.splats.emplace_back();  // without a cloud
+  add(list, std::make_shared<qnv::Cloud>(), at(-1));
+  auto broken = disc();
+  broken->normals.clear();
+  add(list, broken, at(-1));
+  auto lost = disc();
+  lost->positions[0].x = nan;
+  add(list, lost, at(-1));
+  add(list, disc(), glm::mat4(0.0f));
+  add(list, disc(), glm::mat4(nan));
+  auto fog = fog_volume(0.9f);
+  fog->classes.pop_back();
+  add(list, fog, at(-1));
+  fog = fog_volume(nan);
+  add(list, fog, at(-1));
+  CHECK_FALSE(pick(list, kAhead));
+  add(list, disc(), at(-7));
+  CHECK(pick(list, kAhead)->splat == list.splats.size() - 1);
+  CHECK_FALSE(pick(list, {{nan, 0, 0}, {0, 0, -1}}));
+  CHECK_FALSE(pick(list, {{0, 0, 0}, {nan, nan, nan}}));
+}

@@ -1,0 +1,440 @@
+#include "app/viewer/viewer_panes.h"
+
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+namespace {
+
+using namespace gs;
+using namespace gs::app;
+
+constexpr glm::vec2 kSize(800, 600);
+const Viewport kArea{0, 0, 800, 600};
+
+std::shared_ptr<Document> document(std::initializer_list<const char*> types = {"Group"}) {
+  return make_document(world_with(types));
+}
+
+/// A document with a box of this place and size, as far as views of it are concerned.
+std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& upper) {
+  auto result = document();
+  render::RenderList list = *result->list;
+  list.bounds.add(lower);
+  list.bounds.add(upper);
+  result->list = std::make_shared<const render::RenderList>(std::move(list));
+  return result;
+}
+
+std::vector<Panes::Change> settle(Panes& panes) { return panes.settle(arrange(panes.layout(), kArea), {}); }
+
+/// Reads everything that is waited for.
+void load_all(Panes& panes) {
+  while (const auto reading = panes.begin_loading()) panes.deliver(reading->number, document(), kSize);
+  settle(panes);
+}
+
+}  // namespace
+
+TEST_CASE("The files of the command line get a viewport each, as far as there are") {
+  const std::vector<std::string> all{"a", "b", "c", "d", "e"};
+  for (std::size_t count = 0; count <= all.size(); ++count) {
+    Panes panes;
+    panes.start(std::span(all).first(count));
+    CHECK(panes.layout() == layout_for(count));
+    CHECK(panes.active() == 0);
+    for (std::size_t i = 0; i < kMostViewports; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
+    CHECK(panes.documents().entries().size() == count);
+    std::size_t readings = 0;
+    while (const auto reading = panes.begin_loading()) {
+      CHECK(reading->path == all[readings]);  // the active one first
+      ++readings;
+    }
+    CHECK(readings == std::min(count, kMostViewports));  // what is not shown is not read
+  }
+}
+
+TEST_CASE("One file may stand in several viewports, and is read once") {
+  Panes panes;
+  const std::string twice[] = {"a", "a"};
+  panes.start(twice);
+  CHECK(panes.layout() == ViewportLayout::two);
+  const auto reading = panes.begin_loading();
+  REQUIRE(reading);
+  CHECK_FALSE(panes.begin_loading());
+  CHECK(panes.loading(0));
+  CHECK(panes.loading(1));
+  panes.deliver(reading->number, document(), kSize);
+  CHECK_FALSE(panes.loading(0));
+  const auto changes = settle(panes);
+  REQUIRE(changes.size() == 2);
+  CHECK(changes[0].first);
+  CHECK(changes[1].pane == 1);
+  CHECK(settle(panes).empty());
+  REQUIRE(panes.at(0).view());
+  REQUIRE(panes.at(1).view());
+  CHECK(panes.at(0).view()->document == panes.at(1).view()->document);
+  // From different cameras, with different looks.
+  panes.at(0).view()->navigation.pose.position.x += 5;
+  panes.at(1).view()->look.opacity = 7;
+  panes.at(1).view()->headlight = false;
+  CHECK(panes.at(1).view()->navigation.pose.position != panes.at(0).view()->navigation.pose.position);
+  CHECK(panes.at(0).view()->look.opacity == 2);
+  CHECK(panes.at(0).view()->headlight);
+}
+
+TEST_CASE("A file that is opened goes to the active viewport, others to free ones in sight") {
+  Panes panes;
+  const std::string start[] = {"a", "b", "c"};
+  panes.start(start);
+  load_all(panes);
+  CHECK(panes.at(3).view() == nullptr);
+  panes.activate(1);
+  const std::string dropped[] = {"", "x", "y", "z"};
+  panes.open(dropped);
+  CHECK(panes.at(1).wanted == "x");
+  CHECK(panes.at(1).shown == "b");  // until it is read
+  CHECK(panes.at(3).wanted == "y");
+  CHECK(panes.documents().entries().size() == 6);
+  CHECK(panes.selected() == 3u);
+  load_all(panes);
+  CHECK(panes.at(1).shown == "x");
+  CHECK(panes.at(3).shown == "y");
+  panes.select(99);
+  CHECK(panes.at(1).wanted == "x");
+}
+
+TEST_CASE("Who comes back to a file finds it as he left it") {
+  Panes panes;
+  const std::string start[] = {"a"}, other[] = {"b"};
+  panes.start(start);
+  load_all(panes);
+  panes.at(0).view()->navigation.pose.position = {1, 2, 3};
+  panes.open(other);
+  load_all(panes);
+  CHECK(panes.at(0).view()->navigation.pose.position != glm::vec3(1, 2, 3));
+  panes.select(0);
+  const auto changes = settle(panes);
+  REQUIRE(changes.size() == 1);
+  CHECK_FALSE(changes[0].first);
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+}
+
+TEST_CASE("A file that is read again is seen from where the viewer was, and the old one goes") {
+  Panes panes;
+  const std::string twice[] = {"a", "a"};
+  panes.start(twice);
+  load_all(panes);
+  const std::weak_ptr<Document> before = panes.at(0).view()->document;
+  panes.at(0).view()->navigation.pose.position = {1, 2, 3};
+  panes.at(1).view()->look.opacity = 5;
+  panes.reload();
+  CHECK(panes.loading(1));
+  CHECK_FALSE(before.expired());
+  load_all(panes);
+  CHECK(before.expired());
+  CHECK(panes.at(0).view()->document == panes.at(1).view()->document);
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+  CHECK(panes.at(1).view()->look.opacity == 5);
+}
+
+TEST_CASE("A layout that shows more shows what is listed, then what is there, as it is seen") {
+  Panes panes;
+  const std::string start[] = {"a"};
+  panes.start(start);
+  load_all(panes);
+  const std::string more[] = {"b"};
+  panes.open(more);
+  load_all(panes);
+  panes.at(0).view()->navigation.pose.position = {1, 2, 3};
+  panes.set_layout(ViewportLayout::four);
+  CHECK(panes.at(1).wanted == "a");  // in the list, and nobody showed it
+  CHECK(panes.at(2).wanted == "b");
+  CHECK(panes.at(2).shown == "b");
+  REQUIRE(panes.at(2).view());
+  CHECK(panes.at(2).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+  CHECK(panes.at(2).view()->document == panes.at(0).view()->document);
+  load_all(panes);
+  CHECK(panes.at(1).shown == "a");
+  // One viewport is the active one; the others are kept.
+  panes.activate(2);
+  panes.set_layout(ViewportLayout::one);
+  CHECK(panes.visible() == std::vector<std::size_t>{2});
+  panes.activate(1);
+  CHECK(panes.visible() == std::vector<std::size_t>{1});
+}
+
+TEST_CASE("A viewport out of sight without a file does not become active") {
+  Panes panes;
+  const std::string start[] = {"a"};
+  panes.start(start);
+  panes.activate(1);
+  CHECK(panes.active() == 0);
+  panes.activate(99);
+  CHECK(panes.active() == 0);
+  panes.set_layout(ViewportLayout::two);
+  panes.activate(1);
+  CHECK(panes.active() == 1);
+}
+
+TEST_CASE("Another active viewport lets go of the keys of the one before") {
+  Panes panes;
+  const std::string twice[] = {"a", "a"};
+  panes.start(twice);
+  load_all(panes);
+  WindowEvent key;
+  key.kind = WindowEvent::Kind::key_down;
+  key.key = letter_key('W');
+  panes.at(0).input.take(key, NavigationMode::fly);
+  CHECK(panes.at(0).input.holding());
+  panes.activate(1);
+  CHECK_FALSE(panes.at(0).input.holding());
+}
+
+TEST_CASE("Loading is given up") {
+  Panes panes;
+  const std::string start[] = {"a"};
+  panes.start(start);
+  load_all(panes);
+  const std::string other[] = {"big"};
+  SECTION("by the user") {
+    panes.open(other);
+    const auto reading = panes.begin_loading();
+    REQUIRE(reading);
+    CHECK_FALSE(*reading->cancelled);
+    CHECK(panes.cancel(0));
+    CHECK(*reading->cancelled);
+    CHECK_FALSE(panes.cancel(0));
+    CHECK(panes.at(0).wanted == "a");
+    CHECK(panes.documents().entries().size() == 1);
+    panes.deliver(reading->number, document(), kSize);  // it came all the same
+    CHECK(settle(panes).empty());
+    CHECK(panes.documents().entries().size() == 1);
+    CHECK(panes.fail(reading->number).empty());
+  }
+  SECTION("because another file is wanted") {
+    panes.open(other);
+    const auto reading = panes.begin_loading();
+    panes.select(0);
+    CHECK(*reading->cancelled);
+    CHECK(panes.documents().entries().size() == 2);
+    panes.select(1);
+    const auto again = panes.begin_loading();
+    REQUIRE(again);
+    CHECK_FALSE(*again->cancelled);
+    panes.deliver(reading->number, document(), kSize);
+    CHECK(settle(panes).empty());
+    panes.deliver(again->number, document(), kSize);
+    CHECK(settle(panes).size() == 1);
+  }
+  SECTION("but not while another viewport waits for it") {
+    panes.set_layout(ViewportLayout::two);
+    panes.open(other);
+    panes.activate(1);
+    panes.open(other);
+    const auto reading = panes.begin_loading();
+    panes.select(0);
+    CHECK_FALSE(*reading->cancelled);
+    panes.deliver(reading->number, document(), kSize);
+    settle(panes);
+    CHECK(panes.at(0).shown == "big");
+    CHECK(panes.at(1).shown == "a");
+  }
+  SECTION("of a file that is there already") {
+    panes.reload();
+    const auto reading = panes.begin_loading();
+    REQUIRE(reading);
+    CHECK(panes.cancel(0));
+    CHECK(*reading->cancelled);
+    CHECK(panes.at(0).view());
+    CHECK_FALSE(panes.loading(0));
+    CHECK_FALSE(panes.begin_loading());
+  }
+  SECTION("at the end") {
+    panes.open(other);
+    const auto reading = panes.begin_loading();
+    panes.cancel_all();
+    CHECK(*reading->cancelled);
+  }
+}
+
+TEST_CASE("A file that cannot be opened makes room for the next one") {
+  Panes panes;
+  const std::string start[] = {"bad", "b", "c", "d", "e"};
+  panes.start(start);
+  const auto bad = panes.begin_loading();
+  REQUIRE(bad);
+  CHECK(panes.fail(bad->number) == std::vector<std::size_t>{0});
+  CHECK(panes.at(0).wanted == "e");
+  CHECK(panes.documents().entries().size() == 4);
+  load_all(panes);
+  CHECK(panes.at(0).shown == "e");
+  const std::string worse[] = {"worse"};
+  panes.open(worse);
+  const auto reading = panes.begin_loading();
+  CHECK(panes.fail(reading->number) == std::vector<std::size_t>{0});
+  CHECK(panes.at(0).wanted == "e");
+  CHECK(panes.at(0).view());
+}
+
+TEST_CASE("Documents live as long as somebody shows or lists them") {
+  std::weak_ptr<Document> kept;
+  {
+    View view;
+    {
+      Panes panes;
+      const std::string start[] = {"a"};
+      panes.start(start);
+      load_all(panes);
+      kept = panes.at(0).view()->document;
+      view = *panes.at(0).view();
+    }
+    CHECK_FALSE(kept.expired());
+    CHECK(view.list == view.document->list);
+  }
+  CHECK(kept.expired());
+}
+
+TEST_CASE("Levels of detail are each viewer's own") {
+  const auto shared = document({"LOD"});
+  CHECK(shared->viewer_dependent);
+  View one = view_of(shared, kSize, {}), two = view_of(shared, kSize, {});
+  CHECK(one.list == two.list);
+  follow_viewer(one);
+  CHECK_FALSE(follow_viewer(one));
+  one.navigation.pose.position.x += 1;
+  CHECK(follow_viewer(one));
+  CHECK(one.list != two.list);
+  CHECK(one.collected_for == one.navigation.pose.position);
+  const auto fixed = document({"Group"});
+  View third = view_of(fixed, kSize, {});
+  third.navigation.pose.position.x += 1;
+  CHECK_FALSE(follow_viewer(third));
+}
+
+TEST_CASE("The first view of the whole follows the shape of the viewport until somebody moves") {
+  const glm::vec2 wide(800, 400), narrow(400, 800);
+  View view = view_of(document_of({-10, -1, -1}, {10, 1, 1}), wide, {});
+  const Pose at_first = view.navigation.pose;
+  CHECK(at_first.position == first_pose(view.list->bounds, wide).position);
+  fit_home(view, wide);
+  CHECK(view.navigation.pose.position == at_first.position);
+  fit_home(view, narrow);
+  CHECK(view.navigation.pose.position == first_pose(view.list->bounds, narrow).position);
+  CHECK(view.navigation.pose.position.z > at_first.position.z);  // the width must fit in less
+  view.navigation.pose.position.x += 1;
+  const glm::vec3 moved = view.navigation.pose.position;
+  fit_home(view, wide);
+  CHECK(view.navigation.pose.position == moved);
+  CHECK(view.home.position == at_first.position);
+
+  View bound = view_of(document({"Viewpoint"}), wide, {});
+  fit_home(bound, narrow);
+  CHECK(bound.navigation.pose.position == glm::vec3(0, 0, 10));
+}
+
+TEST_CASE("A linked pose stands to its scene as the leader's stands to his") {
+  vrml::Bounds small, large;
+  small.add({-1, -1, -1});
+  small.add({1, 1, 1});
+  large.add({90, -10, -10});
+  large.add({110, 10, 10});
+  Pose pose;
+  pose.position = {0, 0, 5};
+  pose.field_of_view = 0.5f;
+  CHECK(linked_pose(pose, small, small).position == glm::vec3(0, 0, 5));
+  const Pose there = linked_pose(pose, small, large);
+  CHECK(glm::distance(there.position, glm::vec3(100, 0, 50)) < 1e-4f);
+  CHECK(there.orientation == pose.orientation);
+  CHECK(there.field_of_view == 0.5f);
+  CHECK(glm::distance(linked_pose(there, large, small).position, pose.position) < 1e-4f);
+  CHECK(linked_pose(pose, vrml::Bounds{}, large).position == pose.position);
+  CHECK(linked_pose(pose, small, vrml::Bounds{}).position == pose.position);
+  vrml::Bounds endless;
+  endless.add(glm::vec3(-std::numeric_limits<float>::max()));
+  endless.add(glm::vec3(std::numeric_limits<float>::max()));
+  CHECK(linked_pose(pose, small, endless).position == pose.position);
+  CHECK(linked_pose(pose, endless, small).position == pose.position);
+}
+
+TEST_CASE("Linked viewports follow, but not in worlds where nobody moves") {
+  Panes panes;
+  const std::string start[] = {"small", "large", "still"};
+  panes.start(start);
+  auto reading = panes.begin_loading();
+  panes.deliver(reading->number, document_of({-1, -1, -1}, {1, 1, 1}), kSize);
+  reading = panes.begin_loading();
+  panes.deliver(reading->number, document_of({90, -10, -10}, {110, 10, 10}), kSize);
+  reading = panes.begin_loading();
+  panes.deliver(reading->number, document(), kSize);
+  settle(panes);
+  Navigation& leader = panes.at(0).view()->navigation;
+  leader.pose.position = {0, 3, 5};
+  leader.center = {0, 1, 0};
+  Navigation& other = panes.at(1).view()->navigation;
+  other = travel_to(other, Pose{});
+  panes.at(2).view()->navigation.mode = NavigationMode::none;
+  const glm::vec3 before = panes.at(2).view()->navigation.pose.position;
+  panes.link(0);
+  CHECK(glm::distance(other.pose.position, glm::vec3(100, 30, 50)) < 1e-3f);
+  CHECK(glm::distance(other.center, glm::vec3(100, 10, 0)) < 1e-3f);
+  CHECK_FALSE(other.moving());
+  CHECK(panes.at(2).view()->navigation.pose.position == before);
+  CHECK(leader.pose.position == glm::vec3(0, 3, 5));
+  panes.link(3);  // nothing is shown there
+}
+
+TEST_CASE("What has come of a file shows, and who has not moved sees all of it") {
+  const auto preview = [](const glm::vec3& upper) {
+    auto result = document_of({0, 0, 0}, upper);
+    result->is_preview = true;
+    return result;
+  };
+  Panes panes;
+  panes.start(std::vector<std::string>{"a"});
+  const auto reading = panes.begin_loading();
+  REQUIRE(reading);
+  panes.preview(reading->number, preview({1, 1, 1}));
+  settle(panes);
+  REQUIRE(panes.at(0).view());
+  CHECK(panes.loading(0));
+  const glm::vec3 first = panes.at(0).view()->navigation.pose.position;
+  panes.preview(reading->number, preview({9, 9, 9}));
+  settle(panes);
+  const glm::vec3 second = panes.at(0).view()->navigation.pose.position;
+  CHECK(glm::length(second) > 2 * glm::length(first));
+  CHECK(panes.at(0).view()->list->bounds.upper == glm::vec3(9));
+  // Who has moved stays.
+  panes.at(0).view()->navigation.pose.position = {5, 6, 7};
+  panes.at(0).view()->look.opacity = 3;
+  panes.preview(reading->number, preview({20, 20, 20}));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  const auto whole = document_of({0, 0, 0}, {30, 30, 30});
+  panes.deliver(reading->number, whole, kSize);
+  settle(panes);
+  CHECK_FALSE(panes.loading(0));
+  CHECK(panes.at(0).view()->document == whole);
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  CHECK(panes.at(0).view()->look.opacity == 3);
+}
+
+TEST_CASE("A file that is read again shows its old state until the new one is whole") {
+  Panes panes;
+  panes.start(std::vector<std::string>{"a"});
+  load_all(panes);
+  const auto before = panes.at(0).view()->document;
+  panes.reload();
+  const auto reading = panes.begin_loading();
+  REQUIRE(reading);
+  auto part = document();
+  part->is_preview = true;
+  panes.preview(reading->number, part);
+  settle(panes);
+  CHECK(panes.at(0).view()->document == before);
+  // A reading that fails after a first part leaves what was there before.
+  (void)panes.fail(reading->number);
+  settle(panes);
+  CHECK(panes.at(0).view()->document == before);
+}

@@ -1,0 +1,102 @@
+// Large packed streams are read where they lie.
+#include "app/world/cloud_reader.h"
+
+#include "app/world/world_loader.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/lod/lod.h"
+#include "tests/app/clouds.h"
+#include "tests/app/large_stream.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+
+namespace {
+
+qnv::LodStream& levels_of(const OpenedWorld& world) {
+  REQUIRE(world.clouds.size() == 1);
+  REQUIRE(world.clouds.begin()->second->levels);
+  return *world.clouds.begin()->second->levels;
+}
+
+std::size_t discs(qnv::LodStream& stream, float error_pixels) {
+  qnv::LodView view;
+  view.eye = {0, 0, 4};
+  view.error_pixels = error_pixels;
+  std::size_t sum = 0;
+  for (const qnv::Piece& piece : stream.cut(view)) sum += piece.count;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a large packed stream stays where it lies, and may become shorter while one looks") {
+  const ScratchFolder folder;
+  const std::string file = folder.write("ball.qnv", large_stream());
+  const OpenedWorld world = load_world(file);
+  CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
+  qnv::LodStream& stream = levels_of(world);
+  CHECK(stream.header().vectors > 1'000'000);
+  const std::size_t coarse = discs(stream, 50);
+  CHECK(coarse > 100);
+  std::filesystem::resize_file(file, large_stream().size() / 2);
+  const std::size_t half = discs(stream, 0);
+  CHECK(half > 10 * coarse);
+  CHECK(half < stream.header().vectors);
+  CHECK_FALSE(stream.problems().empty());
+  // A file that goes altogether stays as long as it is open.
+  const std::string other = folder.write("other.qnv", large_stream());
+  const OpenedWorld second = load_world(other);
+  std::filesystem::remove(other);
+  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are of two sides
+  CHECK(levels_of(second).problems().empty());
+}
+
+TEST_CASE("a large packed stream that is cut, thinned out or damaged is the same stream with less") {
+  const ScratchFolder folder;
+  const std::string file = folder.write("ball.qnv", large_stream());
+  LoadOptions cut;
+  cut.max_bytes = large_stream().size() / 2;
+  const OpenedWorld half = load_world(file, cut);
+  CHECK(half.diagnostics.errors() + half.diagnostics.warnings() == 0);
+  LoadOptions lossy;
+  lossy.loss = 0.3;
+  const OpenedWorld thinned = load_world(file, lossy);
+  const std::size_t all = discs(levels_of(load_world(file)), 0);
+  CHECK(discs(levels_of(half), 0) < all);
+  CHECK(discs(levels_of(half), 0) > all / 4);
+  CHECK(discs(levels_of(thinned), 0) < all);
+  // One that ends early has no directory: it is read as a whole, and said to end.
+  const OpenedWorld early =
+      load_world(folder.write("early.qnv", large_stream().substr(0, large_stream().size() * 9 / 10)));
+  CHECK(early.diagnostics.errors() == 0);
+  CHECK(early.diagnostics.warnings() == 1);
+  CHECK(discs(levels_of(early), 0) > all / 2);
+  CHECK(discs(levels_of(early), 0) < all);
+}
+
+TEST_CASE("a stream that cannot be opened where it lies is taken from its bytes") {
+  const auto* first = reinterpret_cast<const std::byte*>(large_stream().data());
+  vrml::Diagnostics diagnostics;
+  CHECK(stream_source("nowhere/at/all.qnv") == nullptr);
+  const ScratchFolder folder;
+  const std::string other = folder.write("other.qnv", "another file that has come to lie there");
+  for (const std::string& path : {std::string("nowhere/at/all.qnv"), other}) {
+    const CloudFile file{path, {first, large_stream().size()}};
+    const auto cloud = read_cloud(content_type_of("x.qnv", first_bytes(file.bytes)), file, diagnostics,
+                                  std::chrono::steady_clock::now() + std::chrono::hours(1));
+    REQUIRE(cloud);
+    REQUIRE(cloud->levels);
+    CHECK(discs(*cloud->levels, 0) >= cloud->levels->header().vectors);
+  }
+  CHECK(diagnostics.errors() + diagnostics.warnings() == 0);
+}

@@ -1,0 +1,310 @@
+// Worlds that come over a scripted network.
+#include "app/world/world_loading.h"
+
+#include "app/world/stream_feed.h"
+#include "net/load/transport_memory.h"
+#include "qnv/lod/lod.h"
+#include "tests/app/clouds.h"
+#include "tests/app/large_stream.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+using test::bytes_of;
+
+namespace {
+
+constexpr std::chrono::milliseconds kLoadingWait{50};
+
+/// A network of resources with good manners, and the options to read from it.
+struct Web {
+  std::shared_ptr<net::MemoryNetwork> network = std::make_shared<net::MemoryNetwork>();
+  LoadOptions options;
+
+  Web() {
+    options.memory = network;
+    options.timeout_seconds = 60;
+  }
+  void put(const std::string& url, std::string_view text, const std::string& version = "\"1\"") {
+    net::MemoryResource resource;
+    resource.bytes = bytes_of(text);
+    resource.validator.etag = version;
+    network->put(url, std::move(resource));
+  }
+  void put_script(const std::string& url, net::MemoryNetwork::Answer answer) { network->put(url, std::move(answer)); }
+};
+
+/// The answer of a server to a whole request of `text`.
+net::MemoryAnswer whole(std::string_view text) {
+  net::MemoryAnswer answer;
+  answer.head.content_length = text.size();
+  answer.body = bytes_of(text);
+  return answer;
+}
+
+std::string boxes(int count) {
+  std::string text = "#VRML V2.0 utf8\n";
+  for (int i = 0; i < count; ++i)
+    text += "Transform { translation " + std::to_string(i) + " 0 0 children Shape { geometry Box { } } }\n";
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("a world shows before its file ends, and more of it each time") {
+  Web web;
+  const std::string text = boxes(3000);
+  web.put_script("memory://a/slow.wrl", [&](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer = whole(text);
+    answer.bytes_per_second = text.size() * 2;
+    answer.block = 8192;
+    return answer;
+  });
+  WorldLoading loading("memory://a/slow.wrl", web.options);
+  std::vector<std::size_t> seen;
+  while (!loading.done()) {
+    (void)loading.step(kLoadingWait);
+    if (!loading.changed()) continue;
+    const std::size_t items = loading.collect({0, 0, 10}).items.size();
+    if (!seen.empty()) CHECK(items >= seen.back());
+    seen.push_back(items);
+    CHECK(loading.state().received <= text.size());
+    CHECK(loading.state().total == text.size());
+  }
+  REQUIRE(seen.size() > 3);
+  CHECK(seen.front() < 1000);
+  CHECK(seen.back() == 3000);
+  const OpenedWorld world = loading.take();
+  CHECK(world.diagnostics.entries().empty());
+  CHECK(world.bytes == text.size());
+}
+
+TEST_CASE("a long IndexedFaceSet shows while it comes") {
+  Web web;
+  std::string text = "#VRML V2.0 utf8\nShape { geometry IndexedFaceSet { coord Coordinate { point [ ";
+  for (int i = 0; i < 2000; ++i)
+    text += std::to_string(i) + " " + std::to_string(i % 7) + " " + std::to_string(i % 3) + ",";
+  text += " ] } coordIndex [ ";
+  for (int i = 0; i + 2 < 2000; ++i)
+    text += std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + " -1 ";
+  text += "] } }\n";
+  web.put_script("memory://a/mesh.wrl", [&](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer = whole(text);
+    answer.bytes_per_second = text.size() * 3;
+    answer.block = 4096;
+    return answer;
+  });
+  WorldLoading loading("memory://a/mesh.wrl", web.options);
+  std::vector<std::size_t> triangles;
+  while (!loading.done()) {
+    (void)loading.step(kLoadingWait);
+    if (!loading.changed()) continue;
+    const render::RenderList list = loading.collect({0, 0, 10});
+    if (!list.items.empty()) triangles.push_back(list.items[0].mesh->indices.size() / 3);
+  }
+  REQUIRE(triangles.size() > 2);
+  CHECK(std::is_sorted(triangles.begin(), triangles.end()));
+  CHECK(triangles.front() < 1900);
+  // As many as there are when all of it comes at once (some are slivers without area, and left out).
+  web.put("memory://a/whole.wrl", text);
+  WorldLoading at_once("memory://a/whole.wrl", web.options);
+  while (!at_once.done()) (void)at_once.step(kLoadingWait);
+  CHECK(triangles.back() == at_once.collect({0, 0, 10}).items[0].mesh->indices.size() / 3);
+}
+
+TEST_CASE("Inlines, libraries, textures and importers' files come from beside the document") {
+  Web web;
+  web.put("memory://a/main.wrl",
+          "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"none.wrl#B\" \"sub/lib.wrl#B\" ]\n"
+          "Inline { url \"sub/in.wrl\" }\nShape { geometry B { r 5 } appearance Appearance { texture ImageTexture { "
+          "url \"sub/p.gif\" } } }\nInline { url \"sub/m.obj\" }\n");
+  web.put("memory://a/sub/lib.wrl", "#VRML V2.0 utf8\nPROTO B [ field SFFloat r 2 ] { Sphere { radius IS r } }\n");
+  web.put("memory://a/sub/in.wrl", "#VRML V2.0 utf8\nInline { url \"deep.wrl\" }\n");
+  web.put("memory://a/sub/deep.wrl", boxes(2));
+  web.put("memory://a/sub/p.gif",
+          std::string_view("GIF89a\1\0\1\0\x80\0\0\xff\0\0\0\0\0,\0\0\0\0\1\0\1\0\0\2\2D\1\0;", 35));
+  web.put("memory://a/sub/m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl green\nf 1 2 3\n");
+  web.put("memory://a/sub/m.mtl", "newmtl green\nKd 0 1 0\n");
+  WorldLoading loading("memory://a/main.wrl", web.options);
+  while (!loading.done()) (void)loading.step(kLoadingWait);
+  const render::RenderList list = loading.collect({0, 0, 10});
+  const OpenedWorld world = loading.take();
+  INFO(said(world));
+  CHECK(world.diagnostics.entries().empty());
+  REQUIRE(world.scene);
+  CHECK(list.items.size() == 4);  // two boxes, a sphere, a triangle
+  CHECK(world.images.size() == 1);
+  CHECK(std::any_of(list.items.begin(), list.items.end(),
+                    [](const auto& item) { return item.material.diffuse == glm::vec3(0, 1, 0); }));
+}
+
+TEST_CASE("what fails on the way is said, and the rest shows") {
+  const std::string text = boxes(400);
+  const std::string half = text.substr(0, text.size() / 2);
+  struct Case {
+    const char* name;
+    net::MemoryNetwork::Answer answer;
+    const char* message;
+    bool shows;
+  };
+  const auto redirect = [](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.head.status = 302;
+    answer.head.location = "memory://a/world.wrl";
+    return answer;
+  };
+  const Case cases[] = {
+      {"gone",
+       [](const net::TransferRequest&, unsigned) {
+         net::MemoryAnswer answer;
+         answer.head.status = 404;
+         return answer;
+       },
+       "404", false},
+      {"garbage", [](const net::TransferRequest&, unsigned) { return whole(std::string(3000, '\1')); }, "binary",
+       false},
+      {"truncated",
+       [&](const net::TransferRequest&, unsigned) {
+         net::MemoryAnswer answer = whole(text);
+         answer.break_after = half.size();
+         return answer;
+       },
+       "world.wrl", true},
+      {"changed midway",
+       [&](const net::TransferRequest&, unsigned transfer) {
+         net::MemoryAnswer answer = whole(text);
+         answer.head.validator.etag = "\"" + std::to_string(transfer) + "\"";
+         if (transfer == 0) answer.break_after = half.size();
+         return answer;
+       },
+       "changed on the server", true},
+      {"redirected for ever", redirect, "redirect", false},
+  };
+  for (const Case& one : cases) {
+    INFO(one.name);
+    Web web;
+    web.options.timeout_seconds = 20;
+    web.put_script("memory://a/world.wrl", one.answer);
+    const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+    INFO(said(world));
+    CHECK(world.diagnostics.errors() >= 1);
+    CHECK(said(world).find(one.message) != std::string::npos);
+    CHECK((world.scene != nullptr) == one.shows);
+    if (!world.scene) continue;
+    CHECK(world.scene->roots().size() > 100);
+    CHECK(world.truncated);
+  }
+}
+
+TEST_CASE("the time for loading ends what stalls") {
+  Web web;
+  web.options.timeout_seconds = 0.3;
+  web.put("memory://a/world.wrl", boxes(3) + "Inline { url \"never.wrl\" }\n");
+  web.put_script("memory://a/never.wrl", [](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.answers = false;
+    return answer;
+  });
+  const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+  REQUIRE(world.scene);
+  CHECK(world.scene->roots().size() == 4);
+  CHECK(said(world).find("the time for loading is over") != std::string::npos);
+}
+
+TEST_CASE("a document of the network never reaches files, and offline nothing of the network is read") {
+  const ScratchFolder folder;
+  const std::string secret = folder.write("secret.wrl", boxes(1));
+  Web web;
+  web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nInline { url \"file://" + secret + "\" }\nShape { }\n");
+  const OpenedWorld world = load_world("memory://a/world.wrl", web.options);
+  REQUIRE(world.scene);
+  CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
+  CHECK(said(world).find("may not refer to file:") != std::string::npos);
+  web.options.offline = true;
+  const OpenedWorld none = load_world("memory://a/world.wrl", web.options);
+  CHECK_FALSE(none.scene);
+  CHECK(said(none).find("--offline") != std::string::npos);
+}
+
+TEST_CASE("a stream shows from its front on, and grows") {
+  Web web;
+  web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
+  web.put_script("memory://a/ball.qnv", [](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer = whole(large_stream());
+    answer.bytes_per_second = large_stream().size() * 2;
+    return answer;
+  });
+  WorldLoading loading("memory://a/world.wrl", web.options);
+  std::vector<std::size_t> clusters;
+  std::shared_ptr<const qnv::Cloud> cloud;
+  std::vector<std::shared_ptr<StreamFeed>> feeds;
+  while (!loading.done()) {
+    (void)loading.step(kLoadingWait);
+    const render::RenderList list = loading.collect({0, 0, 10});
+    if (list.splats.empty()) continue;
+    cloud = list.splats[0].cloud;
+    REQUIRE(cloud->levels);
+    if (feeds.empty()) feeds = loading.feeds();
+    for (const auto& feed : feeds) (void)feed->apply();
+    clusters.push_back(cloud->levels->clusters());
+  }
+  REQUIRE(clusters.size() > 3);
+  CHECK(std::is_sorted(clusters.begin(), clusters.end()));
+  CHECK(clusters.front() * 2 < clusters.back());
+  const OpenedWorld world = load_world("memory://a/ball.qnv", web.options);
+  REQUIRE(world.clouds.size() == 1);
+  CHECK(world.clouds.begin()->second->levels->clusters() == clusters.back());
+}
+
+TEST_CASE("of a long stream only what a view wants is read") {
+  Web web;
+  web.options.by_view = true;
+  web.put("memory://a/ball.qnv", large_stream());
+  WorldLoading loading("memory://a/ball.qnv", web.options);
+  while (!loading.done()) (void)loading.step(kLoadingWait);
+  const OpenedWorld world = loading.take();
+  REQUIRE(world.scene);
+  REQUIRE(world.feeds.size() == 1);
+  StreamFeed& feed = *world.feeds[0];
+  qnv::LodStream& stream = *world.clouds.begin()->second->levels;
+  CHECK(loading.streaming());
+  qnv::LodView view;
+  view.eye = {0, 0, 4};
+  view.pixels = 500;
+  view.error_pixels = 4;
+  std::size_t rounds = 0;
+  do {
+    (void)loading.step(kLoadingWait);
+    (void)feed.apply();
+    (void)stream.cut(view);
+    feed.ask();
+  } while (!(stream.complete() && stream.clusters() > 1 && ++rounds > 5));
+  CHECK(feed.take_problem().empty());
+  std::uint64_t asked = 0;
+  for (const net::TransferRequest& transfer : web.network->transfers()) {
+    REQUIRE(transfer.range);
+    asked += std::min<std::uint64_t>(transfer.range->end, large_stream().size()) - transfer.range->begin;
+  }
+  CHECK(asked < large_stream().size() * 3 / 4);
+  // All that it would have shown of the whole.
+  auto opened = qnv::LodStream::open(bytes_of(large_stream()));
+  auto& reference = *std::get<std::unique_ptr<qnv::LodStream>>(opened);
+  std::size_t discs = 0, wanted = 0;
+  for (const qnv::Piece& piece : stream.cut(view)) discs += piece.count;
+  for (const qnv::Piece& piece : reference.cut(view)) wanted += piece.count;
+  CHECK(discs == wanted);
+}

@@ -1,0 +1,173 @@
+// Who may refer to what. docs/security.md names these tests.
+#include "net/base/reference_policy.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/net/load_helpers.h"
+
+namespace {
+
+using namespace gs::net;
+using gs::net::test::TemporaryFolder;
+namespace fs = std::filesystem;
+
+std::string refusal(const ReferencePolicy& policy, const Origin& from, const std::string& to) {
+  const auto why = policy.refuse(from, parse_url(to));
+  return why ? why->message : "";
+}
+std::string refusal(const std::string& from, const std::string& to) {
+  return refusal(ReferencePolicy(), {from, AddressSpace::global}, to);
+}
+
+std::string made(const TemporaryFolder& folder, const std::string& name) {
+  const std::string path = folder / name;
+  fs::create_directories(fs::path(path).parent_path());
+  std::ofstream(path) << name;
+  return path;
+}
+
+TEST_CASE("a document of the network refers to the network only") {
+  const std::string file = "file:///etc/passwd";
+  for (const char* from :
+       {"http://a/b.wrl", "https://a/b.wrl", "data:model/vrml,x", "cells://a/b", "memory:a", "b.wrl", "javascript:x"}) {
+    INFO(from);
+    ReferencePolicy all;
+    all.allow("/");
+    CHECK(refusal(all, {from, AddressSpace::loopback}, file).find("may not refer to file:") != std::string::npos);
+    CHECK(all.refuse_file({from, AddressSpace::loopback}, "/etc/passwd"));
+  }
+  CHECK(refusal("http://a/", file) ==
+        "a document of http: may not refer to file:; expected one of data, http, https, cells");
+  CHECK(refusal("http://a/", "http://b/").empty());
+  CHECK(refusal("http://a/", "data:,x").empty());
+  CHECK(refusal("http://a/", "cells://b/x").empty());
+}
+
+TEST_CASE("what the user asks for is allowed anywhere") {
+  for (const char* to : {"file:///etc/passwd", "http://user:password@localhost/", "cells://127.0.0.1:53/x", "data:,x"})
+    CHECK(refusal("", to).empty());
+  CHECK(Origin{}.reach() == AddressSpace::special);
+  CHECK(refusal("", "gopher://a") == "the scheme gopher: is not known; expected one of file, data, http, https, cells");
+  CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, cells");
+}
+
+TEST_CASE("a file refers to what was allowed and below it, links followed") {
+  const TemporaryFolder folder;
+  const std::string world = made(folder, "worlds/sub/a.wrl"), beside = made(folder, "worlds/sub/b c.wrl"),
+                    below = made(folder, "worlds/sub/deep/c.wrl"), above = made(folder, "worlds/d.wrl"),
+                    near = made(folder, "worlds/subway/e.wrl");
+  const Origin from{url_of_path(world).text()};
+  ReferencePolicy policy;
+  const auto refused = [&](const std::string& path) {
+    return !refusal(policy, from, url_of_path(path).text()).empty();
+  };
+  CHECK(refused(beside));  // nothing was allowed
+  policy.allow(folder / "worlds/sub");
+  CHECK_FALSE(refused(world));
+  CHECK_FALSE(refused(beside));
+  CHECK_FALSE(refused(below));
+  CHECK_FALSE(refused(folder / "worlds/sub/deep/../b c.wrl"));
+  CHECK(refused(above));
+  CHECK(refused(near));
+  CHECK(refused(folder / "worlds/sub/../d.wrl"));
+  CHECK(refused("/etc/passwd"));
+  CHECK_FALSE(refused(folder / "worlds/nothing.wrl"));  // which opening it says
+  // Links count as what they lead to.
+  fs::create_symlink(above, folder / "worlds/sub/out.wrl");
+  fs::create_directory_symlink(folder / "worlds", folder / "worlds/sub/up");
+  fs::create_symlink("b c.wrl", folder / "worlds/sub/in.wrl");
+  CHECK(refused(folder / "worlds/sub/out.wrl"));
+  CHECK(refused(folder / "worlds/sub/up/d.wrl"));
+  CHECK_FALSE(refused(folder / "worlds/sub/in.wrl"));
+  fs::create_directory_symlink(folder / "worlds/sub", folder / "way");
+  ReferencePolicy by_link;
+  by_link.allow(folder / "way");
+  CHECK_FALSE(by_link.refuse_file(from, beside));
+  // One file, and nothing beside it.
+  policy.allow(above);
+  CHECK_FALSE(refused(above));
+  CHECK(refused(near));
+}
+
+TEST_CASE("a refusal names the folder that would have to be allowed") {
+  const TemporaryFolder folder;
+  const std::string world = made(folder, "a/b/w.wrl"), texture = made(folder, "a/textures/x.png");
+  ReferencePolicy policy;
+  policy.allow(folder / "a/b");
+  const std::string wanted = fs::canonical(folder / "a/textures").string();
+  const auto why = policy.refuse({url_of_path(world).text()}, url_of_path(texture));
+  REQUIRE(why);
+  CHECK(why->folder == wanted);
+  CHECK(why->message == "it lies outside of the world's folder; --allow " + wanted + " allows it");
+  policy.allow(why->folder);
+  CHECK_FALSE(policy.refuse({url_of_path(world).text()}, url_of_path(texture)));
+  // No folder that is allowed would help these.
+  CHECK(ReferencePolicy().refuse({"http://a/"}, url_of_path(texture))->folder.empty());
+  CHECK(ReferencePolicy().refuse({"https://a/"}, parse_url("http://a/"))->folder.empty());
+}
+
+TEST_CASE("no user and no password from a document") {
+  for (const char* from : {"http://a/w.wrl", "https://a/w.wrl", "file:///w.wrl", "cells://a/w"})
+    for (const char* to : {"https://user@b/", "https://user:password@b/", "https://@b/", "https://x@a:1@b/"}) {
+      INFO(from << " " << to);
+      CHECK(refusal(from, to) == "a document may not name a user or a password; expected https://HOST/PATH");
+    }
+  CHECK(refusal("file:///w.wrl", "cells://user:password@b/x").find("password") != std::string::npos);
+  // A relative reference takes along what the user typed.
+  const Url base = parse_url("http://user:password@a/w.wrl");
+  CHECK(refusal(base.text(), resolve(base, parse_url("x.png")).text()).empty());
+  CHECK_FALSE(refusal(base.text(), "http://user:password@b/x.png").empty());
+  CHECK_FALSE(refusal(base.text(), "https://user:password@a/x.png").empty());
+}
+
+TEST_CASE("not from https to what is not encrypted") {
+  CHECK(refusal("https://a/", "http://a/") ==
+        "a document of https: may not refer to http:, which anyone on the way can change; expected https:");
+  CHECK_FALSE(refusal("https://a/", "cells://a/x").empty());
+  CHECK(refusal("https://a/", "https://b/").empty());
+  CHECK(refusal("https://a/", "data:,x").empty());
+  CHECK(refusal("http://a/", "https://b/").empty());
+  CHECK(refusal("cells://a/", "http://b/").empty());
+  CHECK(refusal("file:///a", "http://b/").empty());
+}
+
+TEST_CASE("no datagrams to the services of systems") {
+  CHECK(refusal("http://a/", "cells://b:53/x") ==
+        "a document may not have datagrams sent to port 53; expected one from 1024 on");
+  CHECK_FALSE(refusal("file:///a", "cells://b:1023/x").empty());
+  CHECK(refusal("http://a/", "cells://b:1024/x").empty());
+  CHECK(refusal("http://a/", "cells://b/x").empty());
+}
+
+TEST_CASE("which hosts a text may reach") {
+  CHECK(Origin{"file:///a", AddressSpace::global}.reach() == AddressSpace::loopback);
+  CHECK(Origin{"http://a/", AddressSpace::global}.reach() == AddressSpace::global);
+  CHECK(Origin{"http://a/", AddressSpace::local}.reach() == AddressSpace::local);
+  CHECK(Origin{"http://a/", AddressSpace::special}.reach() == AddressSpace::loopback);
+  CHECK(refuse_host(AddressSpace::global, AddressSpace::loopback, "127.0.0.1") ==
+        "the address 127.0.0.1 is of this machine; a document of the Internet may not reach it");
+  CHECK(refuse_host(AddressSpace::local, AddressSpace::loopback));
+  CHECK(refuse_host(AddressSpace::loopback, AddressSpace::special));
+  CHECK_FALSE(refuse_host(AddressSpace::special, AddressSpace::special));
+  CHECK_FALSE(refuse_host(AddressSpace::local, AddressSpace::local));
+  CHECK_FALSE(refuse_host(AddressSpace::local, AddressSpace::global));
+}
+
+TEST_CASE("names of files as references") {
+  CHECK(reference_of_path("a b#c?%.raw") == "a%20b%23c%3F%25.raw");
+  CHECK(reference_of_path("dir\\x.raw") == "dir/x.raw");
+  CHECK(reference_of_path("C:\\x.raw") == "C%3A/x.raw");
+  CHECK(reference_of_path("../x") == "../x");
+  CHECK(reference_of_path("/etc/x") == "/etc/x");
+  CHECK(reference_of_path("//host/x") == "/host/x");
+  CHECK(reference_of_path("\\\\host\\x") == "/host/x");
+  const Url base = parse_url("http://a/b/c.nhdr");
+  CHECK(resolve(base, parse_url(reference_of_path("http://evil/x"))).text() == "http://a/b/http%3A//evil/x");
+  CHECK(path_of_url(resolve(url_of_path("/w/a.nhdr"), parse_url(reference_of_path("x #%41.raw")))) == "/w/x #%41.raw");
+}
+
+}  // namespace

@@ -1,0 +1,55 @@
+#include "net/base/schemes.h"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+
+#include "net/load/transport.h"
+
+namespace {
+
+using namespace gs::net;
+
+TEST_CASE("each scheme has one row") {
+  std::set<std::string_view> names;
+  for (const Scheme& scheme : schemes()) CHECK(names.insert(scheme.name).second);
+  CHECK(names == std::set<std::string_view>{"file", "http", "https", "data", "cells", "memory"});
+  CHECK_FALSE(find_scheme("ftp"));
+  CHECK_FALSE(find_scheme("HTTP"));
+}
+
+TEST_CASE("messages show no passwords") {
+  CHECK(url_for_messages("http://user:secret@host/a?b#c") == "http://host/a?b#c");
+  CHECK(url_for_messages("http://user@x:secret@host/a@b") == "http://host/a@b");
+  CHECK(url_for_messages("http://host/a@b") == "http://host/a@b");
+  CHECK(url_for_messages("a\nb") == "a?b");
+  CHECK(url_for_messages("data:," + std::string(1000, 'x')).size() == 203);
+}
+
+std::string text_of(std::string_view url) {
+  const auto decoded = decode_data_url(url);
+  if (!decoded) return "none";
+  return decoded->media_type + "|" +
+         std::string(reinterpret_cast<const char*>(decoded->bytes.data()), decoded->bytes.size());
+}
+
+TEST_CASE("data URLs (RFC 2397)") {
+  CHECK(text_of("data:,A%20brief%20note") == "text/plain;charset=US-ASCII|A brief note");
+  CHECK(text_of("data:;charset=utf-8,x") == "text/plain;charset=utf-8|x");
+  CHECK(text_of("data:text/plain;base64,SGVsbG8h") == "text/plain|Hello!");
+  CHECK(text_of("DATA:text/plain;BASE64,SGVs\nbG8") == "text/plain|Hello");
+  CHECK(text_of("data:a/b;base64,SGVsbG8%3D") == "a/b|Hello");
+  CHECK(text_of("data:a/b;base64,") == "a/b|");
+  CHECK(text_of("data:a/b;base64,A") == "none");
+  CHECK(text_of("data:a/b;base64,AA=A") == "none");
+  CHECK(text_of("data:a/b;base64,A!AA") == "none");
+  CHECK(text_of("data:a/b") == "none");
+  CHECK(text_of("data") == "none");
+  CHECK(text_of("a,data:") == "none");
+  CHECK(text_of("data:,x#fragment") == "text/plain;charset=US-ASCII|x");
+  CHECK(text_of("data:model/vrml,#VRML V2.0 utf8") == "model/vrml|#VRML V2.0 utf8");
+  CHECK(text_of("data:,%4") == "text/plain;charset=US-ASCII|%4");
+  CHECK(text_of("data:,100%") == "text/plain;charset=US-ASCII|100%");
+}
+
+}  // namespace

@@ -1,0 +1,22 @@
+#include "net/cells/atm_socket.h"
+
+#include <catch2/catch.hpp>
+
+namespace {
+
+using namespace gs::net;
+
+TEST_CASE("A native ATM socket, or a clear word why not", "[atm_socket]") {
+  auto opened = AtmSocket::open(0, {0, 64}, 0);
+  if (const auto* error = std::get_if<AtmError>(&opened)) {
+    REQUIRE(error->message.find("ATM") != std::string::npos);
+    if (!AtmSocket::available()) REQUIRE(error->message.find("cells over UDP") != std::string::npos);
+  } else {
+    REQUIRE(AtmSocket::available());
+    REQUIRE_FALSE(std::get<AtmSocket>(opened).receive());
+  }
+  const auto strange = AtmSocket::open(-1, {0, 64}, 0);
+  REQUIRE(std::holds_alternative<AtmError>(strange));
+}
+
+}  // namespace

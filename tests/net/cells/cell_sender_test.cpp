@@ -1,0 +1,250 @@
+#include "net/cells/cell_sender.h"
+
+#include "tests/net/cell_scene.h"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+
+namespace {
+
+using namespace gs::net;
+using namespace std::chrono_literals;
+using Streams = std::vector<PatternSource::Stream>;
+
+CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved) {
+  CellServerOptions options;
+  options.secret = {1, 2};
+  options.session.response = response;
+  return options;
+}
+
+std::shared_ptr<PatternLibrary> library(const std::shared_ptr<CellSource>& source) {
+  auto made = std::make_shared<PatternLibrary>();
+  made->sources["a"] = source;
+  return made;
+}
+
+CellWish wish(std::string path = "a") {
+  CellWish result;
+  result.path = std::move(path);
+  return result;
+}
+
+TEST_CASE("Before the cookie comes back no more is sent than came", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 10, 8000}});
+  CellServer server(server_options(), library(source));
+  std::uint64_t random = 1, received = 0, sent = 0;
+  Instant now{1'000'000};
+  const auto put = [&](const std::vector<std::byte>& bytes) {
+    Endpoint from;
+    from.address[0] = static_cast<std::uint8_t>(Link::next_random(random));
+    received += bytes.size();
+    server.receive(from, bytes, now += 1ms);
+    while (const auto out = server.next(now)) sent += out->bytes.size();
+    REQUIRE(sent <= received);
+  };
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    put(encode_contract(HelloMessage{i}));
+    RequestMessage request;
+    request.cookie = {i, 5, Link::next_random(random)};  // a guess
+    request.number = 1;
+    request.path = "a";
+    request.rate = 1'000'000'000;
+    put(encode_contract(request));
+    ReportMessage report;
+    report.session = Link::next_random(random);
+    put(encode_contract(report));
+    put(encode_contract(ByeMessage{i, ""}));
+    auto shorter = encode_contract(HelloMessage{i});
+    shorter.resize(40);
+    const std::uint64_t before = sent;
+    put(shorter);
+    REQUIRE(sent == before);
+  }
+  REQUIRE(server.statistics().clients == 0);
+  now += 100s;
+  REQUIRE_FALSE(server.next(now));
+  REQUIRE(source->read() == 0);
+}
+
+TEST_CASE("A client gets no more than its grant, all of them no more than the total", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(5000, Streams{{true, 2000, 8000}});
+  CellServerOptions options = server_options();
+  options.total_rate = 20'000'000;
+  options.client_rate = 8'000'000;
+  Scene scene(options, library(source));
+  Link::Options link;
+  link.latency = 10ms;
+  // The first wants little, the others as much as they can get.
+  const std::uint64_t wanted[] = {2'000'000, 50'000'000, 50'000'000, 50'000'000};
+  for (const std::uint64_t rate : wanted) scene.add(link, source, rate);
+  for (auto& client : scene.clients) client->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 1s);
+  std::vector<std::uint64_t> before;
+  for (auto& client : scene.clients) before.push_back(client->down.sent_bytes());
+  scene.run(scene.now + 4s);
+  const double shares[] = {2e6, 6e6, 6e6, 6e6};  // max-min fair
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double rate = static_cast<double>(scene.clients[i]->down.sent_bytes() - before[i]) * 8 / 4;
+    REQUIRE(rate < shares[i] * 1.02);
+    REQUIRE(rate > shares[i] * 0.9);
+    REQUIRE(scene.clients[i]->got.ok);
+  }
+}
+
+TEST_CASE("Two hundred clients are served evenly", "[cell_sender][optimised]") {
+  const auto source = std::make_shared<PatternSource>(3000, Streams{{true, 300, 8000}});
+  CellServerOptions options = server_options(CongestionResponse::equation);
+  options.total_rate = 40'000'000;
+  Scene scene(options, library(source));
+  Link::Options link;
+  link.latency = 10ms;
+  for (int i = 0; i < 200; ++i) scene.add(link, source, 50'000'000);
+  for (auto& client : scene.clients) client->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 3s);
+  std::uint64_t least = ~std::uint64_t{0}, most = 0;
+  for (auto& client : scene.clients) {
+    REQUIRE(client->got.base);
+    REQUIRE(client->got.ok);
+    least = std::min(least, client->got.bytes);
+    most = std::max(most, client->got.bytes);
+  }
+  REQUIRE(static_cast<double>(most) < 1.1 * static_cast<double>(least));
+  REQUIRE(scene.server.statistics().clients == 200);
+}
+
+TEST_CASE("A server that is full says so", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
+  CellServerOptions options = server_options();
+  options.most_clients = 1;
+  Scene scene(options, library(source));
+  for (int i = 0; i < 2; ++i) scene.add({}, source);
+  scene.clients[0]->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 1s);
+  scene.clients[1]->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 1s);
+  REQUIRE(scene.clients[0]->got.base);
+  REQUIRE(scene.clients[1]->got.refused);
+  REQUIRE(scene.clients[1]->got.text.find("as many clients") != std::string::npos);
+  scene.clients[0]->client.bye(scene.now);
+  scene.run(scene.now + 1s);
+  REQUIRE(scene.server.statistics().clients == 0);
+}
+
+TEST_CASE("Sending stops two seconds after the last report", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100'000, 8000}});
+  Scene scene(server_options(), library(source));
+  scene.add({}, source);
+  scene.clients[0]->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 2s);
+  Link::Options cut;
+  cut.cut = true;
+  scene.clients[0]->up.set(cut);
+  scene.run(scene.now + 2100ms);
+  const std::uint64_t sent = scene.clients[0]->down.sent();
+  REQUIRE(sent > 100);
+  scene.run(scene.now + 5s);
+  REQUIRE(scene.clients[0]->down.sent() == sent);
+  // After 30 s it is forgotten.
+  scene.run(scene.now + 40s);
+  REQUIRE(scene.server.deadline(scene.now) == Instant::max());
+  REQUIRE(scene.server.statistics().clients == 0);
+}
+
+TEST_CASE("Regions and wishes come first", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 1000, 4000}, {false, 1000, 900}});
+  Scene scene(server_options(), library(source));
+  Link::Options link;
+  link.latency = 20ms;
+  scene.add(link, source, 4'000'000);
+  CellClient& client = scene.clients[0]->client;
+  client.want(0, wish(), scene.now);
+  // Chunks 500 to 519 of each stream lie in this region; then those of the
+  // second region.
+  const auto at = [](std::uint32_t chunk) { return static_cast<std::uint16_t>(chunk * 65); };
+  client.prefer(0,
+                {{{at(700), 0, 0, static_cast<std::uint16_t>(at(710) - 1), 9, 9}, 1},
+                 {{at(500), 0, 0, static_cast<std::uint16_t>(at(520) - 1), 9, 9}, 5}},
+                {{1, 999}});
+  scene.run(scene.now + 3s);
+  const auto& order = scene.clients[0]->got.order;
+  REQUIRE(order.size() > 80);
+  const auto place = [&](ChunkName name) { return std::find(order.begin(), order.end(), name) - order.begin(); };
+  // What was under way before the first report came: a few.
+  REQUIRE(place({1, 999}) < 15);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    REQUIRE(place({0, 500 + i}) < 40);
+    REQUIRE(place({1, 500 + i}) < 70);
+    REQUIRE(place({0, 500 + i}) < place({0, 700}));
+  }
+  REQUIRE(place({0, 705}) < place({0, 100}));
+  REQUIRE(scene.clients[0]->got.ok);
+}
+
+TEST_CASE("Several slots share by weight", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(100, Streams{{true, 5000, 8000}});
+  Scene scene(server_options(), library(source));
+  scene.add({}, source, 8'000'000);
+  CellWish heavy = wish(), light = wish();
+  heavy.weight = 3;
+  scene.clients[0]->client.want(0, heavy, scene.now);
+  scene.clients[0]->client.want(5, light, scene.now);
+  scene.run(scene.now + 4s);
+  auto& bytes = scene.clients[0]->got.slot_bytes;
+  const double ratio = static_cast<double>(bytes[0]) / static_cast<double>(bytes[5]);
+  REQUIRE(ratio > 2.8);
+  REQUIRE(ratio < 3.2);
+  // One is dropped: the other gets all.
+  scene.clients[0]->client.drop(0, scene.now);
+  scene.run(scene.now + 500ms);
+  const auto first = bytes[0], second = bytes[5];
+  scene.run(scene.now + 2s);
+  REQUIRE(bytes[0] == first);
+  REQUIRE(static_cast<double>(bytes[5] - second) * 8 / 2 > 5e6);
+}
+
+TEST_CASE("A budget ends a stream, a larger one goes on", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100, 8000}, {false, 50, 1000}});
+  Scene scene(server_options(), library(source));
+  scene.add({}, source);
+  CellWish asked = wish();
+  asked.budget = 100'000;
+  scene.clients[0]->client.want(0, asked, scene.now);
+  scene.run(scene.now + 3s);
+  ReceivedCells& got = scene.clients[0]->got;
+  REQUIRE(got.ended);
+  REQUIRE(got.bytes >= 100'000);
+  REQUIRE(got.bytes <= 108'000);
+  asked.budget = 0;
+  asked.streams = 2;
+  scene.clients[0]->client.want(0, asked, scene.now);
+  scene.run(scene.now + 3s);
+  REQUIRE(got.slot_bytes[0] >= 150'000);
+  REQUIRE(got.slot_bytes[0] <= 158'000);  // nothing twice
+  REQUIRE(got.ok);
+}
+
+TEST_CASE("A path that is not there is refused with a word", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
+  Scene scene(server_options(), library(source));
+  scene.add({}, source);
+  scene.clients[0]->client.want(0, wish("b"), scene.now);
+  scene.run(scene.now + 1s);
+  REQUIRE(scene.clients[0]->got.refused);
+  REQUIRE(scene.clients[0]->got.text == "there is no b");
+}
+
+TEST_CASE("A stopped server says goodbye", "[cell_sender]") {
+  const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100'000, 8000}});
+  Scene scene(server_options(), library(source));
+  scene.add({}, source);
+  scene.clients[0]->client.want(0, wish(), scene.now);
+  scene.run(scene.now + 1s);
+  scene.server.stop();
+  scene.run(scene.now + 1s);
+  REQUIRE(scene.clients[0]->got.failed);
+  REQUIRE(scene.clients[0]->got.text.find("the server stops") != std::string::npos);
+}
+
+}  // namespace

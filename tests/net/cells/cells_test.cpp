@@ -1,0 +1,114 @@
+#include "net/cells/cells.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+namespace {
+
+using namespace gs::net;
+
+Cell sample() {
+  Cell cell;
+  cell.vc = {0x123, 0xabcd};
+  cell.type = 1;
+  cell.low_priority = true;
+  for (std::size_t i = 0; i < kCellPayload; ++i) cell.payload[i] = static_cast<std::byte>(i * 5);
+  return cell;
+}
+
+TEST_CASE("The header check of idle cells", "[cells]") {
+  // I.432.1: the header of idle cells is 00 00 00 01 and its check 52, that of
+  // unassigned cells 00 00 00 00 and 55.
+  REQUIRE(header_check(std::array<std::byte, 4>{std::byte{0}, std::byte{0}, std::byte{0}, std::byte{1}}) == 0x52);
+  REQUIRE(header_check(std::array<std::byte, 4>{}) == 0x55);
+}
+
+TEST_CASE("A cell on a line", "[cells]") {
+  const auto bytes = encode_line_cell(sample());
+  REQUIRE(bytes[0] == std::byte{0x12});
+  REQUIRE(bytes[1] == std::byte{0x3a});
+  REQUIRE(bytes[2] == std::byte{0xbc});
+  REQUIRE(bytes[3] == std::byte{0xd3});
+  LineReceiver receiver;
+  REQUIRE(receiver.receive(bytes) == sample());
+}
+
+TEST_CASE("Every single wrong bit of a header is mended, the next one refused", "[cells]") {
+  const auto good = encode_line_cell(sample());
+  for (std::size_t bit = 0; bit < 40; ++bit) {
+    auto bad = good;
+    bad[bit / 8] ^= static_cast<std::byte>(128 >> bit % 8);
+    LineReceiver receiver;
+    REQUIRE(receiver.receive(bad) == sample());
+    REQUIRE(receiver.corrected() == 1);
+    REQUIRE_FALSE(receiver.receive(bad));
+    REQUIRE_FALSE(receiver.receive(bad));
+    REQUIRE(receiver.refused() == 2);
+    REQUIRE(receiver.receive(good) == sample());
+    REQUIRE(receiver.receive(bad) == sample());
+  }
+}
+
+TEST_CASE("Two wrong bits of a header are never taken for none", "[cells]") {
+  const auto good = encode_line_cell(sample());
+  int refused = 0;
+  for (std::size_t first = 0; first < 40; ++first)
+    for (std::size_t second = first + 1; second < 40; ++second) {
+      auto bad = good;
+      bad[first / 8] ^= static_cast<std::byte>(128 >> first % 8);
+      bad[second / 8] ^= static_cast<std::byte>(128 >> second % 8);
+      LineReceiver receiver;
+      const auto cell = receiver.receive(bad);
+      REQUIRE_FALSE(cell);  // the code's distance is four: two wrong bits are seen
+      ++refused;
+    }
+  REQUIRE(refused == 780);
+}
+
+TEST_CASE("A datagram of cells, byte by byte", "[cells]") {
+  const std::vector<Cell> cells{sample()};
+  const auto bytes = encode_datagram(1000, 0x1234, cells);
+  REQUIRE(bytes.size() == 60);
+  const std::uint8_t head[] = {0x00, 0x3e, 0x81, 0x40, 0x00, 56, 0x12, 0x34, 0x12, 0x3a, 0xbc, 0xd3};
+  // The length of a short packet counts the control word: 4 + 52.
+  for (std::size_t i = 0; i < sizeof head; ++i)
+    REQUIRE(std::to_integer<int>(bytes[i]) == (i == 4 ? 0 : i == 5 ? 56 : head[i]));
+  const auto decoded = decode_datagram(bytes);
+  const auto& datagram = std::get<CellDatagram>(decoded);
+  REQUIRE(datagram.label == 1000);
+  REQUIRE(datagram.sequence == 0x1234);
+  REQUIRE(datagram.cells == cells);
+  const auto full = encode_datagram(1000, 1, std::vector<Cell>(kMostCells, sample()));
+  REQUIRE(full.size() == kMostDatagram);
+  REQUIRE(kMostDatagram <= 1400);
+  REQUIRE(std::get<CellDatagram>(decode_datagram(full)).cells.size() == kMostCells);
+}
+
+TEST_CASE("Datagrams that are cut or strange are refused", "[cells]") {
+  const auto good = encode_datagram(1000, 7, std::vector<Cell>(2, sample()));
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    const bool whole = size == 60;
+    REQUIRE(std::holds_alternative<CellDatagram>(decode_datagram(std::span(good).first(size))) == whole);
+  }
+  auto labels = good;
+  labels[2] &= std::byte{0xfe};
+  REQUIRE(std::get<CellError>(decode_datagram(labels)).message.find("several labels") != std::string::npos);
+  auto channel = good;
+  channel[4] |= std::byte{0x10};
+  REQUIRE(std::holds_alternative<CellError>(decode_datagram(channel)));
+}
+
+TEST_CASE("Running numbers in 16 bits that leave out 0", "[cells]") {
+  REQUIRE(narrow_sequence(0) == 1);
+  REQUIRE(narrow_sequence(65534) == 65535);
+  REQUIRE(narrow_sequence(65535) == 1);
+  for (const std::uint64_t running : {0ULL, 1ULL, 40000ULL, 65534ULL, 65535ULL, 65536ULL, 200000ULL, 1ULL << 40})
+    for (const std::int64_t off : {-32000LL, -100LL, -1LL, 0LL, 1LL, 3LL, 20000LL, 32000LL}) {
+      const std::int64_t expected = static_cast<std::int64_t>(running) + off;
+      if (expected < 0) continue;
+      REQUIRE(widen_sequence(narrow_sequence(running), static_cast<std::uint64_t>(expected)) == running);
+    }
+}
+
+}  // namespace

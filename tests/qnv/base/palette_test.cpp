@@ -1,0 +1,113 @@
+#include "qnv/base/palette.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <set>
+#include <vector>
+
+namespace gs::qnv {
+namespace {
+
+std::vector<Rgb8> gradient(std::size_t count) {
+  std::vector<Rgb8> colors;
+  std::mt19937 random(1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto shade = static_cast<std::uint8_t>(random() % 200 + 20);
+    colors.push_back(
+        {shade, static_cast<std::uint8_t>(shade / 2 + random() % 40), static_cast<std::uint8_t>(255 - shade)});
+  }
+  return colors;
+}
+
+std::uint8_t nearest_by_hand(const Rgb8& color, const std::vector<Rgb8>& palette) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < palette.size(); ++i)
+    if (color_distance(color, palette[i]) < color_distance(color, palette[best])) best = i;
+  return static_cast<std::uint8_t>(best);
+}
+
+double mean_error(const std::vector<Rgb8>& colors, const std::vector<Rgb8>& palette) {
+  const std::vector<std::uint8_t> indices = palette_indices(colors, palette, 1);
+  double sum = 0;
+  for (std::size_t i = 0; i < colors.size(); ++i) sum += color_distance(colors[i], palette[indices[i]]);
+  return sum / static_cast<double>(colors.size());
+}
+
+}  // namespace
+
+TEST_CASE("colours differ by what their luma and chroma do") {
+  CHECK(color_distance({1, 2, 3}, {1, 2, 3}) == 0);
+  CHECK(color_distance({10, 10, 10}, {11, 11, 11}) == 16);  // luma 4
+  CHECK(color_distance({11, 10, 10}, {10, 10, 10}) == 1 + 4 + 1);
+  CHECK(color_distance({10, 11, 10}, {10, 10, 10}) == 4 + 0 + 4);
+  CHECK(color_distance({10, 10, 11}, {10, 10, 10}) == color_distance({10, 10, 10}, {10, 10, 11}));
+}
+
+TEST_CASE("few colours are kept as they are, the most frequent first") {
+  CHECK(make_palette({}).empty());
+  const std::vector<Rgb8> colors{{1, 2, 3}, {9, 9, 9}, {9, 9, 9}, {200, 0, 0}, {9, 9, 9}, {200, 0, 0}};
+  CHECK(make_palette(colors) == std::vector<Rgb8>{{9, 9, 9}, {200, 0, 0}, {1, 2, 3}});
+  std::vector<Rgb8> many;
+  for (unsigned i = 0; i < 256; ++i)
+    many.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i * 7), 3});
+  const std::vector<Rgb8> palette = make_palette(many);
+  REQUIRE(palette.size() == 256);
+  CHECK(mean_error(many, palette) == 0);
+}
+
+TEST_CASE("many colours are clustered well") {
+  const std::vector<Rgb8> colors = gradient(50'000);
+  const std::vector<Rgb8> palette = make_palette(colors);
+  REQUIRE(palette.size() <= 256);
+  CHECK(palette.size() > 240);
+  std::vector<Rgb8> cube;  // a palette that knows nothing of the colours
+  for (int r = 0; r < 6; ++r)
+    for (int g = 0; g < 6; ++g)
+      for (int b = 0; b < 6; ++b)
+        cube.push_back(
+            {static_cast<std::uint8_t>(51 * r), static_cast<std::uint8_t>(51 * g), static_cast<std::uint8_t>(51 * b)});
+  CHECK(mean_error(colors, palette) < mean_error(colors, cube) / 20);
+  // 200 * 40 colours in 256 clusters: about 31 each, within 2 or 3 levels of their means.
+  CHECK(std::sqrt(mean_error(colors, palette)) < 4 * 3);
+}
+
+TEST_CASE("a palette does not depend on order or threads") {
+  std::vector<Rgb8> colors = gradient(60'000);
+  const std::vector<Rgb8> palette = make_palette(colors, 1);
+  CHECK(palette == make_palette(colors, 4));
+  std::reverse(colors.begin(), colors.end());
+  std::rotate(colors.begin(), colors.begin() + 777, colors.end());
+  CHECK(palette == make_palette(colors, 1));
+  CHECK(palette_indices(colors, palette, 1) == palette_indices(colors, palette, 3));
+}
+
+TEST_CASE("the index is that of the nearest colour, the first of several") {
+  std::mt19937 random(2);
+  for (const std::size_t size : {1u, 2u, 17u, 256u}) {
+    std::vector<Rgb8> palette, colors;
+    const auto any = [&] { return static_cast<std::uint8_t>(random()); };
+    for (std::size_t i = 0; i < size; ++i) palette.push_back({any(), any(), any()});
+    palette.back() = palette.front();
+    for (int i = 0; i < 3000; ++i) colors.push_back({any(), any(), any()});
+    colors.push_back(palette.front());
+    const std::vector<std::uint8_t> indices = palette_indices(colors, palette);
+    for (std::size_t i = 0; i < colors.size(); ++i) REQUIRE(indices[i] == nearest_by_hand(colors[i], palette));
+  }
+}
+
+TEST_CASE("colours that differ in their last bits only still make a palette") {
+  std::vector<Rgb8> colors;
+  for (unsigned i = 0; i < 64 * 64; ++i)
+    colors.push_back({static_cast<std::uint8_t>(100 + i % 16), static_cast<std::uint8_t>(100 + i / 16 % 16),
+                      static_cast<std::uint8_t>(100 + i / 256)});
+  const std::vector<Rgb8> palette = make_palette(colors);
+  CHECK(!palette.empty());
+  CHECK(palette.size() <= 256);
+  CHECK(std::sqrt(mean_error(colors, palette)) < 4 * 4);
+}
+
+}  // namespace gs::qnv

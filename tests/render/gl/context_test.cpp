@@ -1,0 +1,81 @@
+#include "render/gl/context.h"
+
+#include "render/gl/range_allocator.h"
+#include "tests/render/drawing.h"
+
+#include <string>
+
+using namespace gs::render;
+using namespace gs::render::testing;
+
+TEST_CASE("OSMesa opens and gives OpenGL functions") {
+  auto opened = open_headless_context("osmesa");
+  REQUIRE(std::holds_alternative<std::unique_ptr<GlContext>>(opened));
+  auto& context = *std::get<std::unique_ptr<GlContext>>(opened);
+  CHECK(context.backend() == "osmesa");
+  context.make_current();
+  context.present();
+  CHECK(context.proc_address("glGetString") != nullptr);
+}
+
+TEST_CASE("The automatic choice finds a backend") {
+  const auto opened = open_headless_context("auto");
+  CHECK(std::holds_alternative<std::unique_ptr<GlContext>>(opened));
+}
+
+TEST_CASE("EGL opens or says why not") {
+  auto opened = open_headless_context("egl");
+  if (auto* error = std::get_if<ContextError>(&opened)) {
+    CHECK(error->message.find("egl: ") != std::string::npos);
+    WARN("EGL is not available here: " << error->message);
+    return;
+  }
+  auto& context = *std::get<std::unique_ptr<GlContext>>(opened);
+  CHECK(context.backend() == "egl");
+  auto made = Renderer::create(context);
+  REQUIRE(std::holds_alternative<std::unique_ptr<Renderer>>(made));
+  RenderList list;
+  add(list, glowing(square(20), {0, 0.4f, 0.8f}));
+  DrawOptions options;
+  options.width = options.height = 16;
+  auto drawn = std::get<std::unique_ptr<Renderer>>(made)->draw_to_image(list, camera_at({0, 0, 10}), options);
+  REQUIRE(std::holds_alternative<Image>(drawn));
+  check_color(pixel(std::get<Image>(drawn), 8, 8), {0, 0.4f, 0.8f});
+}
+
+TEST_CASE("An unknown backend is refused with the known names") {
+  const auto opened = open_headless_context("directx");
+  REQUIRE(std::holds_alternative<ContextError>(opened));
+  const std::string& message = std::get<ContextError>(opened).message;
+  CHECK(message.find("'directx'") != std::string::npos);
+  for (const std::string_view name : headless_backends()) CHECK(message.find(name) != std::string::npos);
+  CHECK(headless_backends() == std::vector<std::string_view>{"egl", "osmesa"});
+}
+
+TEST_CASE("Two renderers take turns") {
+  Drawing first;
+  RenderList list;
+  add(list, glowing(square(20), {1, 0, 0}));
+  check_color(pixel(first.draw(list), 32, 32), {1, 0, 0});
+  {
+    Drawing second;
+    check_color(pixel(second.draw(list), 32, 32), {1, 0, 0});
+  }
+  first.context().make_current();
+  check_color(pixel(first.draw(list), 32, 32), {1, 0, 0});
+}
+
+TEST_CASE("Ranges are taken first fit and grow together when they come back") {
+  RangeAllocator ranges(100);
+  CHECK(ranges.take(40) == std::size_t{0});
+  CHECK(ranges.take(40) == std::size_t{40});
+  CHECK_FALSE(ranges.take(21));
+  CHECK(ranges.take(20) == std::size_t{80});
+  CHECK_FALSE(ranges.take(1));
+  ranges.give_back(0, 40);
+  ranges.give_back(80, 20);
+  CHECK_FALSE(ranges.take(41));
+  ranges.give_back(40, 40);
+  CHECK(ranges.take(100) == std::size_t{0});
+  CHECK_FALSE(RangeAllocator(0).take(1));
+}

@@ -1,0 +1,320 @@
+#include "render/image/image.h"
+
+#include "tests/render/image_files.h"
+
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace {
+
+using namespace gs::test;
+using gs::render::compare;
+
+std::string message_of(const Bytes& bytes, std::size_t max_pixels = std::size_t{1} << 28) {
+  const auto result = decode_image(bytes, {.file_pixels = max_pixels});
+  REQUIRE(std::holds_alternative<ImageError>(result));
+  return std::get<ImageError>(result).message;
+}
+
+/// Any answer is right that keeps the promises of Image.
+void check_consistent(std::span<const std::byte> bytes) {
+  const auto result = decode_image(bytes, {.file_pixels = 1 << 16});
+  if (const auto* error = std::get_if<ImageError>(&result)) {
+    REQUIRE_FALSE(error->message.empty());
+    return;
+  }
+  const auto& image = std::get<Image>(result);
+  REQUIRE(image.components >= 1);
+  REQUIRE(image.components <= 4);
+  REQUIRE(image.pixels.size() == std::size_t{image.width} * image.height * image.components);
+  REQUIRE(std::size_t{image.width} * image.height <= 1 << 16);
+}
+
+void check_prefixes_and_flips(const Bytes& bytes) {
+  for (std::size_t n = 0; n <= bytes.size(); ++n) {
+    // A copy of exactly this size, so that reading past the end is seen.
+    const Bytes prefix(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
+    check_consistent(prefix);
+  }
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    for (const int mask : {0x01, 0x10, 0x80, 0xff}) {
+      Bytes flipped = bytes;
+      flipped[i] ^= static_cast<std::byte>(mask);
+      check_consistent(flipped);
+    }
+}
+
+TEST_CASE("PNG keeps images of 1 to 4 components") {
+  for (std::uint32_t components = 1; components <= 4; ++components)
+    for (const auto& [width, height] : {std::pair{1u, 1u}, {7u, 5u}, {64u, 3u}}) {
+      const Image image = made(width, height, components);
+      const Image back = decoded(encode_png(image));
+      CHECK(back.width == width);
+      CHECK(back.height == height);
+      CHECK(back.components == components);
+      CHECK(back.pixels == image.pixels);
+    }
+}
+
+TEST_CASE("what is no image has no PNG") {
+  CHECK(encode_png({}).empty());
+  CHECK(encode_png({2, 2, 3, {1, 2, 3}}).empty());
+  CHECK(encode_png({1, 1, 5, {1, 2, 3, 4, 5}}).empty());
+}
+
+TEST_CASE("PNG palettes become components as VRML97 4.6.11.2 says") {
+  PngOptions options;
+  options.color_type = PNG_COLOR_TYPE_PALETTE;
+  const std::vector<png_byte> rows = {0, 1, 1, 0};
+  options.palette = {{10, 20, 30}, {200, 200, 200}};
+  Image image = decoded(png_of(2, 2, options, rows));
+  CHECK(image.components == 3);
+  CHECK(image.pixels == std::vector<std::uint8_t>{10, 20, 30, 200, 200, 200, 200, 200, 200, 10, 20, 30});
+
+  options.transparency = {128};
+  image = decoded(png_of(2, 2, options, rows));
+  CHECK(image.components == 4);
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>{10, 20, 30, 128, 200, 200, 200, 255});
+
+  options.palette = {{40, 40, 40}, {200, 200, 200}};
+  image = decoded(png_of(2, 2, options, rows));
+  CHECK(image.components == 2);
+  CHECK(image.pixels == std::vector<std::uint8_t>{40, 128, 200, 255, 200, 255, 40, 128});
+
+  options.transparency.clear();
+  image = decoded(png_of(2, 2, options, rows));
+  CHECK(image.components == 1);
+  CHECK(image.pixels == std::vector<std::uint8_t>{40, 200, 200, 40});
+}
+
+TEST_CASE("PNG of 1, 2, 4 and 16 bits becomes 8 bits") {
+  PngOptions options;
+  options.color_type = PNG_COLOR_TYPE_GRAY;
+  options.depth = 1;
+  CHECK(decoded(png_of(8, 1, options, {0xA0})).pixels == std::vector<std::uint8_t>{255, 0, 255, 0, 0, 0, 0, 0});
+  options.depth = 4;
+  CHECK(decoded(png_of(2, 1, options, {0x3F})).pixels == std::vector<std::uint8_t>{51, 255});
+  options.depth = 16;
+  CHECK(decoded(png_of(2, 1, options, {0xFF, 0xFF, 0x80, 0x80})).pixels == std::vector<std::uint8_t>{255, 128});
+  options.color_type = PNG_COLOR_TYPE_RGB_ALPHA;
+  const Image image = decoded(png_of(1, 1, options, {0, 0, 0x40, 0x40, 0x80, 0x80, 0xFF, 0xFF}));
+  CHECK(image.components == 4);
+  CHECK(image.pixels == std::vector<std::uint8_t>{0, 64, 128, 255});
+}
+
+TEST_CASE("interlaced PNG is the same picture") {
+  const Image image = made(13, 11, 3);
+  PngOptions options;
+  options.interlace = PNG_INTERLACE_ADAM7;
+  const Bytes bytes = png_of(13, 11, options, image.pixels);
+  CHECK(decoded(bytes).pixels == image.pixels);
+  check_prefixes_and_flips(bytes);
+}
+
+TEST_CASE("a truncated PNG keeps its rows, the rest is black or transparent") {
+  Image image{64, 64, 4, {}};
+  unsigned noise = 1;
+  for (int i = 0; i < 64 * 64 * 4; ++i)
+    image.pixels.push_back(static_cast<std::uint8_t>((noise = noise * 69069 + 1) >> 24));
+  Bytes bytes = encode_png(image);
+  bytes.resize(bytes.size() / 2);
+  const Image part = decoded(bytes);
+  REQUIRE(part.pixels.size() == image.pixels.size());
+  CHECK(row_of(part, 0) == row_of(image, 0));
+  CHECK(row_of(part, 20) == row_of(image, 20));
+  CHECK(row_of(part, 63) == std::vector<std::uint8_t>(64 * 4, 0));
+}
+
+TEST_CASE("JPEG components follow its colour space") {
+  const Image grey = decoded(jpeg_of(flat(9, 7, {77}), JCS_GRAYSCALE, JCS_GRAYSCALE));
+  CHECK(grey.components == 1);
+  CHECK(grey.width == 9);
+  CHECK(grey.height == 7);
+  CHECK(std::abs(int{grey.pixels[5]} - 77) <= 1);
+
+  for (const J_COLOR_SPACE stored : {JCS_YCbCr, JCS_RGB})
+    for (const bool progressive : {false, true}) {
+      const Image color = decoded(jpeg_of(flat(20, 20, {200, 100, 50}), JCS_RGB, stored, progressive));
+      CHECK(color.components == 3);
+      CHECK(std::abs(int{color.pixels[0]} - 200) <= 2);
+      CHECK(std::abs(int{color.pixels[1]} - 100) <= 2);
+      CHECK(std::abs(int{color.pixels[2]} - 50) <= 2);
+    }
+}
+
+TEST_CASE("JPEG of inks becomes RGB") {
+  // libjpeg writes an Adobe marker for YCCK only: there 255 means no ink.
+  const Image adobe = decoded(jpeg_of(flat(8, 8, {255, 128, 0, 255}), JCS_CMYK, JCS_YCCK));
+  REQUIRE(adobe.components == 3);
+  CHECK(std::abs(int{adobe.pixels[0]} - 255) <= 3);
+  CHECK(std::abs(int{adobe.pixels[1]} - 128) <= 3);
+  CHECK(std::abs(int{adobe.pixels[2]} - 0) <= 3);
+}
+
+TEST_CASE("a truncated JPEG keeps its rows, the rest is black") {
+  Image image = made(64, 128, 1);
+  const Bytes whole = jpeg_of(image, JCS_GRAYSCALE, JCS_GRAYSCALE);
+  const Image all = decoded(whole);
+  Bytes half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() * 2 / 3));
+  const Image part = decoded(half);
+  CHECK(row_of(part, 0) == row_of(all, 0));
+  CHECK(row_of(part, 15) == row_of(all, 15));
+  CHECK(row_of(part, 127) == std::vector<std::uint8_t>(64, 0));
+
+  // Without its end marker a JPEG is still whole.
+  const Bytes unfinished(whole.begin(), whole.end() - 2);
+  CHECK(decoded(unfinished).pixels == all.pixels);
+  CHECK(message_of(Bytes(whole.begin(), whole.begin() + 300)).find("broken JPEG") == 0);
+}
+
+TEST_CASE("a truncated progressive JPEG is a coarse picture") {
+  Image image = flat(64, 64, {180});
+  const Bytes whole = jpeg_of(image, JCS_GRAYSCALE, JCS_GRAYSCALE, true);
+  const Image part = decoded(Bytes(whole.begin(), whole.end() - 20));
+  CHECK(std::abs(int{part.pixels.back()} - 180) <= 2);
+}
+
+TEST_CASE("GIF palettes and transparency become components") {
+  Image image = decoded(gif_of({}));
+  CHECK(image.components == 3);
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0, 255});
+  CHECK(row_of(image, 1) == std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0});
+
+  GifOptions options;
+  options.grey = true;
+  image = decoded(gif_of(options));
+  CHECK(image.components == 1);
+  CHECK(row_of(image, 3) == std::vector<std::uint8_t>{255, 0, 85, 170});
+
+  options.transparent = 1;
+  image = decoded(gif_of(options));
+  CHECK(image.components == 2);
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 255, 0, 0, 170, 255, 255, 255});
+
+  options.grey = false;
+  image = decoded(gif_of(options));
+  CHECK(image.components == 4);
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 0, 0, 255, 0, 0, 0, 0, 0, 255, 0, 255, 0, 0, 255, 255});
+}
+
+TEST_CASE("a GIF picture stands in its canvas, interlaced rows are put in order") {
+  GifOptions options;
+  options.canvas_width = 6;
+  options.left = 1;
+  options.top = 2;
+  Image image = decoded(gif_of(options));
+  CHECK(image.width == 6);
+  CHECK(image.height == 4);
+  REQUIRE(image.components == 4);
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>(24, 0));
+  CHECK(row_of(image, 2) == std::vector<std::uint8_t>{0, 0,   0, 0,   0, 0, 0,   255, 255, 0, 0, 255,
+                                                      0, 255, 0, 255, 0, 0, 255, 255, 0,   0, 0, 0});
+  options = {};
+  options.grey = options.interlaced = true;
+  image = decoded(gif_of(options));
+  CHECK(row_of(image, 0) == std::vector<std::uint8_t>{0, 85, 170, 255});
+  CHECK(row_of(image, 2) == std::vector<std::uint8_t>{85, 170, 255, 0});
+  CHECK(row_of(image, 1) == std::vector<std::uint8_t>{170, 255, 0, 85});
+  CHECK(row_of(image, 3) == std::vector<std::uint8_t>{255, 0, 85, 170});
+}
+
+TEST_CASE("a truncated GIF keeps its rows") {
+  GifOptions options;
+  options.grey = true;
+  const Bytes whole = gif_of(options);
+  // Two bytes of end, then codes of 18 bits a row: without three bytes of codes row 3 is gone.
+  const Image part = decoded(Bytes(whole.begin(), whole.end() - 5));
+  CHECK(row_of(part, 2) == std::vector<std::uint8_t>{170, 255, 0, 85});
+  CHECK(row_of(part, 3) == std::vector<std::uint8_t>{0, 0, 0, 0});
+  CHECK(decoded(Bytes(whole.begin(), whole.end() - 2)).pixels == decoded(whole).pixels);
+}
+
+TEST_CASE("no part of an image and no flipped byte breaks a decoder") {
+  check_prefixes_and_flips(encode_png(made(5, 4, 4)));
+  PngOptions options;
+  options.color_type = PNG_COLOR_TYPE_PALETTE;
+  options.palette = {{40, 40, 40}, {200, 200, 200}};
+  options.transparency = {7};
+  check_prefixes_and_flips(png_of(2, 2, options, {0, 1, 1, 0}));
+  check_prefixes_and_flips(jpeg_of(made(20, 18, 3), JCS_RGB, JCS_YCbCr));
+  check_prefixes_and_flips(jpeg_of(made(9, 9, 1), JCS_GRAYSCALE, JCS_GRAYSCALE, true));
+  check_prefixes_and_flips(jpeg_of(flat(8, 8, {255, 128, 0, 255}), JCS_CMYK, JCS_YCCK));
+  GifOptions gif;
+  gif.transparent = 2;
+  check_prefixes_and_flips(gif_of(gif));
+  gif.interlaced = true;
+  check_prefixes_and_flips(gif_of(gif));
+}
+
+TEST_CASE("a header that claims a huge picture costs nothing") {
+  Bytes png = encode_png(made(1, 1, 3));
+  for (const std::size_t at : {std::size_t{18}, std::size_t{22}}) {
+    png[at] = std::byte{60000 >> 8};
+    png[at + 1] = std::byte{60000 & 255};
+  }
+  CHECK(message_of(png) ==
+        "PNG image of 60000x60000 pixels; expected at most 268435456 pixels and no side over 1000000");
+
+  Bytes jpeg = jpeg_of(flat(8, 8, {1}), JCS_GRAYSCALE, JCS_GRAYSCALE);
+  std::size_t frame = 0;
+  while (jpeg[frame] != std::byte{0xFF} || jpeg[frame + 1] != std::byte{0xC0}) ++frame;
+  for (const std::size_t at : {frame + 5, frame + 7}) {
+    jpeg[at] = std::byte{60000 >> 8};
+    jpeg[at + 1] = std::byte{60000 & 255};
+  }
+  CHECK(message_of(jpeg).find("JPEG image of 60000x60000 pixels") == 0);
+
+  Bytes gif = gif_of({});
+  for (const std::size_t at : {6u, 8u}) {
+    gif[at] = std::byte{60000 & 255};
+    gif[at + 1] = std::byte{60000 >> 8};
+  }
+  CHECK(message_of(gif).find("GIF image of 60000x60000 pixels") == 0);
+
+  CHECK(message_of(encode_png(made(10, 10, 3)), 99).find("expected at most 99 pixels") != std::string::npos);
+  CHECK(decoded(encode_png(made(10, 10, 3))).width == 10);
+}
+
+TEST_CASE("what is not an image is said so") {
+  CHECK(message_of({}) ==
+        "not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found nothing");
+  CHECK(message_of(bytes_of({'#', 'V', 'R'})) ==
+        "not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found 23 56 52");
+  CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
+}
+
+TEST_CASE("compare measures the distance of two pictures") {
+  const Image a{2, 1, 3, {0, 0, 0, 10, 20, 30}};
+  Image b = a;
+  auto result = compare(a, b);
+  REQUIRE(std::holds_alternative<ImageDifference>(result));
+  auto difference = std::get<ImageDifference>(result);
+  CHECK(difference.maximum == 0);
+  CHECK(difference.mean == 0);
+  CHECK(std::isinf(difference.psnr));
+  CHECK(difference.differing_pixels == 0);
+
+  b.pixels[3] = 16;
+  b.pixels[5] = 18;
+  difference = std::get<ImageDifference>(compare(a, b));
+  CHECK(difference.maximum == 12);
+  CHECK(difference.mean == Approx(18.0 / 6));
+  CHECK(difference.differing_pixels == 1);
+  // Mean square: (36 + 144) / 6 = 30.
+  CHECK(difference.psnr == Approx(10 * std::log10(255.0 * 255.0 / 30)));
+}
+
+TEST_CASE("compare takes different kinds as RGBA and refuses different sizes") {
+  const Image grey{1, 1, 1, {9}};
+  CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 3, {9, 9, 9}})).maximum == 0);
+  CHECK(std::get<ImageDifference>(compare(grey, {1, 1, 4, {9, 9, 9, 0}})).maximum == 255);
+  CHECK(std::get<ImageError>(compare(grey, {1, 2, 1, {9, 9}})).message == "pictures of different size: 1x1 and 1x2");
+  CHECK(std::holds_alternative<ImageError>(compare(grey, {1, 1, 1, {}})));
+}
+
+}  // namespace

@@ -1,0 +1,74 @@
+#include "tests/render/drawing.h"
+
+#include <string>
+#include <vector>
+
+namespace gs::draw_pacer_test {
+namespace {
+
+using namespace render;
+using namespace render::testing;
+
+/// A mesh of many triangles, some behind others; opaque items, transparent ones, lines and points.
+RenderList crowded() {
+  RenderList list;
+  const auto one = square(1);
+  for (const auto primitive :
+       {vrml::Mesh::Primitive::triangles, vrml::Mesh::Primitive::lines, vrml::Mesh::Primitive::points}) {
+    auto mesh = std::make_shared<vrml::Mesh>();
+    mesh->primitive = primitive;
+    for (std::uint32_t i = 0; i < 9000; ++i) {
+      const auto part = [i](std::uint32_t count) {
+        return static_cast<float>(i % count) - static_cast<float>(count / 2);
+      };
+      for (const glm::vec3& p : one->positions) {
+        mesh->positions.push_back(p + glm::vec3(part(7), part(5), 0.3f * part(11)));
+        mesh->bounds.add(mesh->positions[mesh->positions.size() - 1]);
+      }
+      for (const std::uint32_t index : one->indices) mesh->indices.push_back(index + 4 * i);
+    }
+    add(list, glowing(mesh, {0.2f, primitive == vrml::Mesh::Primitive::lines ? 0.5f : 0.9f, 0.9f}));
+  }
+  const auto shared = square(0.5f);
+  for (int i = 0; i < 9000; ++i) {
+    DrawItem item = glowing(shared, {0.9f, static_cast<float>(i % 10) * 0.1f, 0.1f},
+                            translation({i % 9 - 4, i % 8 - 4, 4 + i % 3}));
+    if (i % 2 == 0) item.material.transparency = 0.5f;
+    add(list, std::move(item));
+  }
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("A picture that is drawn in slices is the same, to the last bit") {
+  Drawing drawing;
+  const RenderList list = crowded();
+  const Image whole = drawing.draw(list);
+  const FrameStatistics statistics = drawing.statistics;
+  int asked = 0;
+  drawing.options.go_on = [&asked] {
+    ++asked;
+    return true;
+  };
+  CHECK(drawing.draw(list).pixels == whole.pixels);
+  CHECK(asked > 0);
+  CHECK_FALSE(drawing.statistics.given_up);
+  CHECK(drawing.statistics.triangles == statistics.triangles);
+  CHECK(drawing.statistics.items == statistics.items);
+}
+
+TEST_CASE("A picture is given up between two slices, and the next one is whole") {
+  Drawing drawing;
+  const RenderList list = crowded();
+  const Image whole = drawing.draw(list);
+  drawing.options.go_on = [] { return false; };
+  const Image part = drawing.draw(list);
+  CHECK(drawing.statistics.given_up);
+  CHECK(part.pixels != whole.pixels);
+  drawing.options.go_on = nullptr;
+  CHECK(drawing.draw(list).pixels == whole.pixels);
+  CHECK_FALSE(drawing.statistics.given_up);
+}
+
+}  // namespace gs::draw_pacer_test

@@ -1,0 +1,370 @@
+#include "render/rays/splat_pick.h"
+
+#include "qnv/encode/encode_surface.h"
+#include "qnv/lod/lod.h"
+#include "render/rays/raycast.h"
+#include "tests/render/clouds.h"
+#include "tests/render/splat_scenes.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace {
+
+using namespace gs;
+using namespace gs::render;
+using test::add;
+using test::kInfinity;
+using test::kNaN;
+using testing::kPi;
+
+constexpr glm::vec3 kUp(0, 0, 1);
+
+/// One disc of radius 1 about `center`, facing +z.
+qnv::Cloud disc_at(const glm::vec3& center) {
+  qnv::Cloud cloud;
+  add(cloud, center, kUp, kPi);
+  return cloud;
+}
+PickRay down(float x, float y, float z = 5) {
+  PickRay ray;
+  ray.origin = {x, y, z};
+  return ray;
+}
+const glm::mat4 kHere(1);
+
+/// The ray through the middle of a pixel of a view, with its world that of the camera's node, and how much longer it
+/// is than the depth along the axis.
+PickRay through(const SplatView& view, int x, int y, float& slant) {
+  const glm::mat4 world_from_camera = glm::inverse(view.camera_from_node);
+  const glm::vec3 seen(((static_cast<float>(x) + 0.5f) / static_cast<float>(view.width) * 2 - 1) * view.tangents.x,
+                       ((static_cast<float>(y) + 0.5f) / static_cast<float>(view.height) * 2 - 1) * view.tangents.y,
+                       -1);
+  slant = glm::length(seen);
+  PickRay ray;
+  ray.origin = glm::vec3(world_from_camera[3]);
+  ray.direction = glm::normalize(glm::mat3(world_from_camera) * seen);
+  ray.pixel = 2 * view.tangents.y / static_cast<float>(view.height);
+  return ray;
+}
+
+/// Compares all pixels of a view with the exact ray caster; the part that agrees. Not all: the picker measures pixels
+/// along the ray, the ray caster along the axis of the view, so that outlines and margins differ a little.
+double agreement(const qnv::Cloud& cloud, const SplatView& view) {
+  const RaySurface picture = raycast_surface(cloud, view, false);
+  std::size_t equal = 0, all = 0;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      float slant = 1;
+      const PickRay ray = through(view, x, y, slant);
+      const auto hit = pick_surface(cloud, kHere, ray);
+      const float depth = picture.depth[static_cast<std::size_t>(y * view.width + x)];
+      equal += hit.has_value() == (depth > 0) && (!hit || std::abs(*hit / slant - depth) < 1e-4f * depth) ? 1 : 0;
+      ++all;
+    }
+  return static_cast<double>(equal) / static_cast<double>(all);
+}
+
+/// A stream with levels.
+std::shared_ptr<const qnv::Cloud> leveled_sphere(std::size_t vectors) {
+  qnv::EncodeOptions options;
+  options.vectors = vectors;
+  std::vector<qnv::Triangle> triangles;
+  const auto point = [](int row, int column) {
+    const float theta = kPi * static_cast<float>(row) / 32, phi = kPi * static_cast<float>(column) / 32;
+    return glm::vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+  };
+  for (int row = 0; row < 32; ++row)
+    for (int column = 0; column < 64; ++column)
+      for (const bool second : {false, true}) {
+        const glm::vec3 a = point(row, column), b = point(row + 1, column + (second ? 1 : 0)),
+                        c = second ? point(row, column + 1) : point(row + 1, column + 1);
+        if (glm::length(glm::cross(b - a, c - a)) < 1e-6f) continue;
+        qnv::Triangle triangle;
+        triangle.positions = {a, b, c};
+        triangle.normals = {a, b, c};
+        triangles.push_back(triangle);
+      }
+  auto encoded =
+      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
+  REQUIRE(std::holds_alternative<std::unique_ptr<qnv::LodStream>>(opened));
+  auto cloud = std::make_shared<qnv::Cloud>();
+  cloud->levels = std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened));
+  cloud->description = cloud->levels->header().description;
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("A ray meets a disc as far as the disc is drawn") {
+  const qnv::Cloud cloud = disc_at({0, 0, 1});
+  REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
+  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4));
+  CHECK(pick_surface(cloud, kHere, down(1.69f, 0)));  // kDiscCover times the radius
+  CHECK_FALSE(pick_surface(cloud, kHere, down(1.71f, 0)));
+  PickRay ray = down(0, 0);
+  ray.farthest = 3.9f;
+  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  ray = down(0, 0);
+  ray.direction = {0, 0, 1};
+  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+}
+
+TEST_CASE("Backs of discs are met where they are drawn") {
+  qnv::Cloud cloud = disc_at({0, 0, 0});
+  PickRay from_behind = down(0, 0, -3);
+  from_behind.direction = {0, 0, 1};
+  CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
+  cloud.description.two_sided = true;
+  REQUIRE(pick_surface(cloud, kHere, from_behind));
+  CHECK(*pick_surface(cloud, kHere, from_behind) == Approx(3));
+  // Edge on there is nothing to see.
+  PickRay along = down(-5, 0, 0.001f);
+  along.direction = {1, 0, 0};
+  CHECK_FALSE(pick_surface(cloud, kHere, along));
+}
+
+TEST_CASE("Distances are the world's under any affine matrix, discs the node's") {
+  const qnv::Cloud cloud = disc_at({0, 0, 1});
+  const glm::mat4 place = glm::translate(glm::mat4(1), {10, 0, 0}) * glm::scale(glm::mat4(1), {3, 0.5f, 2});
+  const auto hit = pick_surface(cloud, place, down(10, 0));
+  REQUIRE(hit);
+  CHECK(*hit == Approx(3));  // the disc lies at z = 2
+  CHECK(pick_surface(cloud, place, down(10 + 3 * 1.69f, 0)));
+  CHECK_FALSE(pick_surface(cloud, place, down(10 + 3 * 1.71f, 0)));
+  CHECK(pick_surface(cloud, place, down(10, 0.5f * 1.69f)));
+  CHECK_FALSE(pick_surface(cloud, place, down(10, 0.5f * 1.71f)));
+  const glm::mat4 mirrored = glm::scale(place, {-1, 1, 1});
+  CHECK(pick_surface(cloud, mirrored, down(10 - 3 * 1.69f, 0)));
+  CHECK_FALSE(pick_surface(cloud, glm::mat4(0.0f), down(0, 0)));
+  CHECK_FALSE(pick_surface(cloud, glm::scale(glm::mat4(1), {1, 1, 0}), down(0, 0)));
+}
+
+TEST_CASE("Discs cut from cubes are met in their cube and its margin") {
+  qnv::Cloud cloud = disc_at({0, 0, 0.1f});
+  cloud.cells.push_back({1, 0.1f});  // from -0.5 to 0.5
+  CHECK(pick_surface(cloud, kHere, down(0.59f, -0.59f)));
+  CHECK_FALSE(pick_surface(cloud, kHere, down(0.61f, 0)));
+  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4.9f));
+  cloud.description.two_sided = true;
+  PickRay from_behind = down(0.39f, 0, -3);
+  from_behind.direction = {0, 0, 1};
+  CHECK(pick_surface(cloud, kHere, from_behind));
+  from_behind.origin.x = 0.41f;  // backs are cut shorter
+  CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
+}
+
+TEST_CASE("What is smaller than a pixel is met where it is drawn") {
+  qnv::Cloud cloud;
+  add(cloud, {0, 0, 0}, kUp, 1e-12f);
+  PickRay ray = down(0.005f, 0, 10);
+  ray.pixel = 0;
+  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  ray.pixel = 0.001f;  // 0.6 pixels are 0.006 units there
+  CHECK(pick_surface(cloud, kHere, ray));
+  ray.origin.x = 0.007f;
+  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+}
+
+TEST_CASE("Surfaces are picked where the exact ray caster sees them", "[optimised]") {
+  const SplatView view = test::view_from({0.4f, 0.7f, 2.5f}, 48, 40);
+  SECTION("discs") { CHECK(agreement(test::disc_sphere(3000, 0.9f), view) > 0.995); }
+  SECTION("tiny discs far away") {
+    CHECK(agreement(test::disc_sphere(200000, 0.9f), test::view_from({1, 2, 30}, 24, 20)) > 0.98);
+  }
+  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.985); }
+  SECTION("two-sided") {
+    qnv::Cloud half = test::disc_sphere(3000, 0.9f);
+    half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);
+    half.description.two_sided = true;
+    CHECK(agreement(half, view) > 0.995);
+  }
+}
+
+TEST_CASE("The number of threads and tasks changes nothing") {
+  const qnv::Cloud cloud = test::disc_sphere(200000, 1);
+  PickLimits one, many;
+  one.threads = 1;
+  many.threads = 5;
+  for (const float x : {0.0f, 0.3f, 0.7f, 0.999f, 1.2f})
+    CHECK(pick_surface(cloud, kHere, down(x, 0.1f), one) == pick_surface(cloud, kHere, down(x, 0.1f), many));
+}
+
+TEST_CASE("Of too many discs the first ones stand for all") {
+  const qnv::Cloud cloud = test::disc_sphere(20000, 1);
+  qnv::Cloud order;  // so that any prefix covers the sphere
+  std::vector<std::size_t> indices(cloud.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
+  std::shuffle(indices.begin(), indices.end(), std::mt19937(3));
+  for (const std::size_t i : indices) add(order, cloud.positions[i], cloud.normals[i], cloud.weights[i]);
+  PickLimits limits;
+  limits.vectors = 2000;
+  std::size_t hits = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto hit = pick_surface(order, kHere, down(-0.5f + 0.01f * static_cast<float>(i), 0.2f), limits);
+    hits += hit && std::abs(*hit - 4) < 0.5f ? 1 : 0;
+  }
+  CHECK(hits > 95);
+}
+
+TEST_CASE("Streams with levels are picked at the detail of the picture") {
+  const auto cloud = leveled_sphere(60000);
+  for (const float x : {0.0f, 0.2f, -0.55f}) {
+    const auto hit = pick_surface(*cloud, kHere, down(x, 0.1f));
+    REQUIRE(hit);
+    CHECK(*hit == Approx(5 - std::sqrt(1 - x * x - 0.01f)).margin(0.01));
+  }
+  CHECK_FALSE(pick_surface(*cloud, kHere, down(1.2f, 0)));
+  // Clusters beside the ray were left alone.
+  CHECK(cloud->levels->cached_discs() < cloud->levels->whole().size());
+  const glm::mat4 place = glm::scale(glm::translate(glm::mat4(1), {0, 0, -10}), {20, 1, 4});
+  const auto stretched = pick_surface(*cloud, place, down(10, 0));
+  REQUIRE(stretched);
+  CHECK(*stretched == Approx(15 - 4 * std::sqrt(0.75f)).margin(0.05));
+}
+
+TEST_CASE("Numbers that make no sense hit nothing and hide nothing") {
+  qnv::Cloud cloud = disc_at({0, 0, 0});
+  for (const float bad : {kNaN, kInfinity, -kInfinity, 3e38f, -3e38f}) {
+    add(cloud, {0, 0, bad}, kUp, 1);
+    add(cloud, {bad, 0, 1}, kUp, 1);
+    add(cloud, {0, 0, 2}, {0, 0, bad}, std::isnan(bad) || std::isinf(bad) ? 1.0f : -1.0f);
+    add(cloud, {0, 0, 2}, {bad, bad, bad}, 1);
+    add(cloud, {0, 0, 2}, kUp, std::isfinite(bad) ? -1.0f : bad);
+  }
+  REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
+  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(5));
+  cloud.cells.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.cells[i] = {i % 2 == 0 ? kNaN : kInfinity, kInfinity};
+  (void)pick_surface(cloud, kHere, down(0, 0));
+  cloud.cells.resize(1);
+  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));  // arrays that do not fit together
+  cloud.cells.clear();
+  cloud.normals.pop_back();
+  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));
+  CHECK_FALSE(pick_surface({}, kHere, down(0, 0)));
+  const qnv::Cloud one = disc_at({0, 0, 0});
+  for (const float bad : {kNaN, kInfinity, 1e30f}) {
+    PickRay ray = down(bad, 0);
+    CHECK_FALSE(pick_surface(one, kHere, ray));
+    ray = down(0, 0);
+    ray.direction = {bad, bad, 0};
+    CHECK_FALSE(pick_surface(one, kHere, ray));
+    CHECK_FALSE(pick_surface(one, glm::mat4(bad), down(0, 0)));
+    ray = down(0, 0);
+    ray.pixel = bad;
+    (void)pick_surface(one, kHere, ray);
+  }
+}
+
+namespace {
+
+/// `layers` layers of 21 x 21 vectors of spacing 0.1 about the z axis, one below the other from z = 0 on.
+qnv::Cloud layers_of(int layers, float opacity) {
+  qnv::Cloud cloud = test::empty_volume(opacity, 0.1f);
+  for (int layer = 0; layer < layers; ++layer)
+    for (int y = -10; y <= 10; ++y)
+      for (int x = -10; x <= 10; ++x)
+        add(cloud, {0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), -0.1f * static_cast<float>(layer)}, kUp,
+            1, 128);
+  cloud.description.box = {{-1, -1, -0.1f * static_cast<float>(layers - 1)}, {1, 1, 0}};
+  return cloud;
+}
+
+std::optional<VolumePick> pick_here(const qnv::Cloud& cloud, const VolumeOptions& options, const PickRay& ray,
+                                    const glm::mat4& place = kHere) {
+  return pick_volume(cloud, volume_model(cloud), options, place, ray);
+}
+
+}  // namespace
+
+TEST_CASE("A volume is met where half of the light is taken") {
+  const qnv::Cloud dense = layers_of(10, 0.9f), thin = layers_of(10, 0.1f);
+  const auto first = pick_here(dense, {}, down(0, 0)), deeper = pick_here(thin, {}, down(0, 0));
+  REQUIRE((first && deeper));
+  CHECK(first->distance == Approx(5).margin(0.11));
+  CHECK(first->opacity > 0.99f);
+  CHECK(deeper->distance > first->distance + 0.15f);
+  CHECK_FALSE(pick_here(dense, {}, down(2, 0)));
+  // Where it never comes to a half, in the middle of what is there.
+  VolumeOptions faint;
+  faint.opacity = 0.1f;
+  const auto veil = pick_here(thin, faint, down(0, 0));
+  REQUIRE(veil);
+  CHECK(veil->opacity < 0.5f);
+  CHECK(veil->distance == Approx(5.45).margin(0.11));
+  faint.opacity = 1e-4f;
+  CHECK_FALSE(pick_here(thin, faint, down(0, 0)));
+}
+
+TEST_CASE("What of a volume is not drawn is not picked") {
+  qnv::Cloud cloud = layers_of(10, 0.9f);
+  VolumeOptions options;
+  options.clip = glm::vec4(0, 0, -1, -0.45f);  // keeps z <= -0.45
+  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.5).margin(0.11));
+  options = {};
+  for (std::size_t i = 0; i < 441 * 3; ++i) cloud.weights[i] = 0.5f;
+  options.least_magnitude = 0.75f;
+  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.3).margin(0.11));
+  options = {};
+  for (std::size_t i = 0; i < 441 * 7; ++i) cloud.classes[i] = 10;
+  const std::vector<qnv::TransferPoint> points{{0.2f, {}, 0}, {0.3f, {}, 0.9f}};
+  const VolumeTransfer transfer = volume_transfer(cloud.description, points);
+  options.transfer = &transfer;
+  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.7).margin(0.11));
+  PickRay ray = down(0, 0);
+  ray.farthest = 5.65f;
+  CHECK_FALSE(pick_here(cloud, options, ray));
+}
+
+TEST_CASE("A volume is picked where the exact ray caster has its depth") {
+  const qnv::Cloud cloud = test::random_volume(4000, 7, 0.05f);
+  const SplatView view = test::view_from({0.3f, 0.5f, 3}, 32, 24);
+  VolumeOptions options;
+  const RayImage picture = raycast_volume(cloud, view, options);
+  const VolumeModel model = volume_model(cloud);
+  std::size_t near = 0, all = 0;
+  for (int y = 6; y < 18; ++y)
+    for (int x = 8; x < 24; ++x) {
+      const float depth = picture.depth[static_cast<std::size_t>(y * view.width + x)];
+      if (!(depth > 0)) continue;
+      float slant = 1;
+      const auto hit = pick_volume(cloud, model, options, kHere, through(view, x, y, slant));
+      ++all;
+      near += hit && std::abs(hit->distance / slant - depth) < 0.1f ? 1 : 0;
+    }
+  REQUIRE(all > 100);
+  CHECK(near > all * 9 / 10);
+}
+
+TEST_CASE("Volumes of hostile numbers are picked without harm") {
+  std::mt19937 random(2);
+  const float bad[] = {0, -1, 1, 1e38f, -1e38f, kNaN, kInfinity, -kInfinity, 1e-38f};
+  const auto any = [&] { return bad[random() % std::size(bad)]; };
+  for (int round = 0; round < 300; ++round) {
+    qnv::Cloud cloud = test::empty_volume(0.5f, any());
+    for (int i = 0; i < 20; ++i) add(cloud, {any(), any(), any()}, {any(), any(), any()}, any(), 100);
+    PickRay ray;
+    ray.origin = {any(), any(), any()};
+    ray.direction = {any(), any(), any()};
+    ray.pixel = any();
+    glm::mat4 place(1);
+    place[static_cast<int>(random() % 4)][static_cast<int>(random() % 3)] = any();
+    VolumeOptions options;
+    options.opacity = any();
+    if (round % 2 == 0) options.clip = glm::vec4(any(), any(), any(), any());
+    (void)pick_here(cloud, options, ray, place);
+    (void)pick_surface(cloud, place, ray);
+  }
+  const qnv::Cloud cloud = layers_of(2, 0.9f);
+  CHECK_FALSE(pick_volume(cloud, {}, {}, kHere, down(0, 0)));
+  CHECK_FALSE(pick_here(cloud, {}, down(0, 0), glm::mat4(0.0f)));
+}

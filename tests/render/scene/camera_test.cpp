@@ -1,0 +1,126 @@
+#include "render/scene/camera.h"
+
+#include <catch2/catch.hpp>
+#include <glm/glm.hpp>
+
+#include <cmath>
+
+using namespace gs;
+using namespace gs::render;
+
+namespace {
+
+vrml::Bounds box(const glm::vec3& lower, const glm::vec3& upper) {
+  vrml::Bounds bounds;
+  bounds.add(lower);
+  bounds.add(upper);
+  return bounds;
+}
+
+glm::vec3 corner(const vrml::Bounds& b, int i) {
+  return {i & 1 ? b.upper.x : b.lower.x, i & 2 ? b.upper.y : b.lower.y, i & 4 ? b.upper.z : b.lower.z};
+}
+
+glm::dvec4 clip(const Camera& camera, float width, float height, const glm::vec3& point) {
+  const glm::dmat3 rotation(glm::mat3(camera.world_from_camera));
+  const glm::dvec3 in_camera = glm::transpose(rotation) * (glm::dvec3(point) - glm::dvec3(camera.world_from_camera[3]));
+  return glm::dmat4(projection(camera, width, height)) * glm::dvec4(in_camera, 1);
+}
+
+}  // namespace
+
+TEST_CASE("The field of view is the smaller of the two angles (VRML97 6.53)") {
+  Camera camera;
+  camera.near_plane = 1;
+  camera.far_plane = 100;
+  camera.field_of_view = 1.0f;
+  const float edge = 10 * std::tan(0.5f);
+  const auto check = [&](float width, float height, const glm::vec3& at_edge, int axis) {
+    const glm::dvec4 c = clip(camera, width, height, at_edge);
+    CHECK(c[axis] / c.w == Approx(1).epsilon(1e-5));
+  };
+  check(200, 100, {0, edge, -10}, 1);
+  check(200, 100, {2 * edge, 0, -10}, 0);
+  check(100, 300, {edge, 0, -10}, 0);
+  check(100, 300, {0, 3 * edge, -10}, 1);
+  const glm::dvec4 at_near = clip(camera, 1, 1, {0, 0, -1}), at_far = clip(camera, 1, 1, {0, 0, -100});
+  CHECK(at_near.z / at_near.w == Approx(-1));
+  CHECK(at_far.z / at_far.w == Approx(1));
+}
+
+TEST_CASE("An orbit camera has all corners in view from every direction") {
+  const vrml::Bounds boxes[] = {box({-1, -2, -3}, {4, 5, 6}), box({0, 0, 0}, {100, 0.1f, 3}), box({5, 5, 5}, {5, 5, 5}),
+                                box({1e6f, 2e6f, 0}, {1e6f + 64, 2e6f + 64, 32}),
+                                box({-1e-4f, 0, 0}, {1e-4f, 2e-4f, 1e-4f})};
+  for (const vrml::Bounds& bounds : boxes)
+    for (float azimuth = -3.0f; azimuth < 6.5f; azimuth += 0.7f)
+      for (float elevation : {-1.5707963f, -1.0f, -0.2f, 0.0f, 0.6f, 1.5707963f})
+        for (const auto& [width, height] : {std::pair{640.0f, 480.0f}, {100.0f, 700.0f}}) {
+          const Camera camera = fit_depth(orbit_camera(bounds, azimuth, elevation, 0.785398f, width, height), bounds);
+          REQUIRE(camera.near_plane > 0);
+          REQUIRE(camera.far_plane > camera.near_plane);
+          double largest = 0;
+          for (int i = 0; i < 8; ++i) {
+            const glm::dvec4 c = clip(camera, width, height, corner(bounds, i));
+            REQUIRE(c.w > 0);
+            REQUIRE(std::abs(c.x) <= c.w);
+            REQUIRE(std::abs(c.y) <= c.w);
+            REQUIRE(std::abs(c.z) <= c.w);
+            largest = std::max({largest, std::abs(c.x / c.w), std::abs(c.y / c.w)});
+          }
+          if (bounds.size() != glm::vec3(0)) CHECK(largest > 0.85);  // and fills the picture
+        }
+}
+
+TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, elevation up") {
+  const vrml::Bounds bounds = box({-1, -1, -1}, {1, 1, 1});
+  const glm::vec3 front(orbit_camera(bounds, 0, 0, 0.8f, 1, 1).world_from_camera[3]);
+  CHECK(front.x == Approx(0).margin(1e-5));
+  CHECK(front.y == Approx(0).margin(1e-5));
+  CHECK(front.z > 1);
+  const glm::vec3 side(orbit_camera(bounds, 1.5707963f, 0, 0.8f, 1, 1).world_from_camera[3]);
+  CHECK(side.x > 1);
+  CHECK(side.z == Approx(0).margin(1e-4));
+  const glm::vec3 above(orbit_camera(bounds, 0, 1.5707963f, 0.8f, 1, 1).world_from_camera[3]);
+  CHECK(above.y > 1);
+}
+
+TEST_CASE("A camera of an empty world stands where the default Viewpoint does") {
+  const Camera camera = fit_depth(orbit_camera({}, 0, 0, 0.785398f, 4, 3), {});
+  CHECK(camera.world_from_camera[3].z == Approx(10));
+  CHECK(camera.near_plane > 0);
+  CHECK(camera.far_plane > 10);
+}
+
+TEST_CASE("Depth planes enclose the bounds and keep their ratio small") {
+  Camera camera;
+  camera.world_from_camera[3] = {0, 0, 10, 1};
+  const Camera outside = fit_depth(camera, box({-1, -1, -1}, {1, 1, 1}));
+  CHECK(outside.near_plane <= 9);
+  CHECK(outside.near_plane > 8.5f);
+  CHECK(outside.far_plane >= 11);
+  CHECK(outside.far_plane < 11.5f);
+  const Camera inside = fit_depth(camera, box({-500, -500, -500}, {500, 500, 500}));
+  CHECK(inside.near_plane <= 0.11f);
+  CHECK(inside.near_plane >= inside.far_plane / 11000);
+  camera.far_plane = 50;  // a visibilityLimit
+  const Camera limited = fit_depth(camera, box({-500, -500, -500}, {500, 500, 500}));
+  CHECK(limited.far_plane == 50);
+  CHECK(limited.near_plane == Approx(50 / 1e4f));
+  camera.far_plane = 0;
+  const Camera behind = fit_depth(camera, box({-1, -1, 20}, {1, 1, 21}));
+  CHECK(behind.near_plane > 0);
+  CHECK(behind.far_plane > behind.near_plane);
+}
+
+TEST_CASE("Nonsense fields of view and sizes still give a usable projection") {
+  for (float angle : {0.0f, -1.0f, 4.0f, std::nanf(""), HUGE_VALF}) {
+    Camera camera;
+    camera.near_plane = 1;
+    camera.far_plane = 2;
+    camera.field_of_view = angle;
+    const glm::mat4 matrix = projection(camera, 0, -5);
+    for (int i = 0; i < 16; ++i) CHECK(std::isfinite((&matrix[0][0])[i]));
+    CHECK(matrix[0][0] > 0);
+  }
+}

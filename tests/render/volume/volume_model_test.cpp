@@ -1,0 +1,112 @@
+#include "render/volume/volume_model.h"
+
+#include "render/scene/color_ramps.h"
+#include "tests/render/clouds.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+using namespace gs;
+using namespace gs::test;
+using namespace gs::render;
+
+TEST_CASE("Of a prefix the spacing is counted at powers of the square root of two") {
+  CHECK(volume_prefix(1000, 0) == VolumePrefix{1000, 1000});
+  CHECK(volume_prefix(1000, 1000) == VolumePrefix{1000, 1000});
+  CHECK(volume_prefix(1000, 5000) == VolumePrefix{1000, 1000});
+  CHECK(volume_prefix(1000, 999) == VolumePrefix{999, 724});
+  CHECK(volume_prefix(1000, 724) == VolumePrefix{724, 724});
+  CHECK(volume_prefix(1000, 723) == VolumePrefix{723, 512});
+  CHECK(volume_prefix(1000, 1) == VolumePrefix{1, 1});
+  CHECK(volume_prefix(0, 0) == VolumePrefix{0, 0});
+  CHECK(volume_prefix(0, 7) == VolumePrefix{0, 0});
+  // Every model has spacings for all prefixes that it serves.
+  const qnv::Cloud cloud = random_volume(300, 1, 0.1f);
+  for (std::size_t budget = 1; budget <= 300; ++budget) {
+    const VolumePrefix prefix = volume_prefix(300, budget);
+    REQUIRE(prefix.counted <= prefix.shown);
+    REQUIRE(prefix.counted * 3 >= prefix.shown * 2 - 1);
+    REQUIRE(volume_model(cloud, 1, prefix.counted).spacing.size() >= prefix.shown);
+  }
+}
+
+TEST_CASE("Spacings of a prefix are those of a cloud that has no more") {
+  const qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
+  const VolumeModel all = volume_model(cloud), some = volume_model(cloud, 0, 512);
+  CHECK(all.spacing.size() == 4000);
+  CHECK(some.spacing.size() == 724);
+  double sum_all = 0, sum_some = 0;
+  for (std::size_t k = 0; k < some.spacing.size(); ++k) {
+    sum_all += static_cast<double>(all.spacing[k]);
+    sum_some += static_cast<double>(some.spacing[k]);
+  }
+  // An eighth of the vectors: twice as far from one another in a solid, almost three times in a boundary.
+  CHECK(sum_some / sum_all > 1.8);
+  CHECK(sum_some / sum_all < 3);
+  CHECK(some.full_magnitude == all.full_magnitude);
+  CHECK(some.transfer == all.transfer);
+  for (const unsigned threads : {1u, 3u}) CHECK(volume_model(cloud, threads, 512).spacing == some.spacing);
+}
+
+TEST_CASE("A transfer function is linear between its points, and its opacity a depth") {
+  qnv::Description about;
+  about.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 0.5f}};
+  const VolumeTransfer own = volume_transfer(about);
+  CHECK(own[0].w == 0);
+  CHECK(own[255].w == Approx(-std::log(0.5)));
+  CHECK(own[51].x == Approx(0.2));
+  CHECK(own[51].w == Approx(-std::log(0.9)));
+  const std::array<qnv::TransferPoint, 1> red{{{0.5f, {255, 0, 0}, 1}}};
+  const VolumeTransfer other = volume_transfer(about, red);
+  for (const glm::vec4& entry : other) {
+    CHECK(glm::vec3(entry) == glm::vec3(1, 0, 0));
+    CHECK(entry.w == Approx(-std::log(0.001)));
+  }
+  about.transfer.clear();
+  CHECK(volume_transfer(about)[255].w > 0);  // default_transfer()
+  for (const float bad : {kNaN, kInfinity, -kInfinity, 1e38f, -3.0f}) {
+    const std::array<qnv::TransferPoint, 3> hostile{
+        {{bad, {1, 2, 3}, bad}, {0.5f, {9, 9, 9}, 0.5f}, {bad, {4, 5, 6}, bad}}};
+    for (const glm::vec4& entry : volume_transfer(about, hostile)) CHECK(entry.w >= 0);
+  }
+}
+
+TEST_CASE("A transfer function of the options stands in for the model's, for colour and opacity") {
+  const qnv::Cloud cloud = random_volume(100, 3, 0.1f);
+  const VolumeModel model = volume_model(cloud);
+  const std::array<qnv::TransferPoint, 1> green{{{0, {0, 255, 0}, 0.5f}}};
+  const VolumeTransfer transfer = volume_transfer(cloud.description, green);
+  VolumeOptions options;
+  options.opacity = 1;
+  options.transfer = &transfer;
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    CHECK(volume_color(cloud, model, options, k) == glm::vec3(0, 1, 0));
+    const double magnitude = std::min(static_cast<double>(cloud.weights[k] / model.full_magnitude), 1.0);
+    CHECK(static_cast<double>(volume_alpha(cloud, model, options, k)) ==
+          Approx(magnitude * -std::log(0.5) / (3.14159265 * static_cast<double>(kVolumeFootprint))).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("Colours that tell the vectors of a volume apart") {
+  qnv::Cloud cloud = random_volume(9000, 3, 0.1f);
+  cloud.normals[1] = {0, -2, 0};
+  cloud.normals[2] = glm::vec3(kNaN);
+  CHECK(volume_color_by(cloud, ColorBy::normal, 1) == glm::vec3(0.5f, 0, 0.5f));
+  CHECK(volume_color_by(cloud, ColorBy::normal, 2) == glm::vec3(0.5f));
+  const glm::vec3 blue(0, 0, 1), red(1, 0, 0);
+  CHECK(volume_color_by(cloud, ColorBy::age, 0) == blue);
+  CHECK(volume_color_by(cloud, ColorBy::age, 8999) == red);
+  CHECK(volume_color_by(cloud, ColorBy::level, 0) == blue);
+  CHECK(volume_color_by(cloud, ColorBy::level, kFirstOctave - 1) == blue);
+  CHECK(volume_color_by(cloud, ColorBy::level, 8999) == red);
+  CHECK(volume_color_by(cloud, ColorBy::chunk, 0) == volume_color_by(cloud, ColorBy::chunk, kBlockVectors - 1));
+  CHECK(volume_color_by(cloud, ColorBy::chunk, 0) != volume_color_by(cloud, ColorBy::chunk, kBlockVectors));
+  VolumeOptions options;
+  options.color = glm::vec3(0.3f);
+  options.color_by = ColorBy::age;
+  CHECK(volume_color(cloud, volume_model(cloud), options, 8999) == red);
+}

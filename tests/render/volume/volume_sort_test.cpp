@@ -1,0 +1,156 @@
+#include "render/volume/volume_sort.h"
+
+#include "tests/render/clouds.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+using namespace gs;
+using namespace gs::test;
+using render::far_first_key;
+using render::sort_by_key;
+using render::VolumeSorter;
+using render::VolumeSortPart;
+
+namespace {
+
+constexpr std::uint64_t entry(std::uint32_t key, std::uint32_t value) { return std::uint64_t{key} << 32 | value; }
+
+/// Seen from +z, or turned about y by `angle`.
+glm::vec4 row(float angle, float distance = 5) { return {-std::sin(angle), 0, -std::cos(angle), distance}; }
+
+std::shared_ptr<const qnv::Cloud> points(std::size_t count, unsigned seed) {
+  auto cloud = std::make_shared<qnv::Cloud>();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> part(-1, 1);
+  for (std::size_t i = 0; i < count; ++i) add(*cloud, {part(random), part(random), part(random)}, {0, 0, 1}, 1);
+  return cloud;
+}
+
+float depth_of(const VolumeSortPart& part, std::size_t k) {
+  return glm::dot(part.row, glm::vec4(part.cloud->positions[k], 1));
+}
+
+/// Whether an order is that of depth, farthest first, with all vectors once.
+bool sorted(const VolumeSorter::Order& order, const VolumeSortPart& part) {
+  std::vector<bool> seen(part.count);
+  float last = kInfinity;
+  for (const std::uint32_t k : order.far_first) {
+    if (k >= part.count || seen[k]) return false;
+    seen[k] = true;
+    const float depth = depth_of(part, k);
+    if (depth > last + 1e-6f) return false;
+    last = depth;
+  }
+  return order.far_first.size() == part.count;
+}
+
+}  // namespace
+
+TEST_CASE("Keys of depths ascend from the farthest to the nearest") {
+  constexpr std::array<float, 11> depths = {kInfinity, 3e38f,   7,  2.0000002f, 2,         1e-40f,
+                                            0,         -1e-40f, -1, -3e38f,     -kInfinity};
+  for (std::size_t i = 1; i < depths.size(); ++i) CHECK(far_first_key(depths[i - 1]) < far_first_key(depths[i]));
+  CHECK(far_first_key(0.0f) == far_first_key(-0.0f));
+  CHECK(far_first_key(kNaN) == 0xFFFFFFFFu);
+  CHECK(far_first_key(-kNaN) == 0xFFFFFFFFu);
+  CHECK(far_first_key(-kInfinity) < far_first_key(kNaN));
+}
+
+TEST_CASE("Entries are sorted by key, those of one key stay in their order") {
+  std::mt19937 random(3);
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 100u, 5000u, 70'000u}) {
+    for (const std::uint32_t mask : {0u, 0xFu, 0xF800000u, 0xFFFFFFFFu}) {
+      std::vector<std::uint64_t> entries, room(count / 3, 7);
+      for (std::uint32_t i = 0; i < count; ++i)
+        entries.push_back(entry(static_cast<std::uint32_t>(random()) & mask, i));
+      std::vector<std::uint64_t> wanted = entries;
+      // Values ascend, so that an order by both is the stable one by the key.
+      std::sort(wanted.begin(), wanted.end());
+      sort_by_key(entries, room);
+      CHECK(entries == wanted);
+    }
+  }
+  std::vector<std::uint64_t> entries{entry(5, 9), entry(5, 2), entry(1, 4), entry(5, 1)}, room;
+  sort_by_key(entries, room);
+  CHECK(entries == std::vector<std::uint64_t>{entry(1, 4), entry(5, 9), entry(5, 2), entry(5, 1)});
+}
+
+TEST_CASE("The vectors of several volumes come in one order, of one depth the later one first") {
+  auto cloud = std::make_shared<qnv::Cloud>();
+  for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*cloud, {0, 0, z}, {0, 0, 1}, 1);
+  auto other = std::make_shared<qnv::Cloud>();
+  for (const float z : {1.0f, kNaN, kInfinity}) add(*other, {0, 0, z}, {0, 0, 1}, 1);
+  VolumeSorter sorter;
+  const std::array<VolumeSortPart, 2> parts{{{cloud, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
+  // Depths 5 4 5 7 and 5 NaN -infinity.
+  const auto order = sorter.order(parts);
+  CHECK(order.exact);
+  CHECK(std::vector(order.far_first.begin(), order.far_first.end()) == std::vector<std::uint32_t>{3, 4, 2, 0, 1, 6, 5});
+  const VolumeSortPart first{cloud, 1, row(0)};
+  const auto one = sorter.order(std::span(&first, 1));
+  CHECK(one.exact);
+  REQUIRE(one.far_first.size() == 1);
+  CHECK(one.far_first[0] == 0);
+  const VolumeSortPart none{cloud, 0, row(0)};
+  CHECK(sorter.order(std::span(&none, 1)).far_first.empty());
+  CHECK(sorter.order({}).exact);
+}
+
+TEST_CASE("An order is never older than the view before, and that of a view that stays is exact") {
+  const auto cloud = points(50'000, 1);
+  VolumeSorter sorter;
+  VolumeSortPart last{cloud, cloud->size(), row(0)};
+  auto order = sorter.order(std::span(&last, 1));
+  CHECK(order.exact);  // there was no other
+  CHECK(sorted(order, last));
+  for (int frame = 1; frame < 40; ++frame) {
+    const VolumeSortPart part{cloud, cloud->size(), row(0.02f * static_cast<float>(frame))};
+    order = sorter.order(std::span(&part, 1));
+    CHECK(sorted(order, order.exact ? part : last));
+    last = part;
+  }
+  // Asked again: it waits at most for its own.
+  order = sorter.order(std::span(&last, 1));
+  CHECK(order.exact);
+  CHECK(sorted(order, last));
+  const std::uint64_t number = order.number;
+  order = sorter.order(std::span(&last, 1));
+  CHECK(order.number == number);
+}
+
+TEST_CASE("Far turns, other numbers of vectors and other clouds are waited for") {
+  const auto cloud = points(30'000, 2), other = points(30'000, 3);
+  VolumeSorter sorter;
+  const std::array<VolumeSortPart, 6> views{{{cloud, 30'000, row(0)},
+                                             {cloud, 30'000, row(3)},
+                                             {cloud, 30'000, row(2.8f)},
+                                             {cloud, 20'000, row(2.8f)},
+                                             {other, 20'000, row(2.8f)},
+                                             {cloud, 20'000, {0, 0, 0, 1}}}};
+  for (const VolumeSortPart& view : views) {
+    const auto order = sorter.order(std::span(&view, 1));
+    CHECK(order.exact);
+    CHECK(sorted(order, view));
+  }
+  const VolumeSortPart broken{cloud, 20'000, glm::vec4(kNaN)};
+  CHECK(sorter.order(std::span(&broken, 1)).far_first.size() == 20'000);
+}
+
+TEST_CASE("A sorter lets go of clouds, and may end while it sorts") {
+  auto cloud = points(200'000, 4);
+  const std::weak_ptr<const qnv::Cloud> watched = cloud;
+  for (int i = 0; i < 5; ++i) {
+    VolumeSorter sorter;
+    std::array<VolumeSortPart, 1> part{{{cloud, cloud->size(), row(0)}}};
+    (void)sorter.order(part);
+    part[0].row = row(0.01f);
+    (void)sorter.order(part);
+  }
+  cloud.reset();
+  CHECK(watched.expired());
+}

@@ -1,0 +1,91 @@
+#include "render/volume/volume_store.h"
+
+#include "tests/render/volume_scenes.h"
+
+#include <array>
+
+using namespace gs;
+using namespace gs::test;
+using namespace gs::render;
+
+namespace {
+
+SharedVolume shared(std::size_t count, unsigned seed, std::size_t counted = 1u << 30) {
+  const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(count, seed, 0.1f));
+  return {cloud, std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted))};
+}
+
+}  // namespace
+
+TEST_CASE("Codes of volumes keep positions, directions, weights, colours and classes") {
+  qnv::Cloud cloud = random_volume(3000, 2, 0.1f);
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3});
+  cloud.weights[5] = 0;
+  cloud.normals[6] = glm::vec3(0);
+  cloud.normals[7] = {kNaN, 0, 1};
+  const VolumeCoding coding = volume_coding(cloud, cloud.size());
+  std::vector<VolumeCode> codes(cloud.size());
+  encode_volume_codes(cloud, coding, 0, codes);
+  for (std::size_t k = 0; k < codes.size(); ++k) {
+    const VolumeDecoded decoded = decode_volume_code(codes[k], coding);
+    for (int axis = 0; axis < 3; ++axis)
+      REQUIRE(std::abs(decoded.position[axis] - cloud.positions[k][axis]) <= 0.51f * coding.step[axis] + 1e-6f);
+    REQUIRE(decoded.weight == Approx(cloud.weights[k]).epsilon(1e-4));
+    REQUIRE(codes[k][3] >> 24 == cloud.classes[k]);
+    REQUIRE((codes[k][3] & 255) == cloud.colors[k].r);
+    REQUIRE((codes[k][3] >> 8 & 255) == cloud.colors[k].g);
+    if (k == 6 || k == 7) {
+      REQUIRE(decoded.normal == glm::vec3(0));
+    } else {
+      // Ten bits an axis of an octahedron: a quarter of a degree.
+      REQUIRE(glm::dot(decoded.normal, glm::normalize(cloud.normals[k])) > 0.99999f);
+    }
+  }
+}
+
+TEST_CASE("A cloud without an extent, and one of equal weights, are coded") {
+  qnv::Cloud cloud = empty_volume(0.5f, 1);
+  for (int i = 0; i < 4; ++i) add(cloud, {1, 2, 3}, {0, 0, -1}, 2, 9);
+  const VolumeCoding coding = volume_coding(cloud, 4);
+  std::vector<VolumeCode> codes(4);
+  encode_volume_codes(cloud, coding, 0, codes);
+  const VolumeDecoded decoded = decode_volume_code(codes[3], coding);
+  CHECK(decoded.position == glm::vec3(1, 2, 3));
+  CHECK(decoded.weight == Approx(2));
+  CHECK(decoded.normal.z == Approx(-1));
+}
+
+TEST_CASE("The store keeps volumes that are drawn and makes room for others") {
+  VolumePicture picture;
+  VolumeStore store(picture.gl, 1000 * VolumeStore::kBytes);
+  const std::array<SharedVolume, 2> both{shared(300, 1), shared(400, 2)};
+  const auto places = store.place(both);
+  REQUIRE(places.size() == 2);
+  CHECK((places[0].first >= places[1].first + 400 || places[1].first >= places[0].first + 300));
+  store.forget_unused();
+  const auto again = store.place(both);
+  REQUIRE(again.size() == 2);
+  CHECK(again[0].first == places[0].first);
+  CHECK(again[1].first == places[1].first);
+  // A third one in the next viewport.
+  const SharedVolume third = shared(250, 3);
+  CHECK(store.place(std::span(&third, 1)).size() == 1);
+  CHECK(store.bytes() <= 1000 * VolumeStore::kBytes);
+  const SharedVolume large = shared(990, 4), larger = shared(1001, 5);
+  CHECK(store.place(std::span(&large, 1)).size() == 1);
+  CHECK(store.place(std::span(&larger, 1)).empty());
+  CHECK(store.place({}).empty());
+  // Twice in one picture: one place.
+  const std::array<SharedVolume, 2> twice{both[0], both[0]};
+  const auto one = store.place(twice);
+  REQUIRE(one.size() == 2);
+  CHECK(one[0].first == one[1].first);
+  // Many that come and go.
+  for (unsigned i = 0; i < 50; ++i) {
+    store.forget_unused();
+    const SharedVolume passing = shared(200, i);
+    REQUIRE(store.place(std::span(&passing, 1)).size() == 1);
+  }
+  CHECK(picture.gl.GetError() == GL_NO_ERROR);
+}

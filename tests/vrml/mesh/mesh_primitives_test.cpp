@@ -1,0 +1,150 @@
+#include "tests/vrml/mesh_checks.h"
+
+#include <limits>
+#include <numbers>
+
+using namespace gs::vrml;
+using namespace gs::vrml::test;
+
+namespace {
+const float kInfinity = std::numeric_limits<float>::infinity();
+}  // namespace
+
+TEST_CASE("A node that is no geometry has no mesh") {
+  const GeometryScene group("Group");
+  CHECK(group.mesh().empty());
+  CHECK(tessellate(group.scene, NodeId{}).empty());
+  CHECK(tessellate(group.scene, NodeId{77, 1}).empty());
+}
+
+TEST_CASE("A PROTO instance has the mesh of its first node") {
+  GeometryScene box("Box");
+  const NodeId inner = box.instance_of(box.geometry);
+  const NodeId outer = box.instance_of(inner);
+  CHECK(triangles_of(tessellate(box.scene, outer)) == 12);
+}
+
+TEST_CASE("Box") {
+  GeometryScene box("Box");
+  box.set<SFVec3f>("size", {2, 4, 6});
+  const Mesh mesh = box.mesh();
+  check_promises(mesh);
+  CHECK(mesh.positions.size() == 24);
+  CHECK(triangles_of(mesh) == 12);
+  CHECK(mesh.solid);
+  CHECK(mesh.lit);
+  CHECK(volume_of(mesh) == Approx(48));
+  CHECK(area_of(mesh) == Approx(88));
+  CHECK(normals_on_front(mesh));
+  CHECK(mesh.bounds.lower == glm::vec3(-1, -2, -3));
+  CHECK(mesh.bounds.upper == glm::vec3(1, 2, 3));
+
+  SECTION("the texture is upright on every face, seen from outside") {
+    CHECK(texture_at(mesh, {-1, -2, 3}, {0, 0, 1}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {1, 2, 3}, {0, 0, 1}) == glm::vec2(1, 1));
+    CHECK(texture_at(mesh, {1, -2, -3}, {0, 0, -1}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {1, -2, 3}, {1, 0, 0}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {-1, -2, -3}, {-1, 0, 0}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {-1, 2, 3}, {0, 1, 0}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {1, 2, -3}, {0, 1, 0}) == glm::vec2(1, 1));
+    CHECK(texture_at(mesh, {-1, -2, -3}, {0, -1, 0}) == glm::vec2(0, 0));
+    CHECK(texture_at(mesh, {1, -2, 3}, {0, -1, 0}) == glm::vec2(1, 1));
+  }
+  SECTION("sizes that are none") {
+    for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) {
+      CHECK(box.set<SFVec3f>("size", {bad, 1, 1}).mesh().empty());
+      CHECK(box.set<SFVec3f>("size", {1, bad, 1}).mesh().empty());
+      CHECK(box.set<SFVec3f>("size", {1, 1, bad}).mesh().empty());
+    }
+  }
+}
+
+TEST_CASE("Sphere") {
+  GeometryScene sphere("Sphere");
+  sphere.set<SFFloat>("radius", 2);
+  const Mesh mesh = sphere.mesh({.segments = 64});
+  check_promises(mesh);
+  CHECK(triangles_of(mesh) == 2 * 64 * 31);
+  CHECK(volume_of(mesh) == Approx(4.0 / 3 * std::numbers::pi * 8).epsilon(0.01));
+  CHECK(volume_of(mesh) < 4.0 / 3 * std::numbers::pi * 8);
+  CHECK(normals_on_front(mesh));
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) REQUIRE(near(mesh.positions[i], 2.0f * mesh.normals[i]));
+
+  // The seam is at the back; from there counter-clockwise seen from above.
+  CHECK(texture_at(mesh, {-2, 0, 0}, {-1, 0, 0}) == glm::vec2(0.25f, 0.5f));
+  CHECK(texture_at(mesh, {0, 0, 2}, {0, 0, 1}) == glm::vec2(0.5f, 0.5f));
+  CHECK(texture_at(mesh, {2, 0, 0}, {1, 0, 0}) == glm::vec2(0.75f, 0.5f));
+  CHECK(texture_at(mesh, {0, 2, 0}, {0, 1, 0}).y == 1);
+  CHECK(texture_at(mesh, {0, -2, 0}, {0, -1, 0}).y == 0);
+
+  for (const int segments : {-5, 0, 1, 3, 4, 5}) {
+    const Mesh coarse = sphere.mesh({.segments = segments});
+    check_promises(coarse);
+    CHECK(volume_of(coarse) > 0);
+    CHECK(normals_on_front(coarse));
+  }
+  for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) CHECK(sphere.set<SFFloat>("radius", bad).mesh().empty());
+}
+
+TEST_CASE("Cylinder") {
+  GeometryScene cylinder("Cylinder");
+  cylinder.set<SFFloat>("radius", 2).set<SFFloat>("height", 3);
+  const MeshOptions fine{.segments = 256};
+  const Mesh mesh = cylinder.mesh(fine);
+  check_promises(mesh);
+  CHECK(triangles_of(mesh) == 4 * 256);
+  CHECK(volume_of(mesh) == Approx(std::numbers::pi * 4 * 3).epsilon(0.001));
+  CHECK(normals_on_front(mesh));
+
+  CHECK(near(texture_at(mesh, {0, 1.5f, 2}, {0, 0, 1}), {0.5f, 1}));
+  CHECK(near(texture_at(mesh, {-2, -1.5f, 0}, {-1, 0, 0}), {0.25f, 0}));
+  // Top: upright when tilted towards +Z, so its far side (-Z) is up. Bottom: the other way round.
+  CHECK(near(texture_at(mesh, {0, 1.5f, -2}, {0, 1, 0}), {0.5f, 1}));
+  CHECK(near(texture_at(mesh, {2, 1.5f, 0}, {0, 1, 0}), {1, 0.5f}));
+  CHECK(near(texture_at(mesh, {0, -1.5f, 2}, {0, -1, 0}), {0.5f, 1}));
+  CHECK(near(texture_at(mesh, {2, -1.5f, 0}, {0, -1, 0}), {1, 0.5f}));
+
+  SECTION("parts") {
+    cylinder.set("top", false);
+    CHECK(triangles_of(cylinder.mesh(fine)) == 3 * 256);
+    cylinder.set("side", false);
+    const Mesh bottom = cylinder.mesh(fine);
+    CHECK(area_of(bottom) == Approx(std::numbers::pi * 4).epsilon(0.001));
+    CHECK(bottom.bounds.upper.y == -1.5f);
+    CHECK(bottom.normals[0] == glm::vec3(0, -1, 0));
+    check_promises(bottom);
+    cylinder.set("bottom", false);
+    CHECK(cylinder.mesh(fine).empty());
+    CHECK(cylinder.mesh(fine).positions.empty());
+  }
+  SECTION("sizes that are none") {
+    for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) {
+      CHECK(GeometryScene("Cylinder").set<SFFloat>("radius", bad).mesh().empty());
+      CHECK(GeometryScene("Cylinder").set<SFFloat>("height", bad).mesh().empty());
+      CHECK(GeometryScene("Cone").set<SFFloat>("bottomRadius", bad).mesh().empty());
+      CHECK(GeometryScene("Cone").set<SFFloat>("height", bad).mesh().empty());
+    }
+  }
+}
+
+TEST_CASE("Cone") {
+  GeometryScene cone("Cone");
+  cone.set<SFFloat>("bottomRadius", 3).set<SFFloat>("height", 4);
+  const MeshOptions fine{.segments = 256};
+  const Mesh mesh = cone.mesh(fine);
+  check_promises(mesh);
+  CHECK(triangles_of(mesh) == 2 * 256);
+  CHECK(volume_of(mesh) == Approx(std::numbers::pi * 9 * 4 / 3).epsilon(0.001));
+  CHECK(normals_on_front(mesh));
+  CHECK(mesh.bounds.upper.y == 2);
+  CHECK(mesh.bounds.lower.y == -2);
+  CHECK(near(texture_at(mesh, {0, -2, 3}, {0, 0.6f, 0.8f}), {0.5f, 0}));
+  CHECK(near(texture_at(mesh, {3, -2, 0}, {0.8f, 0.6f, 0}), {0.75f, 0}));
+  CHECK(texture_at(mesh, {0, 2, 0}, {0, 0.6f, 0.8f}).y == 1);
+  CHECK(near(texture_at(mesh, {0, -2, 3}, {0, -1, 0}), {0.5f, 1}));
+
+  cone.set("bottom", false);
+  CHECK(area_of(cone.mesh(fine)) == Approx(std::numbers::pi * 3 * 5).epsilon(0.001));
+  cone.set("side", false);
+  CHECK(cone.mesh(fine).empty());
+}

@@ -1,0 +1,20 @@
+#include "vrml/mesh/mesh.h"
+
+namespace gs::vrml {
+
+std::uint64_t Mesh::cost() const {
+  const auto bytes = [](const auto& array) {
+    const std::uint64_t size = array.size() * sizeof(*array.data());
+    return array.shared() ? size : 2 * size;
+  };
+  return bytes(positions) + bytes(normals) + bytes(colors) + bytes(texture_coordinates) + bytes(indices);
+}
+
+Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
+  const NodeId resolved = scene.resolve(geometry);
+  if (!resolved) return {};
+  const Tessellate make = scene.node(resolved).type->tessellate;
+  return make ? make(scene, resolved, options) : Mesh{};
+}
+
+}  // namespace gs::vrml

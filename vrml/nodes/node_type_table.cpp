@@ -1,0 +1,79 @@
+#include "vrml/nodes/families.h"
+#include "vrml/scene/node_type.h"
+#include "vrml/scene/scene_graph.h"
+#include "vrml/syntax/parser.h"
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <unordered_map>
+
+namespace gs::vrml {
+namespace {
+
+// The range is the comment behind a declaration, as the standard prints it.
+void read_ranges(std::string_view text, NodeType& type) {
+  std::size_t declaration = 0;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (line.find_first_not_of(' ') == std::string_view::npos) continue;
+    const std::size_t comment = line.find("# ");
+    if (comment != std::string_view::npos) type.interfaces[declaration].range = line.substr(comment + 2);
+    ++declaration;
+  }
+}
+
+std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
+  auto type = std::make_unique<NodeType>();
+  type->name = row.name;
+  type->clause = row.clause;
+  type->role = row.role;
+  type->tessellate = row.tessellate;
+  type->behaviour = row.behaviour;
+  const bool good = parse_interface(row.interface_text, *type);
+  assert(good && "a row of the node table does not parse");
+  (void)good;
+  if (has(row.role, Role::script)) type->kind = NodeType::Kind::script;
+  read_ranges(row.interface_text, *type);
+  return type;
+}
+
+struct Table {
+  std::vector<std::unique_ptr<NodeType>> types;
+  std::unordered_map<std::string_view, const NodeType*> by_name;
+
+  Table() {
+    for (const auto rows : {appearance_rows, bindables_rows, common_rows, geometric_properties_rows, geometry_rows,
+                            grouping_rows, interpolators_rows, lights_rows, sensors_rows})
+      for (const NodeRow& row : rows()) types.push_back(type_of_row(row));
+    std::sort(types.begin(), types.end(), [](const auto& a, const auto& b) { return a->name < b->name; });
+    for (const auto& type : types) by_name[type->name] = type.get();
+  }
+};
+
+const Table& table() {
+  static const Table the_table;
+  return the_table;
+}
+
+}  // namespace
+
+std::span<const std::unique_ptr<NodeType>> built_in_node_types() { return table().types; }
+
+const NodeType* stood_for(const NodeType& prototype) {
+  const NodeType* native = built_in_node_type(prototype.name);
+  if (!native || native->clause != "GhostSpace" || !native->tessellate) return nullptr;
+  const bool same = std::all_of(prototype.interfaces.begin(), prototype.interfaces.end(), [&](const auto& declaration) {
+    const InterfaceDeclaration* own = native->find(declaration.name);
+    return own && own->type == declaration.type && own->access == declaration.access;
+  });
+  return same ? native : nullptr;
+}
+
+const NodeType* built_in_node_type(std::string_view name) {
+  const auto found = table().by_name.find(name);
+  return found == table().by_name.end() ? nullptr : found->second;
+}
+
+}  // namespace gs::vrml

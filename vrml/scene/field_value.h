@@ -1,0 +1,134 @@
+#pragma once
+
+#include "vrml/scene/array.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace gs::vrml {
+
+/// UTF-8 text of an SFString. Shares its bytes between copies.
+class String {
+ public:
+  String() = default;
+  String(std::string_view text) : bytes_(std::span<const char>(text.data(), text.size())) {}
+  String(const char* text) : String(std::string_view(text)) {}
+  String(const std::string& text) : String(std::string_view(text)) {}
+
+  [[nodiscard]] std::string_view view() const { return {bytes_.data(), bytes_.size()}; }
+  [[nodiscard]] std::string str() const { return std::string(view()); }
+  [[nodiscard]] bool empty() const { return bytes_.empty(); }
+  friend bool operator==(const String& a, const String& b) { return a.bytes_ == b.bytes_; }
+
+ private:
+  Array<char> bytes_;
+};
+
+/// Red, green, blue in 0..1, display space (VRML97 5.3).
+struct Color {
+  float r = 0, g = 0, b = 0;
+  friend bool operator==(const Color&, const Color&) = default;
+};
+
+/// A rotation about a (not necessarily unit) axis; angle in radians, right-handed (VRML97 5.8).
+struct Rotation {
+  float x = 0, y = 0, z = 1, angle = 0;
+  friend bool operator==(const Rotation&, const Rotation&) = default;
+};
+
+/// An SFImage (VRML97 5.5): width, height, components (0..4), then one word a pixel, lower left
+/// first, the components in its low bytes with the first component highest. Kept as the text has
+/// it, so that a value is one pointer.
+struct PixelImage {
+  Array<std::uint32_t> words;  // empty, or 3 + width * height
+
+  [[nodiscard]] std::uint32_t width() const { return words.empty() ? 0 : words[0]; }
+  [[nodiscard]] std::uint32_t height() const { return words.empty() ? 0 : words[1]; }
+  [[nodiscard]] std::uint32_t components() const { return words.empty() ? 0 : words[2]; }
+  [[nodiscard]] std::span<const std::uint32_t> pixels() const {
+    return words.size() > 3 ? words.span().subspan(3) : std::span<const std::uint32_t>{};
+  }
+  friend bool operator==(const PixelImage& a, const PixelImage& b) { return a.words == b.words; }
+};
+
+/// A node of a SceneGraph: a place in its arena and the generation of that place. {0, 0} is NULL.
+/// Means something only together with the SceneGraph that made it.
+struct NodeId {
+  std::uint32_t index = 0;
+  std::uint32_t generation = 0;
+  [[nodiscard]] explicit operator bool() const { return index != 0; }
+  friend bool operator==(const NodeId&, const NodeId&) = default;
+};
+
+/// The 20 field types of VRML97 clause 5, in the order of the alternatives of FieldValue.
+enum class FieldType : std::uint8_t {
+  SFBool,
+  SFColor,
+  SFFloat,
+  SFImage,
+  SFInt32,
+  SFNode,
+  SFRotation,
+  SFString,
+  SFTime,
+  SFVec2f,
+  SFVec3f,
+  MFColor,
+  MFFloat,
+  MFInt32,
+  MFNode,
+  MFRotation,
+  MFString,
+  MFTime,
+  MFVec2f,
+  MFVec3f,
+};
+inline constexpr int kFieldTypeCount = 20;
+
+using SFBool = bool;
+using SFColor = Color;
+using SFFloat = float;
+using SFImage = PixelImage;
+using SFInt32 = std::int32_t;
+using SFNode = NodeId;
+using SFRotation = Rotation;
+using SFString = String;
+using SFTime = double;  // seconds since 1970-01-01 00:00 GMT
+using SFVec2f = glm::vec2;
+using SFVec3f = glm::vec3;
+using MFColor = Array<SFColor>;
+using MFFloat = Array<SFFloat>;
+using MFInt32 = Array<SFInt32>;
+using MFNode = Array<SFNode>;
+using MFRotation = Array<SFRotation>;
+using MFString = Array<SFString>;
+using MFTime = Array<SFTime>;
+using MFVec2f = Array<SFVec2f>;
+using MFVec3f = Array<SFVec3f>;
+
+/// One value of any field type; `index()` is the FieldType.
+using FieldValue =
+    std::variant<SFBool, SFColor, SFFloat, SFImage, SFInt32, SFNode, SFRotation, SFString, SFTime, SFVec2f, SFVec3f,
+                 MFColor, MFFloat, MFInt32, MFNode, MFRotation, MFString, MFTime, MFVec2f, MFVec3f>;
+static_assert(std::variant_size_v<FieldValue> == kFieldTypeCount);
+
+[[nodiscard]] inline FieldType type_of(const FieldValue& value) { return static_cast<FieldType>(value.index()); }
+[[nodiscard]] constexpr bool is_multiple(FieldType type) { return type >= FieldType::MFColor; }
+[[nodiscard]] constexpr bool holds_nodes(FieldType type) {
+  return type == FieldType::SFNode || type == FieldType::MFNode;
+}
+
+/// "SFBool", "MFVec3f", ...
+[[nodiscard]] std::string_view name_of(FieldType type);
+[[nodiscard]] std::optional<FieldType> field_type_named(std::string_view name);
+
+/// The value a field has before anything is said of it: zero, FALSE, empty, NULL; 0 0 1 0 for SFRotation.
+[[nodiscard]] FieldValue initial_value(FieldType type);
+
+}  // namespace gs::vrml

@@ -1,0 +1,76 @@
+#include "vrml/scene/node_type.h"
+
+#include "vrml/scene/scene_graph.h"
+
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::string_view kSetPrefix = "set_";
+constexpr std::string_view kChangedSuffix = "_changed";
+
+std::uint32_t digest(std::string_view name) {
+  if (name.empty()) return 0;
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(name[i])); };
+  return static_cast<std::uint32_t>(name.size() & 0xff) << 24 | byte(0) << 16 | byte(name.size() / 2) << 8 |
+         byte(name.size() - 1);
+}
+
+}  // namespace
+
+std::string_view name_of(AccessType access) {
+  switch (access) {
+    case AccessType::eventIn:
+      return "eventIn";
+    case AccessType::eventOut:
+      return "eventOut";
+    case AccessType::field:
+      return "field";
+    case AccessType::exposedField:
+      return "exposedField";
+  }
+  return {};
+}
+
+NodeType::NodeType() = default;
+NodeType::~NodeType() = default;
+
+void NodeType::declare(InterfaceDeclaration declaration) {
+  if (declaration.access == AccessType::field || declaration.access == AccessType::exposedField) {
+    declaration.slot = static_cast<int>(defaults.size());
+    defaults.push_back(declaration.initial);
+  }
+  keys_.push_back(digest(declaration.name));
+  interfaces.push_back(std::move(declaration));
+}
+
+const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
+  const std::uint32_t key = digest(wanted);
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    if (keys_[i] == key && interfaces[i].name == wanted) return &interfaces[i];
+  return nullptr;
+}
+
+const InterfaceDeclaration* NodeType::find_field(std::string_view wanted) const {
+  const InterfaceDeclaration* found = find(wanted);
+  return found && found->slot >= 0 ? found : nullptr;
+}
+
+const InterfaceDeclaration* NodeType::find_event_out(std::string_view wanted) const {
+  const InterfaceDeclaration* found = find(wanted);
+  if (found && (found->access == AccessType::eventOut || found->access == AccessType::exposedField)) return found;
+  if (!wanted.ends_with(kChangedSuffix)) return nullptr;
+  found = find(wanted.substr(0, wanted.size() - kChangedSuffix.size()));
+  return found && found->access == AccessType::exposedField ? found : nullptr;
+}
+
+const InterfaceDeclaration* NodeType::find_event_in(std::string_view wanted) const {
+  const InterfaceDeclaration* found = find(wanted);
+  if (found && (found->access == AccessType::eventIn || found->access == AccessType::exposedField)) return found;
+  if (!wanted.starts_with(kSetPrefix)) return nullptr;
+  found = find(wanted.substr(kSetPrefix.size()));
+  return found && found->access == AccessType::exposedField ? found : nullptr;
+}
+
+}  // namespace gs::vrml

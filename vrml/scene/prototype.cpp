@@ -1,0 +1,220 @@
+#include "vrml/scene/prototype.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <vector>
+
+namespace gs::vrml {
+namespace {
+
+std::uint64_t bytes_of(const NodeType& type) { return sizeof(Node) + type.defaults.size() * sizeof(FieldValue); }
+
+// Copies nodes out of one arena into another (or the same): those of a PROTO's body, and, from another
+// scene, whatever their values point at besides.
+class Copier {
+ public:
+  Copier(SceneGraph& to, const Prototype& prototype) : to_(to), from_(*prototype.scene), prototype_(prototype) {}
+
+  // All nodes of the body; false when there is no room for them.
+  bool copy_body(std::uint32_t& first) {
+    const std::vector<NodeId>& body = prototype_.nodes;
+    if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
+    first = static_cast<std::uint32_t>(to_.node_count() + 1);
+    for (const NodeId id : body) {
+      const Node& original = from_.node(id);
+      const NodeId made = to_.create(*original.type, original.location);
+      if (!made) return false;
+    }
+    first_ = first;
+    for (std::size_t i = 0; i < body.size(); ++i) copy_values(from_.node(body[i]), copy_at(i));
+    return true;
+  }
+
+  NodeId of(NodeId original) {
+    const auto found = std::lower_bound(prototype_.nodes.begin(), prototype_.nodes.end(), original,
+                                        [](NodeId a, NodeId b) { return a.index < b.index; });
+    if (found != prototype_.nodes.end() && *found == original)
+      return copy_at(static_cast<std::size_t>(found - prototype_.nodes.begin()));
+    return &from_ == &to_ ? original : import(original);
+  }
+
+  /// Nodes of another scene that a value of that scene points at.
+  FieldValue import(FieldValue value) {
+    if (&from_ != &to_) rewrite(value);
+    return value;
+  }
+
+ private:
+  NodeId copy_at(std::size_t place) const { return to_.id_at(first_ + static_cast<std::uint32_t>(place)); }
+
+  void copy_values(const Node& original, NodeId made) {
+    Node& copy = to_.node(made);
+    copy.name = original.name;
+    copy.text = original.text;
+    copy.fields_set = original.fields_set;
+    for (std::size_t i = 0; i < original.type->defaults.size(); ++i) {
+      copy.values[i] = original.values[i];
+      rewrite(copy.values[i]);
+    }
+  }
+
+  void rewrite(FieldValue& value) {
+    if (auto* node = std::get_if<SFNode>(&value)) {
+      if (*node) *node = of(*node);
+    } else if (auto* nodes = std::get_if<MFNode>(&value)) {
+      (void)to_.charge(nodes->size() * sizeof(NodeId));
+      for (std::size_t i = 0; i < nodes->size(); ++i) {
+        const NodeId copy = (*nodes)[i] ? of((*nodes)[i]) : NodeId{};
+        nodes->mutable_data()[i] = copy;
+      }
+    }
+  }
+
+  // A node outside of the body, in another scene. Copied once; its own references follow from a list, so
+  // that long chains need no stack.
+  NodeId import(NodeId original) {
+    const auto known = imported_.find(original.index);
+    if (known != imported_.end()) return known->second;
+    if (!from_.contains(original)) return {};
+    const Node& node = from_.node(original);
+    if (!to_.reserve_expansion(1, bytes_of(*node.type))) return {};
+    const NodeId made = to_.create(*node.type, node.location);
+    imported_[original.index] = made;
+    if (!made) return {};
+    waiting_.push_back(original);
+    if (waiting_.size() > 1) return made;  // the loop below is running already
+    for (std::size_t i = 0; i < waiting_.size(); ++i)
+      copy_values(from_.node(waiting_[i]), imported_[waiting_[i].index]);
+    waiting_.clear();
+    return made;
+  }
+
+  SceneGraph& to_;
+  const SceneGraph& from_;
+  const Prototype& prototype_;
+  std::uint32_t first_ = 0;
+  std::unordered_map<std::uint32_t, NodeId> imported_;
+  std::vector<NodeId> waiting_;
+};
+
+// The copy of one body. Instances inside it, and those that imported values bring, are appended to `inner`.
+bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& inner) {
+  const NodeType& type = *scene.node(instance).type;
+  if (!type.prototype || !type.prototype->complete) return true;
+  if (!scene.node(instance).expansion.empty() || scene.node(instance).in_prototype_body) return true;
+  const Prototype& prototype = *type.prototype;
+  if (prototype.nodes.empty()) return true;
+  Copier copier(scene, prototype);
+  std::uint32_t first = 0;
+  const auto before = static_cast<std::uint32_t>(scene.node_count());
+  if (!copier.copy_body(first)) return false;
+  for (const IsMapping& mapping : prototype.mappings) {
+    if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
+    // An EXTERNPROTO may declare less than the PROTO; the rest has the PROTO's own values.
+    const InterfaceDeclaration* own = type.find_field(mapping.outer->name);
+    const bool has_own = own && own->type == mapping.outer->type;
+    FieldValue value = has_own ? scene.node(instance).values[own->slot] : copier.import(mapping.outer->initial);
+    const NodeId inner_id = copier.of(mapping.node);
+    Node& inner_node = scene.node(inner_id);
+    // Only urls need to be told from where they are.
+    if (std::holds_alternative<MFString>(value))
+      scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.scene);
+    inner_node.values[mapping.inner->slot] = std::move(value);
+    if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
+  }
+  MFNode expansion;
+  for (const Statement& statement : prototype.statements) {
+    if (statement.kind == Statement::Kind::node) expansion.push_back(copier.of(statement.node));
+    if (statement.kind == Statement::Kind::route && scene.charge(sizeof(Route)))
+      scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to),
+                                statement.route.event_out, statement.route.event_in});
+  }
+  scene.node(instance).expansion = expansion;
+  scene.node(instance).expansion_first = first;
+  for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i)
+    if (scene.node(scene.id_at(i)).type->prototype) inner.push_back(scene.id_at(i));
+  return true;
+}
+
+}  // namespace
+
+bool instantiate(SceneGraph& scene, NodeId instance) {
+  const NodeType& type = *scene.node(instance).type;
+  const bool counts = type.prototype && !scene.node(instance).in_prototype_body;
+  if (counts && type.prototype->instance_bytes > scene.budget()->left(Resource::instances)) return false;
+  constexpr std::size_t kBetweenLooks = 256;  // at the time
+  std::vector<NodeId> waiting{instance};
+  for (std::size_t made = 1; !waiting.empty(); ++made) {
+    if (made % kBetweenLooks == 0 && scene.budget()->stopped()) return false;
+    const NodeId next = waiting.back();
+    waiting.pop_back();
+    if (!instantiate_one(scene, next, waiting)) return false;
+  }
+  return true;
+}
+
+const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance, const InterfaceDeclaration& field) {
+  const Node& node = scene.node(instance);
+  const bool given = field.slot < 64 && (node.fields_set >> field.slot & 1);
+  return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->scene;
+}
+
+void count_instance_nodes(const SceneGraph& scene, Prototype& prototype) {
+  constexpr std::uint64_t kEnough = std::uint64_t{1} << 48;  // sums of such do not overflow
+  for (const NodeId id : prototype.nodes) {
+    const NodeType& type = *scene.node(id).type;
+    prototype.body_bytes += bytes_of(type);
+    ++prototype.instance_nodes;
+    if (!type.prototype) continue;
+    prototype.instance_nodes = std::min(kEnough, prototype.instance_nodes + type.prototype->instance_nodes);
+    prototype.instance_bytes = std::min(kEnough, prototype.instance_bytes + type.prototype->instance_bytes);
+  }
+  prototype.instance_bytes = std::min(kEnough, prototype.instance_bytes + prototype.body_bytes);
+}
+
+std::string why_not_expanded(const SceneGraph& scene, const NodeType& type) {
+  const Budget& budget = *scene.budget();
+  std::string text = "instances of PROTO " + type.name;
+  if (type.prototype && type.prototype->instance_nodes > 0)
+    text += ", which make " + std::to_string(type.prototype->instance_nodes) + " nodes each,";
+  text += " make ";
+  if (scene.exhausted()) return text + budget.refusal(Resource::nodes);
+  const std::uint64_t bytes = type.prototype ? type.prototype->body_bytes : 0;
+  if (bytes <= budget.left(Resource::instances) && type.prototype &&
+      type.prototype->instance_bytes <= budget.left(Resource::instances))
+    return text + "more than " + std::to_string(scene.limits().expanded_nodes) + " nodes";
+  return text + budget.refusal(Resource::instances);
+}
+
+bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source) {
+  if (external.prototype || !source.prototype) return true;
+  external.prototype = std::make_unique<Prototype>(*source.prototype);
+  external.role = source.role;
+  Copier copier(scene, *external.prototype);
+  // Only nodes that exist now: those that are made below get their values from these.
+  const auto count = static_cast<std::uint32_t>(scene.node_count());
+  for (const InterfaceDeclaration& declaration : external.interfaces) {
+    if (declaration.slot < 0) continue;
+    const InterfaceDeclaration* given = source.find_field(declaration.name);
+    if (!given || given->type != declaration.type) continue;
+    const FieldValue value = copier.import(given->initial);
+    external.defaults[declaration.slot] = value;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+      Node& node = scene.node(scene.id_at(i));
+      const bool set = declaration.slot >= 64 || (node.fields_set >> declaration.slot & 1);
+      if (node.type == &external && !set) node.values[declaration.slot] = value;
+    }
+  }
+  for (std::uint32_t i = 1; i <= count; ++i)
+    if (scene.node(scene.id_at(i)).type == &external && !instantiate(scene, scene.id_at(i))) return false;
+  return true;
+}
+
+const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
+  for (const Statement& statement : scene.statements())
+    if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name))
+      return statement.type;
+  return nullptr;
+}
+
+}  // namespace gs::vrml

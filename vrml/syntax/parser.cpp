@@ -1,0 +1,362 @@
+#include "vrml/syntax/parser.h"
+
+#include "vrml/syntax/parser_state.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kHeaderWindow = 1024;
+// A statement that does not fit into what has arrived is tried again when this part more has come, so
+// that a hostile sender of single bytes costs a bounded multiple of the text.
+constexpr std::size_t kEagerRetry = 64 * 1024;
+constexpr std::size_t kRetryGrowth = 8;
+// How much of a new piece is joined to what the last one left.
+constexpr std::size_t kJoin = 4096;
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
+  return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+// `nul_tells`: a single NUL byte is proof, as it is where no header vouches for the text.
+bool looks_binary(std::string_view text, bool nul_tells) {
+  std::size_t odd = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte == 0 && nul_tells) return true;
+    if (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v') ++odd;
+  }
+  return odd * 20 > text.size();
+}
+
+// The header as its author meant it: blanks squeezed, lower case.
+std::string normalised(std::string_view line) {
+  std::string out;
+  for (const char c : line) {
+    const bool is_blank = c == ' ' || c == '\t';
+    if (is_blank && (out.empty() || out.back() == ' ')) continue;
+    out += is_blank ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+}  // namespace
+
+std::string describe(const Token& token) {
+  switch (token.kind) {
+    case TokenKind::end:
+      return "the end of the file";
+    case TokenKind::string:
+      return "a string";
+    case TokenKind::unterminated_string:
+      return "a string that never ends";
+    case TokenKind::bad:
+      if (token.text.size() == 1) {
+        const auto byte = static_cast<unsigned char>(token.text.front());
+        if (byte < 0x20 || byte == 0x7f) return "byte " + std::to_string(byte);
+      }
+      break;
+    default:
+      break;
+  }
+  constexpr std::size_t kLongest = 40;
+  std::string text;
+  for (const char c : token.text.substr(0, kLongest)) text += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
+}
+
+Parser::State::State(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
+    : scene(scene_graph), diagnostics(diagnostic_list) {
+  frames.emplace_back();
+  scopes.emplace_back();
+}
+
+void Parser::State::report(Severity severity, SourceLocation location, std::string message) {
+  diagnostics.add({severity, scene.file_name(), location, std::move(message)});
+}
+
+void Parser::State::warn_once(bool& said, SourceLocation location, std::string message) {
+  if (!std::exchange(said, true)) warn(location, std::move(message));
+}
+
+void Parser::State::unexpected(const Token& found, const std::string& what) {
+  if (found.kind == TokenKind::end && (frames.size() > 1 || std::exchange(end_reported, true))) return;
+  if (found.kind == TokenKind::unterminated_string) {
+    error(found.location, "a string that begins here never ends; expected '\"'");
+    end_reported = true;
+    return;
+  }
+  error(found.location, "expected " + what + ", found " + describe(found));
+}
+
+void Parser::State::rubbish_token(const Token& token, const std::string& what) {
+  if (token.kind == TokenKind::unterminated_string || !std::exchange(rubbish, true)) unexpected(token, what);
+  if (frames.back().kind == Frame::Kind::statements || frames.back().kind == Frame::Kind::prototype_body) return;
+  if (token.kind == TokenKind::open_bracket || token.kind == TokenKind::open_brace) {
+    skip_value();
+    frames.back().depth = 1;
+  }
+}
+
+void Parser::State::refuse(std::string message, SourceLocation location) {
+  error(location, std::move(message));
+  outcome = ParseOutcome::refused;
+}
+
+bool Parser::State::open(Frame frame) {
+  if (frames.size() >= scene.limits().nesting) {
+    if (!std::exchange(said_limit, true))
+      error(frame.start,
+            "nested deeper than " + std::to_string(scene.limits().nesting) + " levels; what lies deeper is left out");
+    Frame skip;
+    skip.kind = Frame::Kind::skip;
+    skip.start = frame.start;
+    // Every construct but the pixels of an image has just read its opening bracket.
+    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
+    frames.push_back(std::move(skip));
+    return false;
+  }
+  frames.push_back(std::move(frame));
+  return true;
+}
+
+Step Parser::State::read_header() {
+  const char* begin = lexer.unread();
+  const char* end = lexer.window_end();
+  if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
+  const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
+  // Always judged by the same bytes, whatever pieces they come in.
+  if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
+  header_read = true;
+  if (text.empty()) {
+    refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    return Step::finished;
+  }
+  lexer.advance(begin, 0, nullptr);
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  const std::string header = normalised(line);
+  const SourceLocation top{1, 1};
+  if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
+    if (looks_binary(text, false)) {
+      refuse("a binary file behind a VRML97 header; expected UTF-8 text");
+      return Step::finished;
+    }
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") warn(top, "the header is not written '#VRML V2.0 utf8'");
+    return Step::done;
+  }
+  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
+    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#x3d")) {
+    refuse("an X3D file in classic encoding; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "#inventor")) {
+    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
+  } else if (starts_with_ignoring_case(header, "<")) {
+    refuse(text.find("X3D") != std::string_view::npos
+               ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
+               : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
+           top);
+  } else if (looks_binary(text, true)) {
+    refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  } else if (starts_with_ignoring_case(header, "#vrml")) {
+    warn(top, "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
+  } else {
+    headerless = true;
+  }
+  return outcome == ParseOutcome::refused ? Step::finished : Step::done;
+}
+
+bool Parser::State::out_of_budget() {
+  if (!scene.exhausted()) return false;
+  if (std::exchange(said_budget, true)) return true;
+  error(lexer.location(), scene.budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
+  end_reported = true;
+  return true;
+}
+
+void Parser::State::charge_growth(Frame& frame, bool all) {
+  constexpr std::size_t kStep = std::size_t{16} << 10;
+  const std::size_t bytes = std::visit(
+      [](const auto& value) -> std::size_t {
+        if constexpr (requires { value.words; }) return value.words.size() * sizeof(std::uint32_t);
+        if constexpr (requires { value.size(); }) return value.size() * sizeof(*value.data());
+        return 0;
+      },
+      *frame.into);
+  if (bytes <= frame.charged || (!all && bytes - frame.charged < kStep)) return;
+  (void)scene.charge(bytes - frame.charged);
+  frame.charged = bytes;
+}
+
+Step Parser::State::step() {
+  if (outcome == ParseOutcome::refused || out_of_budget()) return Step::finished;
+  if (!header_read) return read_header();
+  switch (frames.back().kind) {
+    case Frame::Kind::statements:
+    case Frame::Kind::prototype_body:
+      return statement_step();
+    case Frame::Kind::prototype_interface:
+      return interface_step();
+    case Frame::Kind::external_url:
+      return external_url_step();
+    case Frame::Kind::node_body:
+      return node_body_step();
+    case Frame::Kind::node_list:
+      return node_list_step();
+    case Frame::Kind::values:
+      return values_step();
+    case Frame::Kind::image:
+      return image_step();
+    case Frame::Kind::skip:
+      return skip_step();
+  }
+  return Step::finished;
+}
+
+void Parser::State::run(const char* begin, const char* end, bool last) {
+  lexer.set_window(begin, end, last);
+  for (;;) {
+    const Lexer::Position start = lexer.position();
+    const Step result = step();
+    if (result == Step::done) continue;
+    if (result == Step::need_more) lexer.go_back(start);
+    return;
+  }
+}
+
+// Reports what the end of the text cuts short, once.
+void Parser::State::report_end_inside(const Frame& frame) {
+  if (std::exchange(end_reported, true)) return;
+  std::string what = "a statement";
+  if (frame.kind == Frame::Kind::node_body) what = std::string(frame.type->name);
+  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
+  if (frame.kind == Frame::Kind::image) what = "an image";
+  if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
+  if (frame.kind == Frame::Kind::skip) what = "a part that is skipped";
+  const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
+                    frame.kind == Frame::Kind::prototype_interface;
+  error(lexer.location(), "the file ends inside " + what + " that begins at line " + std::to_string(frame.start.line) +
+                              (frame.kind == Frame::Kind::image ? ""
+                               : list                           ? "; expected ']'"
+                                                                : "; expected '}'"));
+}
+
+ParseOutcome Parser::State::close() {
+  if (outcome == ParseOutcome::refused) return outcome;
+  (void)out_of_budget();
+  if (frames.size() > 1) {
+    report_end_inside(frames.back());
+    while (frames.size() > 1) {
+      Frame& frame = frames.back();
+      if (frame.kind == Frame::Kind::node_body) {
+        finish_pending();
+        end_node();
+        continue;
+      }
+      if (frame.kind == Frame::Kind::prototype_interface) --interfaces_open;
+      if (frame.kind == Frame::Kind::prototype_body) {
+        end_scope();
+        continue;
+      }
+      frames.pop_back();
+    }
+  }
+  end_scope();
+  if (!anything_read && headerless)
+    refuse("the file holds nothing; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+  if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
+  return outcome;
+}
+
+Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
+Parser::~Parser() = default;
+
+// The bytes that could not be used are joined with just enough of the next piece to use them; from there
+// on the piece is read in place.
+void Parser::push(std::string_view piece) {
+  State& s = *state_;
+  while (!piece.empty() && s.outcome != ParseOutcome::refused) {
+    if (s.out_of_budget()) {
+      s.carry = {};
+      return;
+    }
+    if (s.carry.empty()) {
+      s.run(piece.data(), piece.data() + piece.size(), false);
+      s.carry.assign(s.lexer.unread(), s.lexer.window_end());
+      piece = {};
+    } else {
+      const std::size_t old_size = s.carry.size();
+      const std::size_t joined = std::min(piece.size(), std::max(kJoin, old_size / kRetryGrowth));
+      s.carry.append(piece.substr(0, joined));
+      if (s.carry.size() < s.retry_size) {
+        piece.remove_prefix(joined);
+        continue;
+      }
+      const std::string window = std::exchange(s.carry, {});
+      s.run(window.data(), window.data() + window.size(), false);
+      const auto used = static_cast<std::size_t>(s.lexer.unread() - window.data());
+      if (used >= old_size) {
+        piece.remove_prefix(used - old_size);
+      } else {
+        s.carry = window.substr(used);
+        piece.remove_prefix(joined);
+      }
+      // The window goes; the lexer takes its place in the text over to the next one.
+      s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+      s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
+      continue;
+    }
+    s.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
+    s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
+  }
+}
+
+std::vector<NodeId> Parser::open_nodes() const {
+  std::vector<NodeId> nodes;
+  for (const Frame& frame : state_->frames)
+    if (frame.kind == Frame::Kind::node_body && frame.node) nodes.push_back(frame.node);
+  return nodes;
+}
+
+ParseOutcome Parser::finish() {
+  State& s = *state_;
+  const std::string window = std::exchange(s.carry, {});
+  s.run(window.data(), window.data() + window.size(), true);
+  return s.close();
+}
+
+ParseOutcome Parser::parse_whole(std::string_view text) {
+  // A null window means "none yet" to the lexer.
+  if (text.data() == nullptr) text = "";
+  state_->run(text.data(), text.data() + text.size(), true);
+  return state_->close();
+}
+
+bool parse_interface(std::string_view text, NodeType& type) {
+  SceneGraph scene("node table");
+  Diagnostics diagnostics;
+  return Parser(scene, diagnostics).read_interface(text, type) && diagnostics.errors() == 0;
+}
+
+bool Parser::read_interface(std::string_view text, NodeType& type) {
+  const std::string whole = std::string(text) + "\n]";
+  state_->header_read = state_->table_text = true;
+  Frame frame;
+  frame.kind = Frame::Kind::prototype_interface;
+  frame.declaring = &type;
+  state_->frames.push_back(std::move(frame));
+  state_->run(whole.data(), whole.data() + whole.size(), true);
+  return state_->lexer.unread() == whole.data() + whole.size();
+}
+
+ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics) {
+  return Parser(scene, diagnostics).parse_whole(text);
+}
+
+}  // namespace gs::vrml

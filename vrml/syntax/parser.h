@@ -1,0 +1,58 @@
+#pragma once
+
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace gs::vrml {
+
+/// How a text ended.
+enum class ParseOutcome : std::uint8_t {
+  complete,   // the whole text was read, maybe with errors
+  truncated,  // it ended inside a statement; what came before stands in the scene
+  refused,    // it is no VRML97: another format or version, binary, empty; the scene is empty
+};
+
+/// Reads VRML97 text (ISO/IEC 14772-1 Annex A) into a SceneGraph.
+///
+/// A push parser with an explicit stack: bytes may come whole or in pieces of any size, and the scene
+/// and the diagnostics are the same either way; what has arrived stands in the scene at once, number
+/// lists that are still open included. Never recurses, so nesting costs no stack.
+///
+/// Errors are recovered from at the next field, node or statement, so that the rest of the world still
+/// shows. Safe for untrusted input. One thread.
+class Parser {
+ public:
+  /// Both must outlive the parser. Diagnostics carry `scene.file_name()`.
+  Parser(SceneGraph& scene, Diagnostics& diagnostics);
+  ~Parser();
+  Parser(const Parser&) = delete;
+  Parser& operator=(const Parser&) = delete;
+
+  /// The next bytes of the text. Copies only what it cannot use yet.
+  void push(std::string_view piece);
+  /// The nodes whose bodies have begun and not ended, the outermost first: what will come changes them.
+  [[nodiscard]] std::vector<NodeId> open_nodes() const;
+  /// The text is over. Call once.
+  ParseOutcome finish();
+  /// A whole text in place of `push` and `finish`; copies nothing.
+  ParseOutcome parse_whole(std::string_view text);
+  /// See `parse_interface`.
+  [[nodiscard]] bool read_interface(std::string_view text, NodeType& type);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Parses a whole text.
+ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics);
+
+/// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`.
+/// Used at start-up, for text of our own; false where the text is wrong.
+[[nodiscard]] bool parse_interface(std::string_view text, NodeType& type);
+
+}  // namespace gs::vrml

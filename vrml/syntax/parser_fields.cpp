@@ -1,0 +1,336 @@
+#include "vrml/syntax/parser_state.h"
+
+#include <string>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+std::optional<AccessType> access_named(std::string_view word) {
+  for (const AccessType access :
+       {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
+    if (word == name_of(access)) return access;
+  return std::nullopt;
+}
+
+// VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
+bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
+
+// The role that a node must have to stand in a field of this name of a built-in node (VRML97 4.6.3,
+// 4.6.5); none: any node.
+Role role_for(std::string_view field) {
+  struct Row {
+    std::string_view field;
+    Role role;
+  };
+  static constexpr Row kRows[] = {
+      {"children", Role::child},
+      {"choice", Role::child},
+      {"level", Role::child},
+      {"proxy", Role::child},
+      {"geometry", Role::geometry},
+      {"appearance", Role::appearance},
+      {"material", Role::material},
+      {"texture", Role::texture},
+      {"textureTransform", Role::texture_transform},
+      {"coord", Role::geometric_property},
+      {"color", Role::geometric_property},
+      {"normal", Role::geometric_property},
+      {"texCoord", Role::geometric_property},
+      {"fontStyle", Role::font_style},
+      {"source", Role::sound_source},
+  };
+  for (const Row& row : kRows)
+    if (row.field == field) return row.role;
+  return Role::none;
+}
+
+}  // namespace
+
+// Annex A.1: `nodeBodyElement`.
+Step Parser::State::node_body_step() {
+  finish_pending();
+  const Token token = lexer.next();
+  switch (token.kind) {
+    case TokenKind::need_more:
+      return Step::need_more;
+    case TokenKind::end:
+      return Step::finished;
+    case TokenKind::close_brace:
+      rubbish = false;
+      end_node();
+      return Step::done;
+    case TokenKind::word:
+      break;
+    default:
+      rubbish_token(token, "a field of " + frames.back().type->name + " or '}'");
+      return Step::done;
+  }
+  bool was_statement = false;
+  if (frames.back().declaring) {
+    if (const auto access = access_named(token.text)) {
+      const Step step = interface_declaration(*access, *frames.back().declaring, true, true);
+      if (step == Step::done) rubbish = false;
+      return step;
+    }
+  }
+  Step step = statement(token, was_statement);
+  if (!was_statement && step == Step::done) step = field(token);
+  return step;
+}
+
+// `fieldName value`, `fieldName IS name` or `eventName IS name`.
+Step Parser::State::field(const Token& name) {
+  const NodeType& type = *frames.back().type;
+  const char begins = lexer.peek();
+  if (begins == 'I' || (begins == '\0' && !lexer.is_last_window())) {
+    const Lexer::Position behind_name = lexer.position();
+    const Token next = lexer.next();
+    if (next.kind == TokenKind::need_more) return Step::need_more;
+    if (next.kind == TokenKind::word && next.text == "IS") {
+      const Step step = is_mapping(name);
+      if (step == Step::done) rubbish = false;
+      return step;
+    }
+    lexer.go_back(behind_name);
+  }
+  const InterfaceDeclaration* declaration = type.find_field(name.text);
+  if (!declaration) {
+    const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
+    if (looks_like_number(name.text)) {
+      if (!std::exchange(rubbish, true))
+        error(name.location, "expected a field of " + type.name + " or '}', found " + describe(name));
+      return Step::done;
+    }
+    rubbish = false;
+    error(name.location, event ? describe(name) + " of " + type.name + " is an event and takes no value; skipped"
+                               : type.name + " has no field " + describe(name) + "; skipped");
+    skip_value();
+    return Step::done;
+  }
+  rubbish = false;
+  const std::size_t index = frames.size() - 1;
+  const std::size_t frames_before = frames.size();
+  FieldValue& into = scene.node(frames.back().node).values[declaration->slot];
+  const Step step = value(declaration->type, into, declaration->name);
+  if (step != Step::done) return step;
+  if (declaration->slot < 64) {
+    const std::uint64_t bit = std::uint64_t{1} << declaration->slot;
+    if (frames[index].fields_seen & bit)
+      warn(name.location, describe(name) + " of " + type.name + " is given twice; the last one counts");
+    frames[index].fields_seen |= bit;
+    scene.node(frames[index].node).fields_set |= bit;
+  }
+  // A single node is checked here, the nodes of a list where they are read.
+  if (frames.size() > frames_before && frames.back().kind == Frame::Kind::node_body &&
+      type.kind == NodeType::Kind::built_in)
+    check_role(frames.back().node, declaration->name);
+  return step;
+}
+
+void Parser::State::check_role(NodeId node, std::string_view field) {
+  const Role wanted = role_for(field);
+  const NodeType& type = *scene.node(node).type;
+  if (wanted == Role::none || type.role == Role::none || has(type.role, wanted)) return;
+  error(scene.node(node).location, "a " + type.name + " cannot stand in '" + std::string(field) + "' (VRML97 4.6)");
+}
+
+// `name` of the node on top IS an interface of the PROTO whose body this is (VRML97 4.8.2). IS has been read.
+Step Parser::State::is_mapping(const Token& name) {
+  const Token outer_name = lexer.next();
+  if (outer_name.kind == TokenKind::need_more) return Step::need_more;
+  const NodeType& type = *frames.back().type;
+  if (outer_name.kind != TokenKind::word) {
+    unexpected(outer_name, "a name after IS");
+    return Step::done;
+  }
+  if (!in_prototype_body()) {
+    error(name.location, "IS outside of a PROTO body");
+    return Step::done;
+  }
+  const InterfaceDeclaration* inner = type.find(name.text);
+  if (!inner) inner = type.find_event_in(name.text);
+  if (!inner) inner = type.find_event_out(name.text);
+  const NodeType& prototype = *scopes.back().prototype;
+  const InterfaceDeclaration* outer = prototype.find(outer_name.text);
+  if (!inner || !outer) {
+    error(inner ? outer_name.location : name.location,
+          inner ? "PROTO " + prototype.name + " has no " + describe(outer_name)
+                : type.name + " has no " + describe(name));
+    return Step::done;
+  }
+  if (inner->type != outer->type) {
+    error(name.location, std::string(name_of(inner->type)) + " " + describe(name) + " IS " +
+                             std::string(name_of(outer->type)) + " " + describe(outer_name) + "; expected equal types");
+    return Step::done;
+  }
+  if (!may_be_mapped(inner->access, outer->access))
+    warn(name.location, std::string(name_of(inner->access)) + " " + describe(name) + " IS " +
+                            std::string(name_of(outer->access)) + " " + describe(outer_name) + " (VRML97 Table 4.4)");
+  prototype.prototype->mappings.push_back({frames.back().node, inner, outer});
+  return Step::done;
+}
+
+// `access type name [value]`, the access having been read. `values`: fields have them here, which is
+// not so in EXTERNPROTO. `is_allowed`: this is a Script, whose fields may be IS.
+Step Parser::State::interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed) {
+  const Lexer::Position behind_access = lexer.position();
+  const Token type_name = lexer.next();
+  if (type_name.kind == TokenKind::need_more) return Step::need_more;
+  const Token name = type_name.kind == TokenKind::word ? lexer.next() : type_name;
+  if (name.kind == TokenKind::need_more) return Step::need_more;
+  const auto field_type = field_type_named(type_name.text);
+  if (!field_type || type_name.kind != TokenKind::word || name.kind != TokenKind::word) {
+    unexpected(field_type ? name : type_name, "a field type and a name after " + std::string(name_of(access)));
+    lexer.go_back(behind_access);
+    if (type_name.kind == TokenKind::word) {
+      (void)lexer.next();
+      if (name.kind == TokenKind::word) (void)lexer.next();
+      skip_value();
+    }
+    return Step::done;
+  }
+  const bool stored = access == AccessType::field || access == AccessType::exposedField;
+  const bool script = type.kind == NodeType::Kind::script;
+  const InterfaceDeclaration* known = type.find(name.text);
+  auto pending = std::make_unique<InterfaceDeclaration>();
+  pending->access = access;
+  pending->type = *field_type;
+  pending->name = name.text;
+  if (stored) pending->initial = initial_value(*field_type);
+
+  bool is = false;
+  if (is_allowed) {
+    const Lexer::Position behind_name = lexer.position();
+    const Token next = lexer.next();
+    if (next.kind == TokenKind::need_more) return Step::need_more;
+    is = next.kind == TokenKind::word && next.text == "IS";
+    if (!is) {
+      lexer.go_back(behind_name);
+    } else {
+      const Lexer::Position behind_is = lexer.position();
+      if (lexer.next().kind == TokenKind::need_more) return Step::need_more;
+      lexer.go_back(behind_is);
+    }
+  }
+  const std::size_t index = frames.size() - 1;
+  if (stored && values && !is) {
+    const Step step = value(*field_type, pending->initial, pending->name);
+    if (step == Step::need_more) return step;
+  }
+  if (script && !table_text && access == AccessType::exposedField)
+    warn(name.location, "a Script has no exposedFields in VRML97 (6.40); " + describe(name) + " is taken all the same");
+  if (known) {
+    if (!(script && known->access == access && known->type == *field_type))
+      error(name.location, describe(name) + " of " + type.name + " is declared twice; the first one counts");
+    (void)scene.charge(sizeof(InterfaceDeclaration));
+    kept_values.push_back(std::move(pending));  // its value may still be arriving
+    return Step::done;
+  }
+  frames[index].pending = std::move(pending);
+  if (is) {
+    finish_pending();
+    return is_mapping(name);
+  }
+  if (stored && !values) {
+    // Some EXTERNPROTOs repeat the values of the PROTO: passed over.
+    skip_interface_value();
+  }
+  return Step::done;
+}
+
+// EXTERNPROTO declarations have no values; one that is there all the same is passed over.
+void Parser::State::skip_interface_value() {
+  finish_pending();
+  skip_value();
+  frames.back().value_unexpected = true;
+}
+
+void Parser::State::skip_value() {
+  Frame frame;
+  frame.kind = Frame::Kind::skip;
+  frame.start = lexer.location();
+  frames.push_back(std::move(frame));
+}
+
+// Passes over a value of unknown type: numbers and strings in a row, one word, a list, or a node; or
+// over the rest of an open construct.
+Step Parser::State::skip_step() {
+  const Lexer::Position before = lexer.position();
+  const Token token = lexer.next();
+  Frame& frame = frames.back();
+  if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (token.kind == TokenKind::end) {
+    if (frame.depth > 0) return Step::finished;
+    frames.pop_back();
+    return Step::done;
+  }
+  const auto leave = [&] {
+    lexer.go_back(before);
+    frames.pop_back();
+    return Step::done;
+  };
+  const auto complain = [&] {
+    if (frame.value_unexpected && !std::exchange(said_external_value, true))
+      warn(token.location, "an EXTERNPROTO declares no values; skipped");
+  };
+  switch (token.kind) {
+    case TokenKind::open_brace:
+    case TokenKind::open_bracket:
+      if (frame.depth == 0 && frame.skipped_value) return leave();
+      complain();
+      ++frame.depth;
+      return Step::done;
+    case TokenKind::close_brace:
+    case TokenKind::close_bracket:
+      if (frame.depth == 0) return leave();
+      if (--frame.depth == 0) frames.pop_back();
+      return Step::done;
+    case TokenKind::string:
+      complain();
+      frame.skipped_value = true;
+      return Step::done;
+    case TokenKind::unterminated_string:
+      unexpected(token, "'\"'");
+      return Step::done;
+    case TokenKind::bad:
+      return Step::done;
+    default:
+      break;
+  }
+  if (token.text == "DEF") {
+    if (frame.depth == 0 && frame.skipped_value) return leave();
+    // A node that has a name is read after all: a USE elsewhere may mean it.
+    discarded = MFNode{};
+    const bool whole_value = frame.depth == 0;
+    const std::size_t index = frames.size() - 1;
+    const Step step = node_head(token, &discarded);
+    if (step == Step::done && whole_value) frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(index));
+    return step;
+  }
+  if (frame.depth > 0) return Step::done;
+  if (looks_like_number(token.text)) {
+    complain();
+    frame.skipped_value = true;
+    return Step::done;
+  }
+  if (frame.skipped_value) return leave();
+  if (token.text == "TRUE" || token.text == "FALSE" || token.text == "NULL") {
+    complain();
+    frames.pop_back();
+    return Step::done;
+  }
+  if (token.text == "USE" || token.text == "IS") {
+    const Token name = lexer.next();
+    if (name.kind == TokenKind::need_more) return Step::need_more;
+    frames.pop_back();
+    return Step::done;
+  }
+  const Token brace = lexer.next();
+  if (brace.kind == TokenKind::need_more) return Step::need_more;
+  if (brace.kind != TokenKind::open_brace) return leave();
+  frame.depth = 1;
+  return Step::done;
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,89 @@
+#include "vrml/syntax/number.h"
+#include "vrml/syntax/parser_state.h"
+
+#include <array>
+#include <string>
+#include <utility>
+
+namespace gs::vrml {
+
+// `width height components`, after which the pixels come.
+Step Parser::State::image_head(FieldValue& into, Token token, std::string_view name) {
+  std::array<double, 3> head{};
+  number_type = FieldType::SFInt32;
+  for (int i = 0; i < 3; ++i) {
+    const Lexer::Position before = lexer.position();
+    if (i > 0) token = lexer.next();
+    if (token.kind == TokenKind::need_more) return Step::need_more;
+    if (token.kind != TokenKind::word || !number_of(token, head[i])) {
+      unexpected(token, "width, height and components of an image for " + std::string(name));
+      if (i > 0) lexer.go_back(before);
+      return Step::done;
+    }
+  }
+  const double pixels = head[0] * head[1];
+  const bool good = head[0] >= 0 && head[1] >= 0 && head[2] >= 0 && head[2] <= 4 &&
+                    pixels <= static_cast<double>(scene.limits().image_pixels);
+  if (!good) {
+    error(token.location, "an image of " + std::to_string(static_cast<long long>(head[0])) + " x " +
+                              std::to_string(static_cast<long long>(head[1])) + " pixels with " +
+                              std::to_string(static_cast<long long>(head[2])) +
+                              " components; expected 0 to 4 components and at most " +
+                              std::to_string(scene.limits().image_pixels) + " pixels");
+    skip_value();
+    return Step::done;
+  }
+  SFImage image;
+  if (pixels > 0 && head[2] > 0)
+    for (const double n : head) image.words.push_back(static_cast<std::uint32_t>(n));
+  into = image;
+  if (image.words.empty()) return Step::done;
+  Frame frame;
+  frame.kind = Frame::Kind::image;
+  frame.start = token.location;
+  frame.into = &into;
+  frame.pixels_left = static_cast<std::uint64_t>(pixels);
+  frame.name = name;
+  open(std::move(frame));
+  return Step::done;
+}
+
+Step Parser::State::image_step() {
+  Frame& frame = frames.back();
+  Array<std::uint32_t>& words = std::get_if<SFImage>(frame.into)->words;
+  const std::uint32_t components = words[2];
+  const std::uint32_t mask = components == 4 ? 0xffffffffu : (1u << (8 * components)) - 1;
+  for (; frame.pixels_left > 0; --frame.pixels_left) {
+    const Lexer::Position before = lexer.position();
+    const Token token = lexer.next();
+    if (token.kind == TokenKind::need_more) {
+      charge_growth(frame, false);
+      // Whole pixels have been taken: the next window begins behind them.
+      lexer.go_back(before);
+      return Step::need_more_kept;
+    }
+    std::int32_t number = 0;
+    double large = 0;
+    const bool is_number =
+        token.kind == TokenKind::word &&
+        (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
+    if (!is_number) {
+      error(token.location, std::to_string(frame.pixels_left) +
+                                " pixels of an image are missing; expected a pixel, found " + describe(token));
+      lexer.go_back(before);
+      // A few numbers may claim many pixels.
+      if (frame.pixels_left * sizeof(std::uint32_t) > scene.budget()->left(Resource::nodes) / 4)
+        words.clear();
+      else
+        words.resize(words.size() + frame.pixels_left);
+      break;
+    }
+    words.push_back((large > 0 ? static_cast<std::uint32_t>(large) : static_cast<std::uint32_t>(number)) & mask);
+  }
+  words.shrink_to_fit();
+  charge_growth(frame, true);
+  frames.pop_back();
+  return Step::done;
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,461 @@
+#include "vrml/scene/prototype.h"
+#include "vrml/syntax/parser_state.h"
+
+#include <string>
+#include <utility>
+
+namespace gs::vrml {
+
+// Annex A.1: `statement`, inside a file or a PROTO body.
+Step Parser::State::statement_step() {
+  const bool in_body = frames.back().kind == Frame::Kind::prototype_body;
+  const Token token = lexer.next();
+  if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (token.kind == TokenKind::end) return Step::finished;
+  if (token.kind == TokenKind::close_brace && in_body) {
+    end_scope();
+    return Step::done;
+  }
+  if (token.kind == TokenKind::word) {
+    bool was_statement = false;
+    const Step step = statement(token, was_statement);
+    if (was_statement || step != Step::done) {
+      if (step == Step::done) anything_read = true, rubbish = false;
+      return step;
+    }
+    // A node, if an opening brace or a keyword of nodes follows.
+    if (token.text == "DEF" || token.text == "USE" || is_id(token.text)) {
+      if (headerless && !anything_read && token.text != "DEF" && !find_type(token.text)) {
+        const Lexer::Position behind = lexer.position();
+        const Token brace = lexer.next();
+        if (brace.kind == TokenKind::need_more) return Step::need_more;
+        lexer.go_back(behind);
+        if (brace.kind != TokenKind::open_brace) {
+          refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+                 token.location);
+          return Step::finished;
+        }
+      }
+      const Step node = node_head(token, nullptr);
+      if (node == Step::done) anything_read = true;
+      return node;
+    }
+  }
+  if (headerless && !anything_read) {
+    refuse("no VRML97: expected '#VRML V2.0 utf8' on the first line, or a node; found " + describe(token),
+           token.location);
+    return Step::finished;
+  }
+  rubbish_token(token, "a node, PROTO, EXTERNPROTO or ROUTE");
+  return Step::done;
+}
+
+// PROTO, EXTERNPROTO and ROUTE, which may stand wherever a statement or a field may.
+Step Parser::State::statement(const Token& keyword, bool& was_statement) {
+  was_statement = true;
+  if (keyword.text == "ROUTE") return route_statement(keyword.location);
+  if (keyword.text == "PROTO") return prototype_head(false);
+  if (keyword.text == "EXTERNPROTO") return prototype_head(true);
+  for (const std::string_view x3d : {"META", "PROFILE", "COMPONENT", "UNIT", "IMPORT", "EXPORT"})
+    if (keyword.text == x3d && !find_type(x3d)) return x3d_statement(keyword);
+  was_statement = false;
+  return Step::done;
+}
+
+// A statement of X3D, which some files with a VRML97 header hold: passed over to the end of its line.
+Step Parser::State::x3d_statement(const Token& keyword) {
+  for (;;) {
+    const Lexer::Position before = lexer.position();
+    const Token token = lexer.next();
+    if (token.kind == TokenKind::need_more) return Step::need_more;
+    const bool belongs = token.location.line == keyword.location.line &&
+                         (token.kind == TokenKind::word || token.kind == TokenKind::string);
+    if (belongs) continue;
+    lexer.go_back(before);
+    error(keyword.location, describe(keyword) + " is a statement of X3D; skipped");
+    return Step::done;
+  }
+}
+
+const NodeType* Parser::State::find_type(std::string_view name) const {
+  for (auto scope = scopes.rbegin(); scope != scopes.rend(); ++scope) {
+    const auto found = scope->types.find(name);
+    if (found == scope->types.end()) continue;
+    const NodeType* native = stood_for(*found->second);
+    return native ? native : found->second;
+  }
+  return built_in_node_type(name);
+}
+
+// Annex A.1: `nodeStatement`. `token` is DEF, USE or a type name and has been read. A null `into` means
+// that the node stands as a statement of its own.
+Step Parser::State::node_head(Token token, FieldValue* into) {
+  std::string_view name;
+  if (token.text == "DEF" || token.text == "USE") {
+    const bool define = token.text == "DEF";
+    Lexer::Position before = lexer.position();
+    const Token id = lexer.next();
+    if (id.kind == TokenKind::need_more) return Step::need_more;
+    if (id.kind != TokenKind::word) {
+      unexpected(id, "a name after " + std::string(token.text));
+      lexer.go_back(before);
+      return Step::done;
+    }
+    if (!is_id(id.text))
+      warn_once(said_bad_id, id.location, describe(id) + " is no legal name (VRML97 Annex A.2); taken as one");
+    if (!define) {
+      const auto found = scopes.back().names.find(id.text);
+      if (found == scopes.back().names.end()) {
+        error(id.location, "USE of " + describe(id) + ", which no DEF before it names");
+      } else if (found->second) {
+        place(found->second, into);
+      }
+      rubbish = false;
+      return Step::done;
+    }
+    name = id.text;
+    before = lexer.position();
+    token = lexer.next();
+    if (token.kind == TokenKind::need_more) return Step::need_more;
+    if (token.kind != TokenKind::word) {
+      unexpected(token, "a node type after DEF " + std::string(name));
+      lexer.go_back(before);
+      if (token.kind != TokenKind::open_brace || !find_type(id.text)) return Step::done;
+      // The name was forgotten, and what stands in its place is the type.
+      token = id;
+      name = {};
+    }
+  }
+  const Lexer::Position behind_type = lexer.position();
+  const Token brace = lexer.next();
+  if (brace.kind == TokenKind::need_more) return Step::need_more;
+  const NodeType* type = find_type(token.text);
+  if (brace.kind != TokenKind::open_brace) {
+    // Of prose in place of nodes the first word is enough to complain about.
+    if (brace.kind == TokenKind::end && (type || frames.size() > 1)) {
+      unexpected(brace, "'{' after " + std::string(token.text));
+    } else if (!std::exchange(rubbish, true)) {
+      type ? unexpected(brace, "'{' after " + std::string(token.text)) : unexpected(token, "a node");
+    }
+    lexer.go_back(behind_type);
+    return Step::done;
+  }
+  rubbish = false;
+  Frame frame;
+  frame.start = token.location;
+  if (!type) {
+    error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
+    if (!name.empty()) scopes.back().names.try_emplace(*scene.keep_name(name), NodeId{});
+    frame.kind = Frame::Kind::skip;
+    frame.depth = 1;
+    frames.push_back(std::move(frame));
+    return Step::done;
+  }
+  frame.kind = Frame::Kind::node_body;
+  if (type->kind == NodeType::Kind::script) {
+    // Each Script has an interface of its own, which its body adds to.
+    auto own = std::make_unique<NodeType>();
+    own->name = type->name;
+    own->clause = type->clause;
+    own->kind = type->kind;
+    own->role = type->role;
+    (void)scene.charge(sizeof(NodeType) + type->interfaces.size() * sizeof(InterfaceDeclaration));
+    for (const InterfaceDeclaration& declaration : type->interfaces) own->declare(declaration);
+    frame.declaring = &scene.add_type(std::move(own));
+    type = frame.declaring;
+  }
+  const NodeId node = scene.create(*type, token.location);
+  if (!node) {
+    if (!scene.exhausted() && !std::exchange(said_limit, true))
+      error(token.location, "more than " + std::to_string(scene.limits().nodes) + " nodes; the rest is left out");
+    frame.kind = Frame::Kind::skip;
+    frame.depth = 1;
+    frames.push_back(std::move(frame));
+    return Step::done;
+  }
+  if (in_prototype_body()) {
+    scene.node(node).in_prototype_body = true;
+    scopes.back().prototype->prototype->nodes.push_back(node);
+  }
+  if (!name.empty()) {
+    scene.set_name(node, name);
+    scopes.back().names[scene.node(node).name] = node;
+  }
+  frame.node = node;
+  frame.type = type;
+  place(node, into);
+  open(std::move(frame));
+  return Step::done;
+}
+
+void Parser::State::place(NodeId node, FieldValue* into) {
+  (void)scene.charge(into ? sizeof(NodeId) : sizeof(Statement));
+  if (into) {
+    if (auto* list = std::get_if<MFNode>(into)) {
+      list->push_back(node);
+    } else {
+      *std::get_if<SFNode>(into) = node;
+    }
+  } else if (scopes.back().prototype) {
+    scopes.back().prototype->prototype->statements.push_back({Statement::Kind::node, node, nullptr, {}});
+  } else {
+    scene.add_root(node);
+  }
+}
+
+// The node on top of the stack is complete.
+void Parser::State::end_node() {
+  const NodeId node = frames.back().node;
+  frames.pop_back();
+  if (!scene.node(node).type->prototype) return;
+  if (!instantiate(scene, node) && !scene.budget()->stopped() && !std::exchange(said_limit, true))
+    error(scene.node(node).location, why_not_expanded(scene, *scene.node(node).type) + "; what is missing stays empty");
+}
+
+// `node.event`, also with blanks around the point. The last point parts them, so that illegal names
+// with points in them work.
+bool Parser::State::read_node_event(std::string& node, std::string& event, Step& step) {
+  std::string text;
+  step = Step::done;
+  for (;;) {
+    const Lexer::Position before = lexer.position();
+    const Token token = lexer.next();
+    if (token.kind == TokenKind::need_more) {
+      step = Step::need_more;
+      return false;
+    }
+    const bool goes_on =
+        text.empty() || text.back() == '.' || (token.kind == TokenKind::word && token.text.front() == '.');
+    if (token.kind != TokenKind::word || !goes_on) {
+      lexer.go_back(before);
+      break;
+    }
+    text += token.text;
+  }
+  const std::size_t point = text.rfind('.');
+  if (point == std::string::npos || point == 0 || point + 1 == text.size()) return false;
+  node = text.substr(0, point);
+  event = text.substr(point + 1);
+  return true;
+}
+
+Step Parser::State::route_statement(SourceLocation location) {
+  Scope::UnresolvedRoute route;
+  route.location = location;
+  Step step = Step::done;
+  bool good = read_node_event(route.from, route.event_out, step);
+  if (step == Step::need_more) return step;
+  if (good) {
+    const Lexer::Position before = lexer.position();
+    const Token to = lexer.next();
+    if (to.kind == TokenKind::need_more) return Step::need_more;
+    good = to.kind == TokenKind::word && to.text == "TO";
+    if (!good) lexer.go_back(before);
+  }
+  if (good) {
+    good = read_node_event(route.to, route.event_in, step);
+    if (step == Step::need_more) return step;
+  }
+  if (!good) {
+    error(location, "expected ROUTE node.eventOut TO node.eventIn");
+    return Step::done;
+  }
+  add_route(route, false);
+  return Step::done;
+}
+
+// A ROUTE may only name nodes that were DEFed before it; files that do not keep to this get their ROUTE
+// when the scope ends.
+void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_chance) {
+  Scope& scope = scopes.back();
+  const auto from = scope.names.find(wanted.from);
+  const auto to = scope.names.find(wanted.to);
+  if (from == scope.names.end() || to == scope.names.end()) {
+    if (!last_chance) {
+      constexpr std::size_t kNames = 64;
+      (void)scene.charge(sizeof wanted + kNames);
+      scope.unresolved_routes.push_back(wanted);
+    } else {
+      error(wanted.location,
+            "ROUTE names '" + (from == scope.names.end() ? wanted.from : wanted.to) + "', which no DEF names");
+    }
+    return;
+  }
+  if (!from->second || !to->second) return;  // a node that was skipped, and complained about
+  Route route{from->second, to->second, nullptr, nullptr};
+  const NodeType& from_type = *scene.node(route.from).type;
+  const NodeType& to_type = *scene.node(route.to).type;
+  route.event_out = from_type.find_event_out(wanted.event_out);
+  route.event_in = to_type.find_event_in(wanted.event_in);
+  if (!route.event_out) {
+    error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
+    return;
+  }
+  if (!route.event_in) {
+    error(wanted.location, to_type.name + " has no eventIn '" + wanted.event_in + "'");
+    return;
+  }
+  if (route.event_out->type != route.event_in->type) {
+    error(wanted.location, "ROUTE from " + std::string(name_of(route.event_out->type)) + " '" + wanted.event_out +
+                               "' to " + std::string(name_of(route.event_in->type)) + " '" + wanted.event_in +
+                               "'; expected equal types");
+    return;
+  }
+  std::vector<Statement>& statements = scope.prototype ? scope.prototype->prototype->statements : scene.statements();
+  (void)scene.charge(sizeof(Statement) + sizeof(Route));
+  statements.push_back({Statement::Kind::route, {}, nullptr, route});
+  if (!scope.prototype) scene.routes().push_back(route);
+}
+
+// Annex A.1: `protoStatement`, `externprotoStatement`, up to the bracket that opens the interface.
+Step Parser::State::prototype_head(bool external) {
+  const Lexer::Position before = lexer.position();
+  const Token name = lexer.next();
+  if (name.kind == TokenKind::need_more) return Step::need_more;
+  const Token bracket = name.kind == TokenKind::word ? lexer.next() : name;
+  if (bracket.kind == TokenKind::need_more) return Step::need_more;
+  if (name.kind != TokenKind::word || bracket.kind != TokenKind::open_bracket) {
+    unexpected(name.kind != TokenKind::word ? name : bracket,
+               std::string("a name and '[' after ") + (external ? "EXTERNPROTO" : "PROTO"));
+    lexer.go_back(before);
+    return Step::done;
+  }
+  if (!is_id(name.text))
+    warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
+  auto type = std::make_unique<NodeType>();
+  type->name = name.text;
+  type->kind = external ? NodeType::Kind::external_prototype : NodeType::Kind::prototype;
+  if (!external) {
+    type->prototype = std::make_unique<Prototype>();
+    type->prototype->scene = &scene;
+  }
+  Frame frame;
+  frame.kind = Frame::Kind::prototype_interface;
+  frame.start = name.location;
+  (void)scene.charge(sizeof(NodeType) + sizeof(Prototype));
+  frame.declaring = &scene.add_type(std::move(type));
+  ++interfaces_open;
+  if (!open(std::move(frame))) --interfaces_open;
+  return Step::done;
+}
+
+void Parser::State::finish_pending() {
+  Frame& frame = frames.back();
+  if (!frame.pending) return;
+  (void)scene.charge(sizeof(InterfaceDeclaration));
+  if (frame.kind == Frame::Kind::node_body) {
+    scene.declare(frame.node, *frame.declaring, std::move(*frame.pending));
+  } else {
+    frame.declaring->declare(std::move(*frame.pending));
+  }
+  frame.pending.reset();
+}
+
+// Inside the brackets of PROTO name [ ... ] or EXTERNPROTO name [ ... ].
+Step Parser::State::interface_step() {
+  finish_pending();
+  NodeType& type = *frames.back().declaring;
+  const bool external = type.kind == NodeType::Kind::external_prototype;
+  const Token token = lexer.next();
+  if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (token.kind == TokenKind::end) return Step::finished;
+  if (token.kind == TokenKind::word) {
+    for (const AccessType access :
+         {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
+      if (token.text == name_of(access)) {
+        rubbish = false;
+        return interface_declaration(access, type, !external, false);
+      }
+  }
+  if (token.kind != TokenKind::close_bracket) {
+    if (!std::exchange(rubbish, true))
+      error(token.location, "expected eventIn, eventOut, field, exposedField or ']', found " + describe(token));
+    return Step::done;
+  }
+  if (table_text) return Step::finished;
+  SourceLocation start = frames.back().start;
+  if (!external) {
+    const Lexer::Position behind = lexer.position();
+    const Token brace = lexer.next();
+    if (brace.kind == TokenKind::need_more) return Step::need_more;
+    if (brace.kind != TokenKind::open_brace) {
+      unexpected(brace, "'{' and the body of PROTO " + type.name);
+      lexer.go_back(behind);
+      --interfaces_open;
+      frames.pop_back();
+      return Step::done;
+    }
+  }
+  --interfaces_open;
+  frames.pop_back();
+  Frame frame;
+  frame.start = start;
+  frame.declaring = &type;
+  if (external) {
+    frame.kind = Frame::Kind::external_url;
+    open(std::move(frame));
+  } else {
+    frame.kind = Frame::Kind::prototype_body;
+    if (open(std::move(frame))) {
+      scopes.emplace_back();
+      scopes.back().prototype = &type;
+    }
+  }
+  return Step::done;
+}
+
+Step Parser::State::external_url_step() {
+  Frame& frame = frames.back();
+  if (frame.into) {  // the url list has been read
+    NodeType& type = *frame.declaring;
+    type.url = std::get<MFString>(frame.pending->initial);
+    scopes.back().types[type.name] = &type;
+    frames.pop_back();
+    add_type_statement(type);
+    return Step::done;
+  }
+  auto pending = std::make_unique<InterfaceDeclaration>();
+  pending->initial = MFString{};
+  FieldValue& url = pending->initial;
+  // Set only when the value has begun, so that a need for more bytes leaves no trace.
+  const std::size_t index = frames.size() - 1;
+  const Step step = value(FieldType::MFString, url, "the url of EXTERNPROTO");
+  if (step == Step::need_more) return step;
+  frames[index].into = &url;
+  frames[index].pending = std::move(pending);
+  return Step::done;
+}
+
+// The scope on top, of a PROTO body or of the file, is complete; the frame of a body is closed.
+void Parser::State::end_scope() {
+  const std::vector<Scope::UnresolvedRoute> routes = std::exchange(scopes.back().unresolved_routes, {});
+  for (const Scope::UnresolvedRoute& route : routes) add_route(route, true);
+  NodeType* type = scopes.back().prototype;
+  if (!type) return;
+  scopes.pop_back();
+  type->prototype->complete = true;
+  count_instance_nodes(scene, *type->prototype);
+  // The first node of the body says where instances may stand (VRML97 4.8.3).
+  for (const Statement& statement : type->prototype->statements) {
+    if (statement.kind != Statement::Kind::node) continue;
+    type->role = scene.node(statement.node).type->role;
+    break;
+  }
+  scopes.back().types[type->name] = type;
+  frames.pop_back();
+  add_type_statement(*type);
+}
+
+// A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.
+void Parser::State::add_type_statement(const NodeType& type) {
+  std::vector<Statement>& list =
+      scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
+  auto place = list.end();
+  const Frame::Kind inside = frames.back().kind;
+  if (inside != Frame::Kind::statements && inside != Frame::Kind::prototype_body)
+    while (place != list.begin() && (--place)->kind != Statement::Kind::node) {
+    }
+  list.insert(place, {Statement::Kind::prototype, {}, &type, {}});
+}
+
+}  // namespace gs::vrml

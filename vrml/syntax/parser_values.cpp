@@ -1,0 +1,443 @@
+#include "vrml/syntax/number.h"
+#include "vrml/syntax/parser_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+// Numbers that are read in one go into a buffer on the stack, so that short lists are allocated once
+// and exactly; longer ones go straight into the array behind it.
+constexpr std::size_t kShortRun = 768;
+constexpr std::size_t kLongRun = 16 * 1024;
+
+// How many numbers make one value.
+constexpr int arity(FieldType type) {
+  switch (type) {
+    case FieldType::SFVec2f:
+    case FieldType::MFVec2f:
+      return 2;
+    case FieldType::SFColor:
+    case FieldType::SFVec3f:
+    case FieldType::MFColor:
+    case FieldType::MFVec3f:
+      return 3;
+    case FieldType::SFRotation:
+    case FieldType::MFRotation:
+      return 4;
+    default:
+      return 1;
+  }
+}
+
+std::string_view element_name(FieldType type) {
+  std::string_view name = name_of(type);
+  return name.starts_with("MF") ? name.substr(2) : name;
+}
+
+bool is_keyword_number(std::string_view word) {
+  std::string lower;
+  for (const char c : word.substr(0, 12)) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+  return lower == "nan" || lower == "inf" || lower == "infinity";
+}
+
+bool is_access_name(std::string_view word) {
+  return word == "eventIn" || word == "eventOut" || word == "field" || word == "exposedField";
+}
+
+float to_float(double number) { return static_cast<float>(number); }
+
+void append_element(FieldValue& list, const std::array<double, 4>& n) {
+  if (auto* a = std::get_if<MFFloat>(&list)) a->push_back(to_float(n[0]));
+  if (auto* a = std::get_if<MFInt32>(&list)) a->push_back(static_cast<std::int32_t>(n[0]));
+  if (auto* a = std::get_if<MFTime>(&list)) a->push_back(n[0]);
+  if (auto* a = std::get_if<MFVec2f>(&list)) a->push_back({to_float(n[0]), to_float(n[1])});
+  if (auto* a = std::get_if<MFVec3f>(&list)) a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2])});
+  if (auto* a = std::get_if<MFColor>(&list)) a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2])});
+  if (auto* a = std::get_if<MFRotation>(&list))
+    a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2]), to_float(n[3])});
+}
+
+void shrink(FieldValue& list) {
+  std::visit(
+      [](auto& value) {
+        if constexpr (requires { value.shrink_to_fit(); }) value.shrink_to_fit();
+      },
+      list);
+}
+
+}  // namespace
+
+// A number token. Floats are rounded from the text to float once: SFTime alone is a double.
+bool Parser::State::number_of(const Token& token, double& number) {
+  const FieldType type = number_type;
+  if (type == FieldType::SFTime || type == FieldType::MFTime) return parse_number(token.text, number);
+  if (type == FieldType::SFInt32 || type == FieldType::MFInt32) {
+    std::int32_t integer = 0;
+    if (parse_number(token.text, integer)) {
+      number = integer;
+      return true;
+    }
+    double real = 0;
+    if (!parse_number(token.text, real)) return false;
+    warn_once(said_number_form, token.location,
+              "expected an integer of 32 bits, found " + describe(token) + "; cut to one");
+    number = std::isnan(real) ? 0 : std::trunc(std::clamp(real, -2147483648.0, 2147483647.0));
+    return true;
+  }
+  float real = 0;
+  std::int32_t integer = 0;
+  if (parse_number(token.text, real)) {
+    number = real;
+    return true;
+  }
+  if (!parse_number(token.text, integer)) return false;
+  number = integer;  // hexadecimal
+  return true;
+}
+
+String Parser::State::string_of(const Token& token) {
+  bool latin1 = false;
+  if (token.text.size() > scene.limits().string_bytes) {
+    if (!std::exchange(said_limit, true)) error(token.location, "a string longer than the limit is left empty");
+    return {};
+  }
+  constexpr std::size_t kEntry = 64;
+  if (!scene.charge(token.text.size() + kEntry)) return {};
+  const std::string text = decode_string(token.text, token.has_escapes, latin1);
+  if (latin1) warn_once(said_latin1, token.location, "a string is not UTF-8; read as Latin-1");
+  return String(text);
+}
+
+// A single value of floats in the plain form that nearly all files use; false, and nothing read, for
+// anything else.
+bool Parser::State::plain_floats(FieldType type, FieldValue& into) {
+  if (type != FieldType::SFFloat && type != FieldType::SFVec2f && type != FieldType::SFVec3f &&
+      type != FieldType::SFColor && type != FieldType::SFRotation)
+    return false;
+  float f[4];
+  const auto wanted = static_cast<std::size_t>(arity(type));
+  const NumberRun run = parse_floats(lexer.unread(), lexer.window_end(), f, wanted);
+  if (run.count != wanted) return false;
+  lexer.advance(run.next, run.lines, run.line_start);
+  switch (type) {
+    case FieldType::SFFloat:
+      into.emplace<SFFloat>(f[0]);
+      break;
+    case FieldType::SFVec2f:
+      into.emplace<SFVec2f>(f[0], f[1]);
+      break;
+    case FieldType::SFVec3f:
+      into.emplace<SFVec3f>(f[0], f[1], f[2]);
+      break;
+    case FieldType::SFColor:
+      into.emplace<SFColor>(SFColor{f[0], f[1], f[2]});
+      break;
+    default:
+      into.emplace<SFRotation>(SFRotation{f[0], f[1], f[2], f[3]});
+      break;
+  }
+  return true;
+}
+
+// The value of a field. `name` is for diagnostics. Nothing is read, nor `into` changed, on need_more.
+Step Parser::State::value(FieldType type, FieldValue& into, std::string_view name) {
+  if (plain_floats(type, into)) return Step::done;
+  const Lexer::Position before = lexer.position();
+  const Token token = lexer.next();
+  if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (token.kind == TokenKind::open_bracket && is_multiple(type)) {
+    into = initial_value(type);
+    Frame frame;
+    frame.kind = type == FieldType::MFNode ? Frame::Kind::node_list : Frame::Kind::values;
+    frame.start = token.location;
+    frame.into = &into;
+    frame.name = name;
+    open(std::move(frame));
+    return Step::done;
+  }
+  if (holds_nodes(type)) {
+    if (token.kind == TokenKind::word && token.text == "NULL") {
+      into = initial_value(type);
+      return Step::done;
+    }
+    if (token.kind == TokenKind::word && !looks_like_number(token.text)) {
+      FieldValue fresh = initial_value(type);
+      FieldValue old = std::exchange(into, std::move(fresh));
+      const Step step = node_head(token, &into);
+      if (step == Step::need_more) into = std::move(old);
+      return step;
+    }
+    unexpected(token, "a node for " + std::string(name));
+    lexer.go_back(before);
+    skip_value();
+    return Step::done;
+  }
+  if (type == FieldType::SFImage) return image_head(into, token, name);
+  return single_value(type, into, token, name);
+}
+
+// One value of a type other than nodes and images, which `token` begins. An MF type gets one element.
+Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
+  const auto refuse_token = [&](const Token& found, const Lexer::Position& before) {
+    unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
+    lexer.go_back(before);
+    if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
+        (found.kind == TokenKind::word &&
+         (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
+      skip_value();
+    return Step::done;
+  };
+  // Where the first token starts; its text always lies in the window.
+  Lexer::Position before = lexer.position();
+  before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
+  if (token.text.data() == nullptr || token.kind == TokenKind::string || token.kind == TokenKind::unterminated_string)
+    before = lexer.position();
+
+  switch (type) {
+    case FieldType::SFString:
+    case FieldType::MFString: {
+      if (token.kind != TokenKind::string) return refuse_token(token, before);
+      if (type == FieldType::SFString) {
+        into = string_of(token);
+      } else {
+        into = MFString{string_of(token)};
+      }
+      return Step::done;
+    }
+    case FieldType::SFBool: {
+      const std::string_view word = token.kind == TokenKind::word ? token.text : std::string_view{};
+      const bool yes = word == "TRUE" || word == "true" || word == "True" || word == "1";
+      const bool no = word == "FALSE" || word == "false" || word == "False" || word == "0";
+      if (!yes && !no) return refuse_token(token, before);
+      if (word != "TRUE" && word != "FALSE")
+        warn_once(said_bool_form, token.location, "expected TRUE or FALSE, found " + describe(token));
+      into.emplace<SFBool>(yes);
+      return Step::done;
+    }
+    default:
+      break;
+  }
+  // All tokens first: a need for more bytes must leave no trace, diagnostics included.
+  std::array<Token, 4> tokens;
+  const auto is_number_like = [](const Token& t) {
+    return t.kind == TokenKind::word && (looks_like_number(t.text) || is_keyword_number(t.text));
+  };
+  const int wanted = arity(type);
+  int count = 0;
+  for (;;) {
+    tokens[count] = token;
+    if (!is_number_like(token)) return refuse_token(token, before);
+    if (++count == wanted) break;
+    before = lexer.position();
+    token = lexer.next();
+    if (token.kind == TokenKind::need_more) return Step::need_more;
+  }
+  std::array<double, 4> numbers{};
+  number_type = type;
+  for (int i = 0; i < wanted; ++i)
+    if (!number_of(tokens[i], numbers[i]))
+      error(tokens[i].location,
+            "expected a number for " + std::string(name) + ", found " + describe(tokens[i]) + "; 0 taken");
+  const auto f = [&](int i) { return to_float(numbers[i]); };
+  switch (type) {
+    case FieldType::SFFloat:
+      into.emplace<SFFloat>(f(0));
+      break;
+    case FieldType::SFTime:
+      into.emplace<SFTime>(numbers[0]);
+      break;
+    case FieldType::SFInt32:
+      into.emplace<SFInt32>(static_cast<std::int32_t>(numbers[0]));
+      break;
+    case FieldType::SFVec2f:
+      into.emplace<SFVec2f>(f(0), f(1));
+      break;
+    case FieldType::SFVec3f:
+      into.emplace<SFVec3f>(f(0), f(1), f(2));
+      break;
+    case FieldType::SFColor:
+      into.emplace<SFColor>(SFColor{f(0), f(1), f(2)});
+      break;
+    case FieldType::SFRotation:
+      into.emplace<SFRotation>(SFRotation{f(0), f(1), f(2), f(3)});
+      break;
+    default:
+      into = initial_value(type);
+      append_element(into, numbers);
+      break;
+  }
+  return Step::done;
+}
+
+Step Parser::State::node_list_step() {
+  const Lexer::Position start = lexer.position();
+  const Token token = lexer.next();
+  switch (token.kind) {
+    case TokenKind::need_more:
+      return Step::need_more;
+    case TokenKind::end:
+      return Step::finished;
+    case TokenKind::close_bracket:
+      rubbish = false;
+      shrink(*frames.back().into);
+      frames.pop_back();
+      return Step::done;
+    case TokenKind::close_brace: {
+      error(token.location, "expected ']' at the end of the list that begins at line " +
+                                std::to_string(frames.back().start.line) + ", found '}'");
+      frames.pop_back();
+      lexer.go_back(start);
+      return Step::done;
+    }
+    default:
+      break;
+  }
+  if (token.kind == TokenKind::word && token.text == "NULL") return Step::done;
+  bool was_statement = false;
+  if (token.kind == TokenKind::word) {
+    const Step read = statement(token, was_statement);
+    if (was_statement) {
+      if (read == Step::done)
+        warn_once(said_route_in_list, token.location,
+                  std::string(token.text) + " inside a list of nodes; taken as if it stood before the node");
+      return read;
+    }
+    if (is_id(token.text)) {
+      const std::size_t before = frames.size();
+      const std::string_view name = frames.back().name;
+      const bool check = before >= 2 && frames[before - 2].kind == Frame::Kind::node_body &&
+                         frames[before - 2].type->kind == NodeType::Kind::built_in;
+      const Step step = node_head(token, frames.back().into);
+      if (check && step == Step::done && frames.size() > before && frames.back().kind == Frame::Kind::node_body)
+        check_role(frames.back().node, name);
+      return step;
+    }
+  }
+  rubbish_token(token, "a node or ']'");
+  return Step::done;
+}
+
+template <class T>
+void Parser::State::bulk_floats(Frame& frame, Array<T>& array) {
+  constexpr std::size_t kArity = sizeof(T) / sizeof(float);
+  const auto take = [&](float* at, std::size_t capacity) {
+    for (std::size_t i = 0; i < frame.partial_count; ++i) at[i] = to_float(frame.partial[i]);
+    const NumberRun run =
+        parse_floats(lexer.unread(), lexer.window_end(), at + frame.partial_count, capacity - frame.partial_count);
+    lexer.advance(run.next, run.lines, run.line_start);
+    const std::size_t count = run.count + frame.partial_count;
+    frame.partial_count = static_cast<std::uint8_t>(count % kArity);
+    for (std::size_t i = 0; i < frame.partial_count; ++i) frame.partial[i] = at[count - frame.partial_count + i];
+    return std::pair(count / kArity, run.count == capacity - (count - run.count));
+  };
+  alignas(16) float buffer[kShortRun];
+  auto [elements, full] = take(buffer, kShortRun);
+  array.append(std::span<const T>(reinterpret_cast<const T*>(buffer), elements));
+  while (full) {
+    T* at = array.prepare(kLongRun);
+    std::tie(elements, full) = take(reinterpret_cast<float*>(at), kLongRun * kArity);
+    array.commit(elements);
+  }
+}
+
+void Parser::State::bulk_integers(MFInt32& array) {
+  std::int32_t buffer[kShortRun];
+  NumberRun run = parse_integers(lexer.unread(), lexer.window_end(), buffer, kShortRun);
+  lexer.advance(run.next, run.lines, run.line_start);
+  array.append(std::span<const std::int32_t>(buffer, run.count));
+  bool full = run.count == kShortRun;
+  while (full) {
+    run = parse_integers(lexer.unread(), lexer.window_end(), array.prepare(kLongRun), kLongRun);
+    lexer.advance(run.next, run.lines, run.line_start);
+    array.commit(run.count);
+    full = run.count == kLongRun;
+  }
+}
+
+// The inside of `[ ... ]` of an MF type other than MFNode: in bulk where the text is plain, else token
+// by token. What has been read stays read when more bytes are needed.
+Step Parser::State::values_step() {
+  Frame& frame = frames.back();
+  FieldValue& list = *frame.into;
+  number_type = type_of(list);
+  if (auto* a = std::get_if<MFVec3f>(&list)) {
+    bulk_floats(frame, *a);
+  } else if (auto* b = std::get_if<MFInt32>(&list)) {
+    bulk_integers(*b);
+  } else if (auto* c = std::get_if<MFVec2f>(&list)) {
+    bulk_floats(frame, *c);
+  } else if (auto* d = std::get_if<MFColor>(&list)) {
+    bulk_floats(frame, *d);
+  } else if (auto* e = std::get_if<MFFloat>(&list)) {
+    bulk_floats(frame, *e);
+  } else if (auto* g = std::get_if<MFRotation>(&list)) {
+    bulk_floats(frame, *g);
+  }
+  charge_growth(frame, false);
+  const Lexer::Position before = lexer.position();
+  const Token token = lexer.next();
+  if (token.kind == TokenKind::need_more) {
+    lexer.go_back(before);
+    return Step::need_more_kept;
+  }
+  if (token.kind == TokenKind::end) return Step::finished;
+  return value_token(frame, token, before);
+}
+
+Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::Position& before) {
+  FieldValue& list = *frame.into;
+  const FieldType type = type_of(list);
+  const auto leave = [&] {
+    if (frame.partial_count > 0)
+      error(token.location, "the last value of " + std::string(frame.name) + " has " +
+                                std::to_string(frame.partial_count) + " numbers; expected " +
+                                std::to_string(arity(type)));
+    shrink(list);
+    charge_growth(frame, true);
+    frames.pop_back();
+    return Step::done;
+  };
+  if (token.kind == TokenKind::close_bracket) return leave();
+  if (token.kind == TokenKind::string && type == FieldType::MFString) {
+    std::get_if<MFString>(&list)->push_back(string_of(token));
+    rubbish = false;
+    return Step::done;
+  }
+  double number = 0;
+  if (token.kind == TokenKind::word && type != FieldType::MFString) {
+    bool taken = number_of(token, number);
+    if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
+      error(token.location,
+            "expected a number in " + std::string(frame.name) + ", found " + describe(token) + "; 0 taken");
+      taken = true;
+      number = 0;
+    }
+    if (taken) {
+      frame.partial[frame.partial_count++] = number;
+      if (frame.partial_count == arity(type)) {
+        append_element(list, frame.partial);
+        frame.partial_count = 0;
+      }
+      rubbish = false;
+      return Step::done;
+    }
+  }
+  // A forgotten bracket: the next field of the node, or its end.
+  const Frame* owner = frames.size() >= 2 ? &frames[frames.size() - 2] : nullptr;
+  const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
+                          (owner->type->find(token.text) || (owner->declaring && is_access_name(token.text)));
+  if (token.kind == TokenKind::close_brace || next_field) {
+    error(token.location, "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));
+    lexer.go_back(before);
+    return leave();
+  }
+  rubbish_token(token, std::string(element_name(type)) + " or ']' in " + std::string(frame.name));
+  return Step::done;
+}
+
+}  // namespace gs::vrml
