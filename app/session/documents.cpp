@@ -37,11 +37,6 @@ void inspect_clouds(Document& document) {
   }
 }
 
-std::shared_ptr<const render::RenderList> collected(Document& document) {
-  return std::make_shared<const render::RenderList>(render::collect(
-      *document.world.scene, document.world.images, document.meshes, document.collected_for, document.world.clouds));
-}
-
 }  // namespace
 
 std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
@@ -64,13 +59,16 @@ std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache mes
   document->list = std::make_shared<const render::RenderList>();
   if (!document->world.scene) return document;
   inspect(*document);
-  document->list = collected(*document);
+  document->living = std::make_unique<LivingWorld>(document->world, document->meshes);
+  document->living->start(world_time());
+  document->first_scene = document->living->look({0, 0, 10}, document->viewer_dependent);
+  document->list = document->first_scene->scene.shared_list();
   if (document->viewer_dependent) {
     const auto& viewpoints = document->list->viewpoints;
-    document->collected_for = viewpoints.empty()
-                                  ? first_pose(document->list->bounds, {4, 3}).position
-                                  : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
-    document->list = collected(*document);
+    const glm::vec3 viewer = viewpoints.empty()
+                                 ? first_pose(document->list->bounds, {4, 3}).position
+                                 : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
+    (void)document->living->show(*document->first_scene, viewer);
   }
   report_left_out(*document->list, document->world.diagnostics);
   inspect_clouds(*document);

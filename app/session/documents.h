@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/session/living_world.h"
 #include "app/world/opened_world.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"
@@ -24,10 +25,11 @@ class WorldReader;
 struct Document {
   OpenedWorld world;
   render::MeshCache meshes;
-  std::shared_ptr<const render::RenderList> list;  // as seen from `collected_for`; never null
-  glm::vec3 collected_for{0, 0, 10};
-  bool is_preview = false;        // more of it comes, and it has no scene yet
-  bool viewer_dependent = false;  // has LOD or Billboard nodes: who moves needs a list of his own
+  std::unique_ptr<LivingWorld> living;             // null: it has no scene (yet)
+  std::shared_ptr<LivingScene> first_scene;        // as it is first seen; null: it has no scene (yet)
+  std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of what has come so far; never null
+  bool is_preview = false;                         // more of it comes, and it has no scene yet
+  bool viewer_dependent = false;                   // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;
   bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
   std::shared_ptr<WorldReader> reader;                   // that still reads of its streams what views want; null: none
@@ -35,8 +37,8 @@ struct Document {
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
-/// Gathers what is visible in a world that was opened. `meshes`: what was made of its nodes before. Any thread that
-/// owns it.
+/// Brings a world that was opened to life, at the present time, and gathers what is visible. `meshes`: what was made of
+/// its nodes before. Any thread that owns it.
 [[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
 /// A world that is still being read: what there is to see, without its scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,

@@ -334,6 +334,12 @@ Pose pose_of(const glm::mat4& world_from_camera, float field_of_view) {
   return valid(pose, Pose{});
 }
 
+glm::dmat4 world_from_viewer(const Pose& pose) {
+  glm::dmat4 matrix(glm::mat4_cast(glm::dquat(pose.orientation)));
+  matrix[3] = glm::dvec4(pose.position, 1);
+  return matrix;
+}
+
 render::Camera camera_of(const Pose& pose) {
   render::Camera camera;
   camera.world_from_camera = glm::mat4_cast(pose.orientation);

@@ -64,6 +64,8 @@ struct Pose {
 /// The nearest valid pose: scale and shear of the matrix are taken out, NaN and infinity replaced.
 [[nodiscard]] Pose pose_of(const glm::mat4& world_from_camera, float field_of_view);
 [[nodiscard]] render::Camera camera_of(const Pose& pose);
+/// Without scale.
+[[nodiscard]] glm::dmat4 world_from_viewer(const Pose& pose);
 
 /// A half line of world space; `direction` is of unit length.
 struct Ray {

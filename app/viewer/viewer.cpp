@@ -13,6 +13,8 @@ constexpr int kSettlingFrames = 3;       // the interface needs a second look af
 constexpr double kIdleWait = 30;         // seconds; any event ends it
 constexpr double kLoadingWait = 0.25;    // between pictures of the progress line
 constexpr std::size_t kMostReaders = 2;  // files that are read at a time
+constexpr double kLifeStep = 1.0 / 60;   // seconds: how often time goes on in worlds
+constexpr double kLongLife = 0.05;
 
 }  // namespace
 
@@ -39,6 +41,7 @@ void Viewer::run() {
     wait_for_something();
     if (take_news()) frames_wanted_ = kSettlingFrames;
     if (feed_streams()) frames_wanted_ = kSettlingFrames;
+    if (let_live()) frames_wanted_ = std::max(frames_wanted_, 1);
     const glm::ivec2 size = window_->framebuffer_size();
     if (size.x <= 0 || size.y <= 0) continue;  // minimised
     const std::vector<WindowEvent> events = window_->take_events();
@@ -57,15 +60,63 @@ void Viewer::wait_for_something() {
   else if (frames_wanted_ > 0 || moving() || refinement_.wanted() || window_->has_events())
     window_->poll();
   else if (loading())
-    window_->wait(kLoadingWait);
+    window_->wait(std::min(kLoadingWait, next_life().value_or(kLoadingWait)));
   else
     wait_idle();
 }
 
 void Viewer::wait_idle() {
-  const std::optional<double> change = ui_.next_change();
-  window_->wait(change.value_or(kIdleWait));
-  if (change) frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown
+  const std::optional<double> change = ui_.next_change(), life = next_life();
+  window_->wait(std::min(change.value_or(kIdleWait), life.value_or(kIdleWait)));
+  if (change && !(life && *life < *change))
+    frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown
+}
+
+// Worlds -------------------------------------------------------------------------------------------
+
+// Of the worlds in sight, each once.
+std::vector<Document*> Viewer::living() const {
+  std::vector<Document*> result;
+  for (const std::size_t i : panes_.visible()) {
+    const View* seen = panes_.at(i).view();
+    if (seen && seen->document->living && std::find(result.begin(), result.end(), seen->document.get()) == result.end())
+      result.push_back(seen->document.get());
+  }
+  return result;
+}
+
+// Seconds until time is to go on in a world; nothing: it stands still until somebody does something.
+std::optional<double> Viewer::next_life() const {
+  std::optional<double> next;
+  for (const Document* document : living())
+    if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
+  if (!next) return std::nullopt;
+  return std::clamp(*next - world_time(), std::max(0.0, life_due_ - Window::now()), kIdleWait);
+}
+
+// Lets time go on in the worlds that are seen. True when there is something else to be seen.
+bool Viewer::let_live() {
+  const double started = Window::now();
+  if (started < life_due_) return false;
+  const double time = world_time();
+  bool any = false;
+  for (Document* document : living()) {
+    // The world has one viewer: who is in the active viewport, if he looks at it.
+    View* leader = view() && view()->document.get() == document ? view() : nullptr;
+    std::vector<View*> views;
+    for (const std::size_t i : panes_.visible())
+      if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
+    if (!leader) leader = views.front();
+    document->living->execution().set_viewer(world_from_viewer(leader->navigation.pose));
+    (void)document->living->step(time);
+    for (View* seen : views) any = follow_world(*seen) || any;
+    any = follow_bound_viewpoint(*leader) || any;
+    for (View* seen : views) seen->bound = leader->bound;
+  }
+  // Worlds whose events take long leave the window time for what the user does.
+  const double took = Window::now() - started;
+  life_due_ = started + std::max(kLifeStep, took > kLongLife ? 3 * took : 0);
+  return any;
 }
 
 void Viewer::frame(double now, const std::vector<WindowEvent>& events) {
@@ -103,7 +154,7 @@ void Viewer::move_views(float seconds) {
   if (linked_ && !moved.empty())
     panes_.link(has_moved(leader_) ? leader_ : has_moved(panes_.active()) ? panes_.active() : moved.front());
   for (const std::size_t i : sight)
-    if (View* seen = panes_.at(i).view()) follow_viewer(*seen);
+    if (View* seen = panes_.at(i).view()) (void)follow_world(*seen);
 }
 
 void Viewer::measure(double started, double now, bool continuous) {
@@ -223,6 +274,7 @@ void Viewer::show_loaded() {
     frames_wanted_ = kSettlingFrames;
     View& seen = *panes_.at(change.pane).view();
     if (!change.first) continue;
+    if (change.found && !options_.viewpoint.empty() && seen.viewpoint) app::bind_viewpoint(seen, *seen.viewpoint);
     if (!change.found) ui_.show_notice("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) ui_.show_log();

@@ -167,11 +167,8 @@ void Viewer::choose_mode(NavigationMode mode) {
 
 void Viewer::bind_viewpoint(std::size_t index) {
   View* seen = view();
-  if (!seen || index >= seen->list->viewpoints.size()) return;
-  const render::ViewpointState& viewpoint = seen->list->viewpoints[index];
-  seen->viewpoint = index;
-  seen->home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
-  seen->navigation = travel_to(seen->navigation, seen->home);
+  if (!seen) return;
+  app::bind_viewpoint(*seen, index);
   leader_ = panes_.active();
 }
 

@@ -43,6 +43,9 @@ class Viewer {
   void wait_idle();
   void frame(double now, const std::vector<WindowEvent>& events);
   void move_views(float seconds);
+  [[nodiscard]] std::vector<Document*> living() const;
+  bool let_live();
+  [[nodiscard]] std::optional<double> next_life() const;
   void measure(double started, double now, bool continuous);
 
   void load_next();
@@ -105,6 +108,7 @@ class Viewer {
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last
   std::string title_;
+  double life_due_ = 0;  // seconds of the window's clock: when time goes on in the worlds, if it does
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;
   bool was_continuous_ = false;

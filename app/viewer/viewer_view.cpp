@@ -9,11 +9,15 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kManyItems = 2000;
-
 bool usable(const vrml::Bounds& bounds) {
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   return size > 0 && std::isfinite(size);
+}
+
+std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::Node* viewpoint) {
+  for (std::size_t i = 0; i < list.viewpoints.size(); ++i)
+    if (&list.viewpoints[i].scene->node(list.viewpoints[i].node) == viewpoint) return i;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -21,15 +25,25 @@ bool usable(const vrml::Bounds& bounds) {
 View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found) {
   View view;
   view.list = document->list;
-  view.collected_for = document->collected_for;
+  if (document->living) {
+    // Who looks first sees what was made for the first look.
+    view.scene = document->viewer_dependent && document->first_scene.use_count() > 1
+                     ? document->living->look({0, 0, 10}, true)
+                     : document->first_scene;
+    view.list = view.scene->scene.shared_list();
+    view.bound = document->living->bound().viewpoint;
+  }
   const render::RenderList& list = *view.list;
   view.rules = document->has_navigation_info ? navigation_rules(list.navigation)
                                              : default_navigation_rules(list.bounds, !list.viewpoints.empty());
   view.headlight = list.navigation.headlight;
   const auto named = viewpoint.empty() ? std::nullopt : find_viewpoint(list.viewpoints, viewpoint);
   view.viewpoint = named ? named : list.viewpoints.empty() ? std::nullopt : std::optional<std::size_t>(0);
+  if (!named && view.bound)
+    if (const auto bound = index_of(list, view.bound)) view.viewpoint = bound;
   if (view.viewpoint) {
     const render::ViewpointState& bound = list.viewpoints[*view.viewpoint];
+    view.world_from_viewpoint = bound.world_from_camera;
     view.home = pose_of(bound.world_from_camera, bound.field_of_view);
   } else {
     view.home = first_pose(list.bounds, viewport);
@@ -63,6 +77,7 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   view.headlight = before.headlight;
   if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
     view.viewpoint = before.viewpoint;
+    view.world_from_viewpoint = before.world_from_viewpoint;
     view.home = before.home;
     view.navigation.pose = before.home;
   }
@@ -78,17 +93,55 @@ void fit_home(View& view, const glm::vec2& viewport) {
   if (unmoved && !view.navigation.moving()) view.navigation.pose = view.home;
 }
 
-bool follow_viewer(View& view) {
-  if (!view.document || !view.document->viewer_dependent || !view.document->world.scene) return false;
-  Document& document = *view.document;
-  const glm::vec3 viewer = view.navigation.pose.position;
-  // Large worlds are gathered again only where it is likely to show.
-  const float tolerance = view.list->items.size() > kManyItems ? view.navigation.scene_size * 0.002f : 0.0f;
-  if (!(glm::distance(viewer, view.collected_for) > tolerance)) return false;
-  view.collected_for = viewer;
-  view.list = std::make_shared<const render::RenderList>(
-      render::collect(*document.world.scene, document.world.images, document.meshes, viewer, document.world.clouds));
-  if (view.viewpoint && *view.viewpoint >= view.list->viewpoints.size()) view.viewpoint.reset();
+bool follow_world(View& view) {
+  if (!view.scene || !view.document || !view.document->living) return false;
+  const bool changed = view.document->living->show(*view.scene, view.navigation.pose.position);
+  if (!changed) return false;
+  const auto& viewpoints = view.list->viewpoints;
+  if (view.viewpoint && *view.viewpoint >= viewpoints.size()) view.viewpoint.reset();
+  if (!view.viewpoint) return true;
+  const render::ViewpointState& viewpoint = viewpoints[*view.viewpoint];
+  if (viewpoint.world_from_camera == view.world_from_viewpoint && viewpoint.field_of_view == view.home.field_of_view)
+    return true;
+  const glm::dmat4 moved =
+      glm::dmat4(viewpoint.world_from_camera) * glm::inverse(glm::dmat4(view.world_from_viewpoint));
+  const auto carry = [&](Pose& pose) {
+    pose = pose_of(glm::mat4(moved * world_from_viewer(pose)), viewpoint.field_of_view);
+  };
+  view.world_from_viewpoint = viewpoint.world_from_camera;
+  carry(view.navigation.pose);
+  if (view.navigation.transition) {
+    carry(view.navigation.transition->from);
+    carry(view.navigation.transition->to);
+  }
+  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  return true;
+}
+
+void bind_viewpoint(View& view, std::size_t index) {
+  if (index >= view.list->viewpoints.size()) return;
+  const render::ViewpointState& viewpoint = view.list->viewpoints[index];
+  view.viewpoint = index;
+  view.world_from_viewpoint = viewpoint.world_from_camera;
+  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  view.navigation = travel_to(view.navigation, view.home);
+  if (!view.document || !view.document->living) return;
+  (void)view.document->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
+  view.bound = view.document->living->bound().viewpoint;
+}
+
+bool follow_bound_viewpoint(View& view) {
+  if (!view.document || !view.document->living) return false;
+  const vrml::Node* bound = view.document->living->bound().viewpoint;
+  if (bound == view.bound) return false;
+  view.bound = bound;
+  const auto index = bound ? index_of(*view.list, bound) : std::nullopt;
+  if (!index) return false;
+  const render::ViewpointState& viewpoint = view.list->viewpoints[*index];
+  view.viewpoint = index;
+  view.world_from_viewpoint = viewpoint.world_from_camera;
+  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  if (viewpoint.jump) view.navigation = travel_to(view.navigation, view.home);
   return true;
 }
 

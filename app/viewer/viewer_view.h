@@ -18,13 +18,15 @@ namespace gs::app {
 /// of it, or a list that has it.
 struct View {
   std::shared_ptr<Document> document;
-  std::shared_ptr<const render::RenderList> list;  // the document's, or its own where that depends on the viewer
-  glm::vec3 collected_for{0, 0, 10};               // the viewer's place for which `list` was made
+  std::shared_ptr<LivingScene> scene;              // what it sees of the living world; null: that does not live yet
+  std::shared_ptr<const render::RenderList> list;  // of that, or of what has come so far
   NavigationRules rules;
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
-  std::optional<std::size_t> viewpoint;  // the bound one
+  std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
+  glm::mat4 world_from_viewpoint{1.0f};  // of that, when it was last looked at: who moves with it
+  const vrml::Node* bound = nullptr;     // the Viewpoint that was bound in the world when that was last looked at
   bool headlight = true;
   render::CloudLook look;
 };
@@ -44,9 +46,14 @@ void fit_home(View& view, const glm::vec2& viewport);
 /// The view of a document of which more has come: as `before`; who has not moved sees all of it.
 [[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
-/// Gathers again when the viewer has come so far that other levels of detail may be due. True when the list was made
-/// anew. Views of one document are to be followed on one thread.
-bool follow_viewer(View& view);
+/// Brings the list up to date with the living world and with where the viewer is, and carries him along with the
+/// Viewpoint (VRML97 6.53). True when there is something else to be seen than before. On the thread of the world.
+bool follow_world(View& view);
+/// Binds a Viewpoint of the list in the living world, and goes there.
+void bind_viewpoint(View& view, std::size_t index);
+/// Goes to the Viewpoint that events have bound in the world since the last time (4.6.10, 6.53). True when there is
+/// one.
+bool follow_bound_viewpoint(View& view);
 
 /// The pose that stands to `to` as `pose` stands to `from`: moved with the centre and grown with the diagonal. The
 /// same where both bounds are equal, or one of them is empty.

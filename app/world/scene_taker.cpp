@@ -271,18 +271,18 @@ void SceneTaker::settle() {
 // Those that were open the last time may have grown since, and be complete now.
 void SceneTaker::forget_open(render::MeshCache& meshes) {
   if (!scene) return;
-  for (const vrml::Node* node : shown_open_) meshes.erase(node);
+  for (const vrml::Node* node : shown_open_) meshes.forget(node);
   shown_open_.clear();
   if (parser_)
     for (const vrml::NodeId id : parser_->open_nodes()) {
       shown_open_.push_back(&scene->node(id));
-      meshes.erase(shown_open_.back());
+      meshes.forget(shown_open_.back());
       // What it refines changes with it.
       if (shown_open_.back()->type != vrml::built_in_node_type("OutlineGroup")) continue;
       const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
       if (!refined) continue;
       shown_open_.push_back(&scene->node(refined));
-      meshes.erase(shown_open_.back());
+      meshes.forget(shown_open_.back());
     }
   for (const auto& inner : inner_) inner->forget_open(meshes);
 }

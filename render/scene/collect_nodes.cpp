@@ -183,6 +183,7 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   if (const auto* description = view.find<vrml::SFString>(F::description))
     state.description = bounded_text(description->view());
   state.name = bounded_text(view.node->name);
+  state.jump = view.get(F::jump, true);
   const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
   const dmat3 rotation = rotation_part(world_from_node) * rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = glm::mat4(glm::mat3(rotation));

@@ -27,7 +27,7 @@ constexpr SchemaRow kSchemaRows[] = {
      NodeKind::spot_light,
      {"on", "color", "intensity", "ambientIntensity", "direction", "location", "attenuation", "radius", "beamWidth",
       "cutOffAngle"}},
-    {"Viewpoint", NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description"}},
+    {"Viewpoint", NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
     {"NavigationInfo", NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
     {"Background", NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
     {"Appearance", NodeKind::appearance, {"material", "texture", "textureTransform"}},

@@ -67,7 +67,7 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description };
+  enum : int { position, orientation, field_of_view, description, jump };
 };
 struct NavigationFields {
   enum : int { type, avatar_size, speed, visibility_limit, headlight };

@@ -2,8 +2,8 @@
 
 #include "qnv/base/cloud.h"
 #include "render/image/image.h"
+#include "render/scene/mesh_cache.h"
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/budget.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat3x3.hpp>
@@ -42,6 +42,16 @@ struct TextureUse {
   glm::mat3 transform{1.0f};  // texture space from mesh texture coordinates (VRML97 6.49)
 };
 
+inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
+/// A grouping node or Shape as one path from the root leads to it: the end of that path, the rest of which its parents
+/// are. What an Inline holds stands below the Inline. PROTO instances are the nodes that they stand for.
+struct Place {
+  const vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;                // of `scene`
+  std::uint32_t parent = kNoPlace;  // of RenderList::places; kNoPlace: a root of the world
+  std::uint32_t frame = 0;          // of RenderList::world_from_frame: the coordinate system of the node's children
+};
+
 /// One Shape under one transformation.
 struct DrawItem {
   std::shared_ptr<const vrml::Mesh> mesh;
@@ -49,6 +59,7 @@ struct DrawItem {
   Material material;
   TextureUse texture;
   std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
+  std::uint32_t place = kNoPlace;                 // of the Shape
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.
@@ -62,6 +73,7 @@ struct SplatItem {
   bool own_color = false;  // the cloud's colour, not the material's
   float detail = 1;        // > 0: of the QNV node; multiplies its part of the budget and how finely it is shown
   std::vector<std::uint16_t> directional_lights;
+  std::uint32_t place = kNoPlace;  // of the Shape
 };
 
 /// VRML97 6.5. Colours from the zenith (sky) and the nadir (ground); angles in radians.
@@ -78,6 +90,7 @@ struct ViewpointState {
   vrml::NodeId node;  // of `scene`
   glm::mat4 world_from_camera{1.0f};
   float field_of_view = 0.785398f;
+  bool jump = true;  // whether the viewer goes there when it is bound
 };
 
 /// The bound NavigationInfo (6.29).
@@ -109,34 +122,10 @@ struct RenderList {
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
   NavigationState navigation;
-  vrml::Bounds bounds;            // world space, of all items
-  std::vector<LeftOut> left_out;  // one for each reason
-};
-
-/// What collect makes of nodes once and keeps while the world lives. Drop it with the world.
-///
-/// Meshes are not watched: after a change to a geometry node, or to a node below it, call `erase`
-/// with the geometry node. Images of PixelTextures follow their field by themselves.
-struct MeshCache {
-  struct Entry {
-    std::shared_ptr<const vrml::Mesh> mesh;
-    vrml::Share share;                 // of the budget for meshes
-    bool texture_coordinates = false;  // whether they were asked for
-    bool refused = false;              // the limit for meshes took some or all of it
-  };
-  struct PixelEntry {
-    vrml::PixelImage source;  // shares its storage with the field while that is unchanged
-    std::shared_ptr<const Image> image;
-    vrml::Share share;
-  };
-  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
-  std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
-  /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
-  /// which share one mesh under different scales, and so one draw call.
-  std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
-
-  void erase(const vrml::Node* geometry) { meshes.erase(geometry); }
-  void clear() { *this = {}; }
+  vrml::Bounds bounds;                       // world space, of all items
+  std::vector<LeftOut> left_out;             // one for each reason
+  std::vector<Place> places;                 // of everything above, parents before children
+  std::vector<glm::dmat4> world_from_frame;  // coordinate systems of places
 };
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.

@@ -3,6 +3,7 @@
 #include "app/world/world_loader.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
 
@@ -27,6 +28,16 @@ inline OpenedWorld world_with(std::initializer_list<const char*> types) {
     REQUIRE(vrml::built_in_node_type(type));
     world.scene->add_root(world.scene->create(*vrml::built_in_node_type(type)));
   }
+  return world;
+}
+
+/// A world of this text, without its header.
+inline OpenedWorld world_of(const std::string& body) {
+  OpenedWorld world;
+  world.scene = std::make_unique<vrml::SceneGraph>("test.wrl");
+  vrml::Diagnostics diagnostics;
+  (void)vrml::parse("#VRML V2.0 utf8\n" + body, *world.scene, diagnostics);
+  REQUIRE(diagnostics.errors() == 0);
   return world;
 }
 

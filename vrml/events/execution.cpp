@@ -117,6 +117,12 @@ void Execution::call_at(EventNode node, double time) {
   std::push_heap(alarms_.begin(), alarms_.end(), std::greater<>());
 }
 
+std::optional<double> Execution::next_time() const {
+  for (const EventNode node : running_)
+    if (nodes_[node].running) return now_;
+  return alarms_.empty() ? std::nullopt : std::optional<double>(alarms_.front().time);
+}
+
 // ---- Bindable nodes (4.6.10): a stack a type, as a list through its nodes, so that any of them can leave it at once.
 
 Execution::Stack& Execution::stack_of(const NodeType& type) {

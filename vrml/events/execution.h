@@ -67,6 +67,8 @@ class Execution {
   bool remove_route(SceneGraph& scene, const Route& route);
 
   [[nodiscard]] double now() const { return now_; }
+  /// When a step has something to do next: at once while nodes run. Nothing: only events from outside go on.
+  [[nodiscard]] std::optional<double> next_time() const;
   /// Sees each event when it is delivered, also where no ROUTE leads on. Not for work on this object.
   void observe(Observer observer) { observer_ = std::move(observer); }
   /// The nodes that changed since the last call, each once. Valid until the next step.

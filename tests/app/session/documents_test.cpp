@@ -140,7 +140,7 @@ TEST_CASE("Where a world is entered") {
     REQUIRE(document->list);
     CHECK(document->list->items.empty());
     View view = view_of(std::shared_ptr<Document>(make_document(OpenedWorld())), {800, 600}, "");
-    CHECK_FALSE(follow_viewer(view));
+    CHECK_FALSE(follow_world(view));
   }
 }
 

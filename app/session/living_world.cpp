@@ -1,0 +1,84 @@
+#include "app/session/living_world.h"
+
+#include <chrono>
+
+namespace gs::app {
+namespace {
+
+// Of changes that are remembered; a list that is further behind, since nobody looked at it, is gathered anew.
+constexpr std::size_t kMostBatches = 8;
+
+}  // namespace
+
+double world_time() {
+  using Steady = std::chrono::steady_clock;
+  static const Steady::time_point begin = Steady::now();
+  static const double at_begin =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return at_begin + std::chrono::duration<double>(Steady::now() - begin).count();
+}
+
+LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
+    : world_(world), meshes_(meshes), execution_(*world.scene) {}
+
+void LivingWorld::start(double now) {
+  execution_.start(now);
+  (void)take_changes();
+}
+
+bool LivingWorld::step(double now) {
+  execution_.step(now);
+  return take_changes();
+}
+
+bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in,
+                       const vrml::FieldValue& value) {
+  if (!scene.contains(node)) return false;
+  const vrml::InterfaceDeclaration* event = scene.node(node).type->find_event_in(event_in);
+  return event && execution_.send(scene, node, *event, value);
+}
+
+bool LivingWorld::take_changes() {
+  const auto changes = execution_.take_changes();
+  if (changes.empty()) return false;
+  render::forget_changed(meshes_, changes);
+  batches_.emplace_back(changes.begin(), changes.end());
+  if (batches_.size() > kMostBatches) batches_.pop_front();
+  ++version_;
+  return true;
+}
+
+std::shared_ptr<LivingScene> LivingWorld::look(const glm::vec3& viewer, bool own) {
+  if (!own)
+    if (auto shared = shared_.lock()) return shared;
+  auto scene = std::make_shared<LivingScene>(
+      LivingScene{render::RenderScene(*world_.scene, world_.images, world_.clouds, meshes_), version_});
+  scene->scene.gather(bound(), viewer);
+  if (!own) shared_ = scene;
+  return scene;
+}
+
+bool LivingWorld::show(LivingScene& scene, const glm::vec3& viewer) {
+  (void)take_changes();
+  const std::uint64_t behind = version_ - scene.version;
+  scene.version = version_;
+  if (behind > batches_.size()) {
+    scene.scene.gather(bound(), viewer);
+    return true;
+  }
+  if (behind == 0) return scene.scene.update({}, bound(), viewer);
+  std::vector<vrml::NodeChange> changes;
+  for (auto batch = batches_.end() - static_cast<std::ptrdiff_t>(behind); batch != batches_.end(); ++batch)
+    changes.insert(changes.end(), batch->begin(), batch->end());
+  return scene.scene.update(changes, bound(), viewer);
+}
+
+render::BoundNodes LivingWorld::bound() const {
+  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
+    const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
+    return bound.scene ? &bound.scene->node(bound.node) : nullptr;
+  };
+  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+}
+
+}  // namespace gs::app

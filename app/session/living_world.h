@@ -1,0 +1,64 @@
+#pragma once
+
+#include "app/world/opened_world.h"
+#include "render/scene/render_scene.h"
+#include "vrml/events/execution.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::app {
+
+/// Seconds since 1970-01-01 00:00 GMT, as worlds count them (VRML97 4.11). Never goes back.
+[[nodiscard]] double world_time();
+
+/// The RenderList of a living world as one viewer sees it. Several may look through the same one where nothing in the
+/// world depends on the viewer.
+struct LivingScene {
+  render::RenderScene scene;
+  std::uint64_t version = 0;  // of the world, that the list shows
+};
+
+/// A world in which time goes on: its events, and the lists of those who look at it, which follow them. One thread,
+/// that of the world; the world and the cache must outlive it.
+class LivingWorld {
+ public:
+  LivingWorld(OpenedWorld& world, render::MeshCache& meshes);
+
+  /// Begins at `now`, in seconds since 1970; with the first cascade. Call once.
+  void start(double now);
+  /// Lets time go on to `now`. True when something has changed.
+  bool step(double now);
+  /// An event that the user has caused. False: there is no such node or eventIn, or the value is of another type.
+  bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
+  /// When there is something to do next; see Execution::next_time.
+  [[nodiscard]] std::optional<double> next_time() const { return execution_.next_time(); }
+
+  /// A list for one who looks from `viewer`. `own`: not shared.
+  [[nodiscard]] std::shared_ptr<LivingScene> look(const glm::vec3& viewer, bool own);
+  /// Brings the list up to date, for one who is at `viewer` now. True when it is another than before.
+  bool show(LivingScene& scene, const glm::vec3& viewer);
+
+  /// Which bindable nodes are bound.
+  [[nodiscard]] render::BoundNodes bound() const;
+  [[nodiscard]] vrml::Execution& execution() { return execution_; }
+
+ private:
+  bool take_changes();
+
+  OpenedWorld& world_;
+  render::MeshCache& meshes_;
+  vrml::Execution execution_;
+  std::deque<std::vector<vrml::NodeChange>> batches_;  // those that led to the last versions, the newest behind
+  std::uint64_t version_ = 0;
+  std::weak_ptr<LivingScene> shared_;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,384 @@
+#include "render/scene/collector.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gs::render {
+namespace {
+
+using glm::dmat4;
+using glm::dvec3;
+
+constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
+constexpr std::size_t kMaxLightsOfAnItem = 16;
+constexpr std::size_t kMaxViewpoints = 10'000;
+constexpr std::size_t kMaxDepth = 100'000;
+constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // and coordinate systems; what is behind them has no path
+constexpr std::size_t kBetweenLooks = 1024;                // visits that make no mesh, at the time
+// With more triangles than that, primitives are coarser: as many segments as make no more, or the fewest.
+constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
+
+}  // namespace
+
+bool fits_float(const dmat4& m) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z);
+  return sum < std::numeric_limits<float>::max();  // false for NaN too
+}
+
+dvec3 viewer_in_local(const dvec3& viewer, const dmat4& world_from_local) {
+  const dvec3 local(glm::inverse(world_from_local) * glm::dvec4(viewer, 1));
+  return std::isfinite(local.x + local.y + local.z) ? local : dvec3(0);
+}
+
+vrml::Bounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
+  vrml::Bounds result;
+  if (bounds.empty()) return result;
+  const dvec3 center = (dvec3(bounds.lower) + dvec3(bounds.upper)) * 0.5,
+              half = (dvec3(bounds.upper) - dvec3(bounds.lower)) * 0.5;
+  const dvec3 moved(matrix * glm::dvec4(center, 1));
+  dvec3 extent(0);
+  for (int i = 0; i < 3; ++i) extent += glm::abs(dvec3(matrix[i])) * half[i];
+  result.lower = glm::vec3(moved - extent);
+  result.upper = glm::vec3(moved + extent);
+  return std::isfinite(glm::dot(result.lower, result.upper) * 0.0f) ? result : vrml::Bounds{};
+}
+
+RenderList Collector::collect(const vrml::SceneGraph& scene) {
+  auto& open = open_nodes_[&scene];
+  open.resize(scene.node_count() + 1);
+  list_.world_from_frame.emplace_back(1.0);
+  if (sources_) {
+    *sources_ = {};
+    sources_->frames.emplace_back();
+  }
+  Frame roots{&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), 0, true};
+  roots.content_before = SIZE_MAX;  // the world's coordinate system stays
+  enter(roots);
+  bool stopped = false;
+  while (!path_.empty()) {
+    Frame& top = path_.back();
+    if (top.next == top.end || stopped) {
+      leave();
+      continue;
+    }
+    if (++visits_ % kBetweenLooks == 0 || resources_.take_made_mesh()) stopped = budget_->stopped();
+    if (visits_ > budget_->limits().visits) {
+      stopped = true;
+      resources_.leave_out("more nodes, with all that USE multiplies, than the " +
+                               std::to_string(budget_->limits().visits) + " that one picture may visit",
+                           *top.scene, *top.next);
+      continue;
+    }
+    const vrml::NodeId id = *top.next++;
+    visit(Frame(top), id);  // a copy: entering a group moves the path
+  }
+  coarsen_primitives();
+  for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
+  if (sources_)
+    sources_->viewpoints.insert(sources_->viewpoints.end(), inlined_sources_.begin(), inlined_sources_.end());
+  list_.left_out = std::move(resources_.left_out());
+  resources_.left_out().clear();
+  return std::move(list_);
+}
+
+std::size_t Collector::content() const {
+  return list_.items.size() + list_.splats.size() + list_.lights.size() + others_;
+}
+
+std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
+  if (list_.places.size() >= kMostPlaces || list_.world_from_frame.size() >= kMostPlaces) return kNoPlace;
+  list_.places.push_back({parent.scene, id, parent.place, parent.frame});
+  return static_cast<std::uint32_t>(list_.places.size() - 1);
+}
+
+void Collector::enter(Frame frame) {
+  if (path_.size() >= kMaxDepth) return;
+  frame.lights_outside = active_lights_.size();
+  if (frame.node) (*frame.on_path)[frame.node] = true;
+  // A DirectionalLight lights its siblings, whichever come first (VRML97 6.16).
+  for (const vrml::NodeId* child = frame.next; child != frame.end; ++child) {
+    const NodeView view = schemas_.view(*frame.scene, *child);
+    if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
+  }
+  path_.push_back(frame);
+}
+
+void Collector::leave() {
+  const Frame& top = path_.back();
+  if (top.node) (*top.on_path)[top.node] = false;
+  active_lights_.resize(top.lights_outside);
+  if (content() == top.content_before) {
+    // Nothing here is drawn; hostile worlds have millions of such groups.
+    list_.places.resize(top.places_before);
+    list_.world_from_frame.resize(top.frames_before);
+    if (sources_) {
+      sources_->frames.resize(top.frames_before);
+      while (!sources_->billboards.empty() && sources_->billboards.back() >= top.frames_before)
+        sources_->billboards.pop_back();
+    }
+  } else if (sources_ && (top.frame >= top.frames_before || path_.size() == 1)) {
+    RenderSources::Frame& frame = sources_->frames[top.frame];
+    frame.end = static_cast<std::uint32_t>(sources_->frames.size());
+    frame.end_item = static_cast<std::uint32_t>(list_.items.size());
+    frame.end_splat = static_cast<std::uint32_t>(list_.splats.size());
+    frame.end_light = static_cast<std::uint32_t>(list_.lights.size());
+  }
+  path_.pop_back();
+}
+
+void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
+  if (!children || children->empty()) return;
+  Frame frame{parent.scene,    parent.on_path,          id.index, children->begin(),
+              children->end(), parent.world_from_local, 0,        parent.main};
+  frame.frame = parent.frame;
+  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
+  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  frame.content_before = content();
+  frame.place = add_place(parent, id);
+  enter(frame);
+}
+
+void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const dmat4& local,
+                            bool billboard) {
+  if (!children || children->empty()) return;
+  const dmat4 world_from_local = parent.world_from_local * local;
+  if (!fits_float(world_from_local)) {
+    if (sources_) sources_->unshown.push_back({&parent.scene->node(id), parent.scene});
+    return;
+  }
+  Frame frame{parent.scene,    parent.on_path,   id.index, children->begin(),
+              children->end(), world_from_local, 0,        parent.main};
+  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
+  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  frame.content_before = content();
+  frame.place = add_place(parent, id);
+  // Too many coordinate systems: without a path, and made anew with the whole.
+  frame.frame = frame.place == kNoPlace ? parent.frame : frame.frames_before;
+  if (frame.place != kNoPlace) {
+    list_.places[frame.place].frame = frame.frame;
+    list_.world_from_frame.push_back(world_from_local);
+    if (sources_) {
+      RenderSources::Frame source;
+      source.node = &parent.scene->node(id);
+      source.parent = parent.frame;
+      source.first_item = static_cast<std::uint32_t>(list_.items.size());
+      source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
+      source.first_light = static_cast<std::uint32_t>(list_.lights.size());
+      source.parent_from_local = local;
+      sources_->frames.push_back(source);
+      if (billboard) sources_->billboards.push_back(frame.frame);
+    }
+  } else if (sources_) {
+    sources_->complete = false;
+  }
+  enter(frame);
+}
+
+void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
+  if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
+  const vrml::NodeId* chosen = choices->begin() + which;
+  Frame frame{parent.scene, parent.on_path, id.index, chosen, chosen + 1, parent.world_from_local, 0, parent.main};
+  frame.frame = parent.frame;
+  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
+  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  frame.content_before = content();
+  frame.place = add_place(parent, id);
+  enter(frame);
+}
+
+void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
+  const vrml::SceneGraph* inlined = parent.scene->inlined(id);
+  if (!inlined || inlined->roots().empty()) return;
+  const auto [open, fresh] = open_nodes_.try_emplace(inlined);
+  if (fresh) open->second.resize(inlined->node_count() + 1);
+  Frame frame{inlined, &open->second, 0, inlined->roots().begin(), inlined->roots().end(), parent.world_from_local,
+              0,       false};
+  frame.frame = parent.frame;
+  frame.places_before = static_cast<std::uint32_t>(list_.places.size());
+  frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  frame.content_before = content();
+  frame.place = add_place(parent, id);
+  enter(frame);
+}
+
+dvec3 Collector::viewer_in(const dmat4& world_from_local) const { return viewer_in_local(viewer_, world_from_local); }
+
+void Collector::visit(const Frame& parent, vrml::NodeId id) {
+  id = parent.scene->resolve(id);
+  if (!id || (*parent.on_path)[id.index]) return;
+  const vrml::Node& node = parent.scene->node(id);
+  const NodeView view{&node, &schemas_.of(*node.type)};
+  const dmat4& world = parent.world_from_local;
+  switch (view.kind()) {
+    case NodeKind::shape:
+      add_shape(parent, id, view);
+      break;
+    case NodeKind::group:
+      enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
+    case NodeKind::transform:
+      enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
+      break;
+    case NodeKind::billboard:
+      enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
+                  billboard_matrix(view, viewer_in(world)), true);
+      break;
+    case NodeKind::switch_node:
+      enter_choice(parent, id, view.find<vrml::MFNode>(SwitchFields::choice),
+                   view.get<vrml::SFInt32>(SwitchFields::which_choice, -1));
+      break;
+    case NodeKind::lod: {
+      const int level = lod_level(view, viewer_in(world));
+      ++others_;
+      if (sources_) sources_->lods.push_back({&node, parent.frame, level});
+      enter_choice(parent, id, view.find<vrml::MFNode>(LodFields::level), level);
+      break;
+    }
+    case NodeKind::inline_node:
+      enter_inline(parent, id);
+      break;
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      add_light(view, world, parent.frame, false);
+      break;
+    case NodeKind::viewpoint:
+    case NodeKind::navigation_info:
+    case NodeKind::background:
+      add_bindable(view, id, parent);
+      break;
+    default:
+      break;  // DirectionalLights were seen by enter()
+  }
+}
+
+void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
+  if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
+  if (directional) active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
+  list_.lights.push_back(world_light(light, world_from_local));
+  if (sources_) sources_->lights.push_back({light.node, frame});
+}
+
+void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
+  ++others_;
+  if (view.kind() == NodeKind::viewpoint) {
+    auto& viewpoints = parent.main ? list_.viewpoints : inlined_viewpoints_;
+    if (viewpoints.size() >= kMaxViewpoints) return;
+    viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+    viewpoints.back().scene = parent.scene;
+    viewpoints.back().node = id;
+    if (sources_)
+      (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});
+    return;
+  }
+  if (sources_ && sources_->bindables.size() < kMaxViewpoints)
+    sources_->bindables.push_back({view.node, parent.frame, parent.main});
+  const bool background = view.kind() == NodeKind::background;
+  // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
+  const bool counts = bound_ ? view.node == (background ? bound_->background : bound_->navigation_info) : parent.main;
+  if (!counts || std::exchange(background ? have_background_ : have_navigation_, true)) return;
+  if (background) {
+    list_.background = world_background(view, parent.world_from_local);
+  } else {
+    list_.navigation = navigation_state(view);
+  }
+}
+
+void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {
+  const vrml::NodeId geometry = parent.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+  if (!geometry) return;
+  DrawItem item;
+  resources_.dress(item, *parent.scene, shape);
+  RenderSources::Item source;
+  source.geometry = &parent.scene->node(geometry);
+  if (sources_) source.appearance = resources_.appearance_nodes(*parent.scene, shape);
+  if (const auto cloud = clouds_.find(source.geometry); cloud != clouds_.end() && cloud->second) {
+    add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
+    return;
+  }
+  dmat4 world_from_node = parent.world_from_local;
+  if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
+    item.mesh = resources_.primitive(*parent.scene, geometry, 0);
+    source.scale = *scale;
+    world_from_node = glm::scale(world_from_node, dvec3(*scale));
+    Primitives& all = primitives_[item.mesh.get()];
+    for (std::size_t i = 0; all.count == 0 && i < all.meshes.size(); ++i)
+      all.meshes[i] = resources_.primitive(*parent.scene, geometry, i);
+    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, all.meshes.back()->indices.size() / 3))
+      return;
+    ++all.count;
+  } else {
+    item.mesh = resources_.mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
+    if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
+      if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
+      return;
+    }
+    const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
+    if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
+  }
+  item.world_from_node = glm::mat4(world_from_node);
+  const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
+  item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
+  item.place = add_place(parent, id);
+  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  if (!source.bounds.empty()) list_.bounds.add(source.bounds);
+  list_.items.push_back(std::move(item));
+  if (sources_) sources_->items.push_back(source);
+}
+
+void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
+                           const std::shared_ptr<const qnv::Cloud>& cloud, float detail,
+                           const RenderSources::Item& source) {
+  if ((cloud->empty() && !cloud->levels) || !fits_float(parent.world_from_local)) return;
+  if (list_.splats.size() >= budget_->limit(vrml::Resource::items)) return;
+  SplatItem item;
+  item.cloud = cloud;
+  item.world_from_node = glm::mat4(parent.world_from_local);
+  // Discs have normals, so they are lit even where no Material asks for it.
+  item.own_color = !shape.material.lit;
+  item.material = item.own_color ? Material{} : shape.material;
+  item.detail = detail;
+  const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
+  item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
+  item.place = add_place(parent, id);
+  const qnv::Box& box = cloud->description.box;
+  RenderSources::Item kept = source;
+  kept.bounds = world_bounds({box.lower, box.upper}, parent.world_from_local);
+  if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);
+  list_.splats.push_back(std::move(item));
+  if (sources_) sources_->splats.push_back(kept);
+}
+
+// USE and PROTO let a small file describe 2^n of anything.
+bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
+  const std::size_t items = budget_->limit(vrml::Resource::items), most = budget_->limit(vrml::Resource::triangles);
+  if (list_.items.size() >= items) {
+    resources_.leave_out(budget_->refusal(vrml::Resource::items), scene, geometry);
+    return false;
+  }
+  if (triangles > most - std::min(most, triangles_)) {
+    resources_.leave_out(budget_->refusal(vrml::Resource::triangles), scene, geometry);
+    return false;
+  }
+  triangles_ += triangles;
+  return true;
+}
+
+void Collector::coarsen_primitives() {
+  std::size_t fineness = 0;
+  for (; fineness + 1 < ShapeResources::kSegments.size(); ++fineness) {
+    std::size_t triangles = 0;
+    for (const auto& [finest, all] : primitives_) triangles += all.count * (all.meshes[fineness]->indices.size() / 3);
+    if (triangles <= kManyTriangles) break;
+  }
+  if (fineness == 0) return;
+  for (DrawItem& item : list_.items)
+    if (const auto known = primitives_.find(item.mesh.get()); known != primitives_.end())
+      item.mesh = known->second.meshes[fineness];
+}
+
+}  // namespace gs::render

@@ -1,0 +1,142 @@
+#pragma once
+
+#include "render/scene/render_list.h"
+#include "render/scene/shape_resources.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace gs::render {
+
+/// Where the parts of a RenderList come from, so that it can follow changes of the nodes. Everything stands in the
+/// order of the walk, so that what lies below a frame is one range of each array.
+struct RenderSources {
+  /// A coordinate system, made by a Transform or Billboard; the first one is the world's.
+  struct Frame {
+    const vrml::Node* node = nullptr;   // null: the world
+    std::uint32_t parent = 0, end = 0;  // `end`: behind the last frame below this one
+    std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
+    glm::dmat4 parent_from_local{1.0};
+  };
+  struct Item {
+    const vrml::Node* geometry = nullptr;
+    ShapeResources::AppearanceNodes appearance;
+    glm::vec3 scale{1.0f};  // of a primitive, whose mesh has the default measures
+    vrml::Bounds bounds;    // world space
+  };
+  struct Local {  // of a light, Viewpoint, NavigationInfo or Background
+    const vrml::Node* node = nullptr;
+    std::uint32_t frame = 0;
+    bool main = true;  // not inside an Inline
+  };
+  struct Unshown {  // a geometry or a Transform that shows nothing as it is
+    const vrml::Node* node = nullptr;
+    const vrml::SceneGraph* scene = nullptr;
+  };
+  struct Lod {
+    const vrml::Node* node = nullptr;
+    std::uint32_t frame = 0;
+    int level = -1;
+  };
+
+  std::vector<Frame> frames;
+  std::vector<Item> items, splats;
+  std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints as in the list
+  std::vector<Lod> lods;
+  std::vector<std::uint32_t> billboards;  // frames
+  std::vector<Unshown> unshown;           // may repeat
+  bool complete = true;                   // false: there are more coordinate systems than are remembered
+};
+
+/// Walks the live scene and gathers what is visible; see collect().
+class Collector {
+ public:
+  /// `sources`: where to tell where everything comes from; null: nowhere.
+  Collector(ShapeResources& resources, const glm::vec3& viewer, const Clouds& clouds, const BoundNodes* bound,
+            std::shared_ptr<vrml::Budget> budget, RenderSources* sources)
+      : resources_(resources),
+        schemas_(resources.schemas()),
+        viewer_(viewer),
+        clouds_(clouds),
+        bound_(bound),
+        sources_(sources),
+        budget_(std::move(budget)) {}
+
+  RenderList collect(const vrml::SceneGraph& scene);
+
+ private:
+  /// One grouping node on the way down, or the roots of a scene.
+  struct Frame {
+    const vrml::SceneGraph* scene;
+    std::vector<bool>* on_path;  // of the scene: the nodes that are open now
+    std::uint32_t node;          // index of the open node; 0 for roots
+    const vrml::NodeId* next;
+    const vrml::NodeId* end;
+    glm::dmat4 world_from_local;
+    std::size_t lights_outside;  // how many of active_lights_ hold outside of this group
+    bool main;                   // not inside an Inline
+    std::uint32_t place = kNoPlace, frame = 0;
+    std::uint32_t places_before = 0, frames_before = 0;
+    std::size_t content_before = 0;
+  };
+
+  void enter(Frame frame);
+  void enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children);
+  void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
+                   bool billboard);
+  void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
+  void enter_inline(const Frame& parent, vrml::NodeId id);
+  void leave();
+  void visit(const Frame& parent, vrml::NodeId id);
+  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
+  void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
+  void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
+  void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
+                  const std::shared_ptr<const qnv::Cloud>& cloud, float detail, const RenderSources::Item& source);
+  bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
+  void coarsen_primitives();
+  [[nodiscard]] glm::dvec3 viewer_in(const glm::dmat4& world_from_local) const;
+  [[nodiscard]] std::size_t content() const;
+  std::uint32_t add_place(const Frame& parent, vrml::NodeId id);
+
+  ShapeResources& resources_;
+  Schemas& schemas_;
+  glm::dvec3 viewer_;
+  const Clouds& clouds_;
+  const BoundNodes* bound_;
+  RenderSources* sources_;
+  RenderList list_;
+  std::vector<ViewpointState> inlined_viewpoints_;
+  std::vector<RenderSources::Local> inlined_sources_;
+  std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs that were met
+  bool have_navigation_ = false, have_background_ = false;
+  std::vector<Frame> path_;
+  std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
+  std::vector<std::uint16_t> active_lights_;
+  std::size_t visits_ = 0;
+  std::shared_ptr<vrml::Budget> budget_;
+  std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
+  // Primitives of which there are items, by their finest mesh.
+  struct Primitives {
+    std::array<std::shared_ptr<const vrml::Mesh>, ShapeResources::kSegments.size()> meshes;
+    std::size_t count = 0;
+  };
+  std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
+};
+
+/// The viewer's place in a local coordinate system; its origin where that is no finite number.
+[[nodiscard]] glm::dvec3 viewer_in_local(const glm::dvec3& viewer, const glm::dmat4& world_from_local);
+/// Whether no number of the matrix is too large for a float, or none.
+[[nodiscard]] bool fits_float(const glm::dmat4& matrix);
+/// Around the transformed box; empty where that is no finite numbers.
+[[nodiscard]] vrml::Bounds world_bounds(const vrml::Bounds& bounds, const glm::dmat4& world_from_local);
+
+}  // namespace gs::render

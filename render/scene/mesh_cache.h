@@ -1,0 +1,51 @@
+#pragma once
+
+#include "render/image/image.h"
+#include "vrml/mesh/mesh.h"
+#include "vrml/scene/budget.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <memory>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace gs::render {
+
+/// What is made of geometries and PixelTextures once, and kept while the world lives. Drop it with the world. One
+/// thread at a time.
+///
+/// Meshes are not watched: `forget` tells what has changed. Images of PixelTextures follow their field by themselves.
+struct MeshCache {
+  struct Entry {
+    std::shared_ptr<const vrml::Mesh> mesh;
+    vrml::Share share;                        // of the budget for meshes
+    const vrml::SceneGraph* scene = nullptr;  // of the geometry node
+    bool texture_coordinates = false;         // whether they were asked for
+    bool refused = false;                     // the limit for meshes took some or all of it
+  };
+  struct PixelEntry {
+    vrml::PixelImage source;  // shares its storage with the field while that is unchanged
+    std::shared_ptr<const Image> image;
+    vrml::Share share;
+  };
+  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
+  std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
+  /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
+  /// which share one mesh under different scales, and so one draw call.
+  std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
+
+  /// This node has changed: a geometry, or a node that geometries are made of (Coordinate, Color, FontStyle, ...).
+  void forget(const vrml::Node* node);
+  /// A mesh was made of this geometry.
+  void made(const vrml::Node* geometry) { unlisted_.push_back(geometry); }
+  void clear() { *this = {}; }
+
+ private:
+  std::set<std::pair<const vrml::Node*, const vrml::Node*>> geometries_of_;  // by the node that they are made of
+  std::vector<const vrml::Node*> unlisted_;  // geometries that are not in it yet; most worlds never ask
+};
+
+}  // namespace gs::render

@@ -1,0 +1,143 @@
+#include "render/scene/shape_resources.h"
+
+#include <utility>
+
+namespace gs::render {
+namespace {
+
+// What a picture's pixels cost beside themselves: the copy of who draws, of 4 bytes each, and its smaller ones.
+constexpr std::size_t kPixelCopy = 6;
+
+}  // namespace
+
+ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape) {
+  AppearanceNodes nodes;
+  const NodeView appearance = schemas_.view(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
+  nodes.appearance = appearance.node;
+  if (appearance.kind() != NodeKind::appearance) return nodes;
+  const auto node_of = [&](int field) { return schemas_.view(scene, appearance.get(field, vrml::NodeId{})).node; };
+  nodes.material = node_of(AppearanceFields::material);
+  nodes.texture = node_of(AppearanceFields::texture);
+  nodes.texture_transform = node_of(AppearanceFields::texture_transform);
+  return nodes;
+}
+
+void ShapeResources::dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape) {
+  item.material = {};
+  item.texture = {};
+  item.material.lit = false;
+  item.material.diffuse = glm::vec3(1);
+  const NodeView appearance = schemas_.view(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
+  if (appearance.kind() != NodeKind::appearance) return;
+  const NodeView material = schemas_.view(scene, appearance.get(AppearanceFields::material, vrml::NodeId{}));
+  if (material.kind() == NodeKind::material) item.material = material_of(material);
+  item.texture = texture_use(scene, appearance);
+}
+
+TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const NodeView& appearance) {
+  TextureUse use;
+  const auto id = appearance.get(AppearanceFields::texture, vrml::NodeId{});
+  const NodeView texture = schemas_.view(scene, id);
+  if (texture.kind() != NodeKind::image_texture && texture.kind() != NodeKind::pixel_texture) return use;
+  use.image = image_of_texture(scene, id);
+  if (!use.image) return use;
+  use.repeat_s = texture.get(TextureFields::repeat_s, true);
+  use.repeat_t = texture.get(TextureFields::repeat_t, true);
+  const NodeView transform = schemas_.view(scene, appearance.get(AppearanceFields::texture_transform, vrml::NodeId{}));
+  if (transform.kind() == NodeKind::texture_transform) use.transform = texture_matrix(transform);
+  return use;
+}
+
+std::shared_ptr<const Image> ShapeResources::image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  const NodeView texture = schemas_.view(scene, id);
+  const auto given = images_.find(texture.node);
+  if (given != images_.end() && given->second && !given->second->empty()) return given->second;
+  if (texture.kind() != NodeKind::pixel_texture) return nullptr;
+  const auto* pixels = texture.find<vrml::SFImage>(TextureFields::image);
+  if (!pixels || pixels->words.empty()) return nullptr;
+  MeshCache::PixelEntry& entry = meshes_.pixel_images[texture.node];
+  if (!entry.source.words.shares_with(pixels->words)) {
+    entry.source = *pixels;
+    entry.image = nullptr;
+    entry.share = vrml::Share(budget_, vrml::Resource::pixels);
+    if (!entry.share.grow(pixels->pixels().size() * (pixels->components() + kPixelCopy))) {
+      leave_out("PixelTexture: " + budget_->refusal(vrml::Resource::pixels), scene, id);
+      return nullptr;
+    }
+    Image image = image_of(*pixels);
+    if (!image.empty()) entry.image = std::make_shared<const Image>(std::move(image));
+  }
+  return entry.image;
+}
+
+void ShapeResources::leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node) {
+  for (LeftOut& known : left_out_)
+    if (known.why == why) {
+      ++known.count;
+      return;
+    }
+  const bool exists = scene.contains(node);
+  left_out_.push_back({why, 1, scene.file_name(), exists ? scene.node(node).location : vrml::SourceLocation{}});
+}
+
+std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                            std::size_t fineness) {
+  const vrml::Node& node = scene.node(geometry);
+  std::string key = node.type->name;
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
+    if (const auto* flag = std::get_if<vrml::SFBool>(&node.values[i])) key += *flag ? '1' : '0';
+  auto& mesh = meshes_.primitives[key += static_cast<char>('a' + fineness)];
+  if (!mesh) {
+    vrml::MeshOptions options;
+    options.default_measures = true;
+    options.segments = kSegments[fineness];
+    mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  }
+  return mesh;
+}
+
+// The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.
+vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry) {
+  static const vrml::NodeType* const kOutlineGroup = vrml::built_in_node_type("OutlineGroup");
+  if (scene.node(geometry).type != kOutlineGroup) return {};
+  const auto [at, fresh] = refiners_.try_emplace(&scene);
+  for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
+    const vrml::NodeId id = scene.id_at(i);
+    if (scene.node(id).type != kOutlineGroup || scene.node(id).in_prototype_body) continue;
+    if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), "OutlineGroup"))
+      at->second.emplace(refined.index, id);
+  }
+  const auto found = at->second.find(geometry.index);
+  return found == at->second.end() ? vrml::NodeId{} : found->second;
+}
+
+std::shared_ptr<const vrml::Mesh> ShapeResources::mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                          bool textured) {
+  MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
+  if (!entry.mesh || (textured && !entry.texture_coordinates)) make_mesh(entry, scene, geometry, textured);
+  if (entry.refused) leave_out(budget_->refusal(vrml::Resource::meshes), scene, geometry);
+  return entry.mesh;
+}
+
+void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                               bool textured) {
+  vrml::MeshOptions options;
+  options.texture_coordinates = textured;
+  options.refiner = refiner_of(scene, geometry);
+  entry.mesh = nullptr;
+  entry.share = vrml::Share(budget_, vrml::Resource::meshes);
+  auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  made_mesh_ = true;
+  entry.scene = &scene;
+  meshes_.made(&scene.node(geometry));
+  // One that there is no room for is not tried again for every USE.
+  if (!entry.share.grow(mesh->cost())) {
+    *mesh = {};
+    mesh->left_out = true;
+  }
+  entry.refused = mesh->left_out && !budget_->stopped();
+  entry.mesh = std::move(mesh);
+  entry.texture_coordinates = textured;
+}
+
+}  // namespace gs::render

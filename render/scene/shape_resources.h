@@ -1,0 +1,59 @@
+#pragma once
+
+#include "render/scene/collect_nodes.h"
+#include "render/scene/render_list.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// What Shapes are drawn with, made of their nodes once: meshes, materials, images. One thread; the scene, the images
+/// and the cache must outlive it.
+class ShapeResources {
+ public:
+  /// Segments of primitives, from fine to coarse.
+  static constexpr std::array<int, 3> kSegments = {32, 16, 8};
+
+  ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<vrml::Budget> budget)
+      : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
+
+  [[nodiscard]] Schemas& schemas() { return schemas_; }
+  /// The nodes that an Appearance is made of; null where there is none of the kind.
+  struct AppearanceNodes {
+    const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
+  };
+  [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
+  /// Sets material and texture of the item.
+  void dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
+  /// The mesh of a geometry node, made if it has not been. Null or empty: it shows nothing.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                          bool textured);
+  /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures. `fineness`: of kSegments.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                            std::size_t fineness);
+  /// Whether a mesh was made since the last call.
+  [[nodiscard]] bool take_made_mesh() { return std::exchange(made_mesh_, false); }
+  void leave_out(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
+  [[nodiscard]] std::vector<LeftOut>& left_out() { return left_out_; }
+  /// OutlineGroups are looked for again: which refines which may have changed.
+  void forget_refiners() { refiners_.clear(); }
+
+ private:
+  TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
+  std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
+  vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
+  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
+
+  const Images& images_;
+  MeshCache& meshes_;
+  std::shared_ptr<vrml::Budget> budget_;
+  Schemas schemas_;
+  std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;  // by index
+  std::vector<LeftOut> left_out_;
+  bool made_mesh_ = false;
+};
+
+}  // namespace gs::render
