@@ -164,6 +164,11 @@ bool DocumentList::awaited(std::string_view path) const {
   return known && (known->stale || known->reading != 0);
 }
 
+bool DocumentList::arriving(std::string_view path) const {
+  const Entry* known = find(path);
+  return known && known->document && known->document->arriving.waiting > 0;
+}
+
 DocumentList::Entry* DocumentList::entry(std::string_view path) {
   const auto place = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.path == path; });
   return place == entries_.end() ? nullptr : &*place;

@@ -2,6 +2,7 @@
 
 #include "app/session/living_world.h"
 #include "app/world/opened_world.h"
+#include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"
 
@@ -18,7 +19,6 @@
 
 namespace gs::app {
 
-class WorldLoading;
 class WorldReader;
 
 /// An opened world: what all that look at it share.
@@ -32,7 +32,9 @@ struct Document {
   bool viewer_dependent = false;                   // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;
   bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
-  std::shared_ptr<WorldReader> reader;                   // that still reads of its streams what views want; null: none
+  std::shared_ptr<WorldReader> reader;  // that still reads what arrives, and of streams what views want; null: none
+  LoadingState arriving;                // how far it is; nothing waits when all is there
+  bool all_came = false;
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
@@ -89,6 +91,8 @@ class DocumentList {
   [[nodiscard]] std::shared_ptr<Document> document_of(std::uint64_t reading) const;
   /// True when a file is being read or waits for it.
   [[nodiscard]] bool awaited(std::string_view path) const;
+  /// True when a file's world is there, and something of it is still to come.
+  [[nodiscard]] bool arriving(std::string_view path) const;
 
  private:
   [[nodiscard]] Entry* entry(std::string_view path);

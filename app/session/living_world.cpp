@@ -38,13 +38,24 @@ bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::st
   return event && execution_.send(scene, node, *event, value);
 }
 
+void LivingWorld::arrive(Arrivals&& arrivals) {
+  std::vector<vrml::NodeChange> changes;
+  for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
+    changes.push_back({place.scene, place.node, 0});
+  if (!changes.empty()) add_changes(std::move(changes));
+}
+
+void LivingWorld::add_changes(std::vector<vrml::NodeChange> changes) {
+  batches_.push_back(std::move(changes));
+  if (batches_.size() > kMostBatches) batches_.pop_front();
+  ++version_;
+}
+
 bool LivingWorld::take_changes() {
   const auto changes = execution_.take_changes();
   if (changes.empty()) return false;
   render::forget_changed(meshes_, changes);
-  batches_.emplace_back(changes.begin(), changes.end());
-  if (batches_.size() > kMostBatches) batches_.pop_front();
-  ++version_;
+  add_changes({changes.begin(), changes.end()});
   return true;
 }
 

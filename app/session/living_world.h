@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/world/arrivals.h"
 #include "app/world/opened_world.h"
 #include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
@@ -38,6 +39,8 @@ class LivingWorld {
   bool step(double now);
   /// An event that the user has caused. False: there is no such node or eventIn, or the value is of another type.
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
+  /// Takes in what has come.
+  void arrive(Arrivals&& arrivals);
   /// When there is something to do next; see Execution::next_time.
   [[nodiscard]] std::optional<double> next_time() const { return execution_.next_time(); }
 
@@ -52,6 +55,7 @@ class LivingWorld {
 
  private:
   bool take_changes();
+  void add_changes(std::vector<vrml::NodeChange> changes);
 
   OpenedWorld& world_;
   render::MeshCache& meshes_;

@@ -14,7 +14,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kWait{50};          // so that progress shows
 constexpr std::chrono::milliseconds kStreamWait{1000};  // wishes of views end it
 constexpr std::chrono::milliseconds kBetweenLists{80};
-constexpr int kRest = 3;  // times as long as gathering took, before the next time
+constexpr std::chrono::milliseconds kForPictures{150};  // what comes so soon shows with the first picture
+constexpr int kRest = 3;                                // times as long as gathering took, before the next time
 
 }  // namespace
 
@@ -23,7 +24,7 @@ WorldReader::WorldReader(std::string path, LoadOptions options, std::function<vo
         try {
           run(path, options);
         } catch (const std::bad_alloc&) {
-          tell({make_document(world_without_memory(path)), true, false, {}});
+          tell({make_document(world_without_memory(path)), {}, true, false, {}});
         }
         ended_ = true;
       }) {}
@@ -39,21 +40,31 @@ void WorldReader::cancel() {
   if (loading_) loading_->wake();
 }
 
+void WorldReader::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
+  const std::lock_guard lock(mutex_);
+  importance_ = std::move(importance);
+  importance_is_new_ = true;
+  if (loading_) loading_->wake();
+}
+
+std::unordered_set<const vrml::Node*> WorldReader::wanted() {
+  const std::lock_guard lock(mutex_);
+  return wanted_;
+}
+
 WorldReader::News WorldReader::take() {
   const std::lock_guard lock(mutex_);
-  News news = news_;
-  news_.document.reset();
-  news_.over = news_.fed = false;
+  News news = std::exchange(news_, {});
+  news_.state = news.state;
   return news;
 }
 
 void WorldReader::tell(News news) {
   {
     const std::lock_guard lock(mutex_);
-    if (news.document) {
-      news_.document = std::move(news.document);
-      news_.over = news.over;
-    }
+    if (news.document) news_.document = std::move(news.document);
+    news_.arrivals.append(std::move(news.arrivals));
+    news_.over = news_.over || news.over;
     news_.fed = news_.fed || news.fed;
     news_.state = news.state;
   }
@@ -67,38 +78,72 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     const std::lock_guard lock(mutex_);
     loading_ = &loading;
   }
+  bool lives = false;
   auto next = Clock::now() + kBetweenLists;
+  std::optional<Clock::time_point> complete;  // when all nodes were there
   LoadingState told;
   while (!loading.done()) {
     (void)loading.step(kWait);
-    if (loading.done() || Clock::now() < next) continue;
+    if (loading.done()) break;
+    if (lives) {
+      News news{nullptr, loading.take_arrivals(), false, loading.fed(), loading.state()};
+      if (!news.arrivals.empty() || news.fed || !(news.state == told)) {
+        told = news.state;
+        tell(std::move(news));
+      }
+      exchange_priorities(loading);
+      continue;
+    }
+    if (loading.structure_complete()) {
+      if (!complete) complete = Clock::now();
+      if (Clock::now() >= *complete + kForPictures) {
+        give_away(loading);
+        lives = true;
+        continue;
+      }
+    } else {
+      complete.reset();
+    }
+    if (Clock::now() < next) continue;
     const auto start = Clock::now();
     const LoadingState state = loading.state();
     if (loading.changed()) {
       render::RenderList list = loading.collect({0, 0, 10});
       const bool shows = !list.items.empty() || !list.splats.empty();
-      tell({shows ? preview_document(path, loading, std::move(list)) : nullptr, false, false, state});
+      tell({shows ? preview_document(path, loading, std::move(list)) : nullptr, {}, false, false, state});
     } else if (!(state == told)) {
-      tell({nullptr, false, false, state});
+      tell({nullptr, {}, false, false, state});
     }
     told = state;
     next = Clock::now() + std::max<Clock::duration>(kBetweenLists, kRest * (Clock::now() - start));
   }
   if (!stop_) {
-    render::MeshCache meshes;
-    OpenedWorld world = loading.take(&meshes);
-    const WorldBudget budget = world.scene ? world.scene->budget() : own_budget();
-    budget->stop_when([this] { return cancelled_.load(); });
-    auto document = make_document(std::move(world), std::move(meshes));
-    budget->stop_when({});
-    tell({std::move(document), true, false, loading.state()});
+    if (!lives) give_away(loading);
+    tell({nullptr, loading.take_arrivals(), true, false, loading.state()});
   }
   while (!stop_ && loading.streaming()) {
     (void)loading.step(kStreamWait);
-    if (loading.fed()) tell({nullptr, false, true, loading.state()});
+    if (loading.fed()) tell({nullptr, loading.take_arrivals(), false, true, loading.state()});
   }
   const std::lock_guard lock(mutex_);
   loading_ = nullptr;
+}
+
+// The world goes to the owner.
+void WorldReader::give_away(WorldLoading& loading) {
+  render::MeshCache meshes;
+  OpenedWorld world = loading.take(&meshes);
+  const WorldBudget budget = world.scene ? world.scene->budget() : own_budget();
+  budget->stop_when([this] { return cancelled_.load(); });
+  auto document = make_document(std::move(world), std::move(meshes));
+  budget->stop_when({});
+  tell({std::move(document), {}, false, false, loading.state()});
+}
+
+void WorldReader::exchange_priorities(WorldLoading& loading) {
+  const std::lock_guard lock(mutex_);
+  wanted_ = loading.wanted();
+  if (std::exchange(importance_is_new_, false)) loading.prioritize(std::move(importance_));
 }
 
 }  // namespace gs::app

@@ -10,19 +10,25 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace gs::app {
 
-/// Reads one world on a thread of its own, and tells meanwhile what there is to see. What it tells is moved or never
-/// changes, but for streams, which are the taker's from then on and are fed through `OpenedWorld::feeds`.
-/// The owner calls everything below.
+/// Reads one world on a thread of its own, and tells meanwhile what there is to see. As soon as all nodes are there the
+/// world is the owner's, and lives; pictures and vectors go on arriving. What it tells is moved or never changes, but
+/// for streams, which are the owner's from then on and are fed through `OpenedWorld::feeds`. The owner calls everything
+/// below.
 class WorldReader {
  public:
   /// What has happened since the last time.
   struct News {
-    std::shared_ptr<Document> document;  // as far as it has come, or the whole; null: no more than before
-    bool over = false;  // it is the whole, or all there will be; without a scene: it could not be opened
-    bool fed = false;   // bytes of its streams have come
+    /// A preview as far as it has come, or the world that lives from then on; one without a scene could not be opened.
+    /// Null: no other than before.
+    std::shared_ptr<Document> document;
+    Arrivals arrivals;  // for the living world
+    bool over = false;  // no more will come but bytes of streams
+    bool fed = false;   // such bytes have come
     LoadingState state;
   };
 
@@ -35,6 +41,10 @@ class WorldReader {
 
   /// What has come is all there will be, as if the time for loading were over.
   void cancel();
+  /// How large what still comes over the network is seen.
+  void prioritize(std::unordered_map<const vrml::Node*, float> importance);
+  /// The nodes for which it comes.
+  [[nodiscard]] std::unordered_set<const vrml::Node*> wanted();
   /// The thread has ended, so that the destructor does not wait.
   [[nodiscard]] bool ended() const { return ended_; }
   [[nodiscard]] News take();
@@ -42,13 +52,18 @@ class WorldReader {
  private:
   void run(const std::string& path, LoadOptions options);
   void tell(News news);
+  void give_away(WorldLoading& loading);
+  void exchange_priorities(WorldLoading& loading);
 
   std::function<void()> wake_;
   std::atomic<bool> cancelled_ = false, stop_ = false, ended_ = false;
   std::mutex mutex_;
-  News news_;                        // guarded by mutex_
-  WorldLoading* loading_ = nullptr;  // guarded by mutex_: for waking it
-  std::jthread thread_;              // last: joined before what it uses goes
+  News news_;                                                // guarded by mutex_
+  WorldLoading* loading_ = nullptr;                          // guarded by mutex_: for waking it
+  std::unordered_map<const vrml::Node*, float> importance_;  // guarded by mutex_
+  std::unordered_set<const vrml::Node*> wanted_;             // guarded by mutex_
+  bool importance_is_new_ = false;                           // guarded by mutex_
+  std::jthread thread_;                                      // last: joined before what it uses goes
 };
 
 }  // namespace gs::app

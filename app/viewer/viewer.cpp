@@ -1,6 +1,7 @@
 #include "app/viewer/viewer.h"
 
 #include "app/viewer/viewer_session.h"
+#include "app/world/importance.h"
 #include "app/world/stream_feed.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ constexpr double kLoadingWait = 0.25;    // between pictures of the progress lin
 constexpr std::size_t kMostReaders = 2;  // files that are read at a time
 constexpr double kLifeStep = 1.0 / 60;   // seconds: how often time goes on in worlds
 constexpr double kLongLife = 0.05;
+constexpr double kBetweenPriorities = 0.5;
 
 }  // namespace
 
@@ -41,6 +43,7 @@ void Viewer::run() {
     wait_for_something();
     if (take_news()) frames_wanted_ = kSettlingFrames;
     if (feed_streams()) frames_wanted_ = kSettlingFrames;
+    prioritize();
     if (let_live()) frames_wanted_ = std::max(frames_wanted_, 1);
     const glm::ivec2 size = window_->framebuffer_size();
     if (size.x <= 0 || size.y <= 0) continue;  // minimised
@@ -205,7 +208,7 @@ bool Viewer::take_news() {
       WorldReader::News news = one.reader->take();
       any = any || news.document || news.fed || !(news.state == one.state);
       one.state = news.state;
-      if (!news.document || !take_news(one, news)) {
+      if (!news.document || !take_document(one, news)) {
         ++i;
         continue;
       }
@@ -215,13 +218,14 @@ bool Viewer::take_news() {
   }
   std::erase_if(retired_, [](const auto& reader) { return reader->ended(); });
   for (const DocumentList::Entry& entry : panes_.documents().entries())
-    if (entry.document && entry.document->reader) any = entry.document->reader->take().fed || any;
+    if (entry.document && entry.document->reader)
+      any = take_arrivals(*entry.document, entry.path, entry.document->reader->take()) || any;
   return any;
 }
 
-// True when nothing more comes of it.
-bool Viewer::take_news(const Reader& from, const WorldReader::News& news) {
-  if (!news.over) {
+// True when what comes from now on is the document's own affair.
+bool Viewer::take_document(const Reader& from, WorldReader::News& news) {
+  if (news.document->is_preview) {
     panes_.preview(from.reading.number, news.document);
     return false;
   }
@@ -229,10 +233,39 @@ bool Viewer::take_news(const Reader& from, const WorldReader::News& news) {
     show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
     return true;
   }
-  questions_.ask(from.reading.path, news.document->world.outside);
-  news.document->reader = from.reader;
-  panes_.deliver(from.reading.number, news.document, area().size());
+  const std::shared_ptr<Document> document = news.document;
+  questions_.ask(from.reading.path, document->world.outside);
+  document->reader = from.reader;
+  panes_.deliver(from.reading.number, document, area().size());
+  (void)take_arrivals(*document, from.reading.path, std::move(news));
   return true;
+}
+
+// Of a world that lives already.
+bool Viewer::take_arrivals(Document& document, const std::string& path, WorldReader::News news) {
+  const LoadingState state = news.over ? LoadingState{} : news.state;
+  const bool any = news.fed || news.over || !(state == document.arriving) || !news.arrivals.empty();
+  if (!document.all_came) document.arriving = state;
+  document.all_came = document.all_came || news.over;
+  if (news.arrivals.empty()) return any;
+  if (!news.arrivals.outside.empty()) questions_.ask(path, news.arrivals.outside);
+  const bool told = !news.arrivals.diagnostics.entries().empty();
+  document.living->arrive(std::move(news.arrivals));
+  if (told) panes_.log_changed(document);
+  return true;
+}
+
+// What is seen largest in the active viewport comes first.
+void Viewer::prioritize() {
+  const View* seen = view();
+  if (!seen || !seen->document->reader || seen->document->arriving.waiting == 0) return;
+  const double now = Window::now();
+  if (now < next_priorities_) return;
+  const auto wanted = seen->document->reader->wanted();
+  if (wanted.empty()) return;
+  seen->document->reader->prioritize(
+      importance_of(*seen->document->world.scene, wanted, seen->navigation.pose.position));
+  next_priorities_ = Window::now() + std::max(kBetweenPriorities, 20 * (Window::now() - now));
 }
 
 // What has come of streams becomes finer vectors, what views lack is asked for.

@@ -1,5 +1,7 @@
 #include "app/viewer/viewer_panes.h"
 
+#include "app/session/world_reader.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -49,6 +51,10 @@ void Panes::reload() { documents_.reload(panes_[active_].wanted); }
 bool Panes::cancel(std::size_t pane) {
   if (pane >= kMostViewports || !loading(pane)) return false;
   const std::string path = panes_[pane].wanted;
+  if (documents_.arriving(path) && !documents_.awaited(path)) {
+    documents_.document(path)->reader->cancel();  // what has come stays
+    return true;
+  }
   documents_.give_up(path);
   if (documents_.find(path)) return true;
   for (Pane& each : panes_)
@@ -114,6 +120,12 @@ void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, c
         grows ? grown(place->second, document, place->second.home_size) : renewed(place->second, document, viewport);
     if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
   }
+}
+
+void Panes::log_changed(const Document& document) {
+  for (Pane& pane : panes_)
+    if (const View* view = pane.view(); view && view->document.get() == &document && pane.shown == pane.wanted)
+      pane.log = document.world.diagnostics;
 }
 
 std::vector<std::size_t> Panes::fail(std::uint64_t reading) {

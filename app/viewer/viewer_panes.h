@@ -68,11 +68,15 @@ class Panes {
   /// Begins to read what a viewport in sight waits for, the active one first. Nothing when none does.
   [[nodiscard]] std::optional<DocumentList::Reading> begin_loading();
   /// True when a viewport's file is being read, or waits for it.
-  [[nodiscard]] bool loading(std::size_t pane) const { return documents_.awaited(panes_[pane].wanted); }
+  [[nodiscard]] bool loading(std::size_t pane) const {
+    return documents_.awaited(panes_[pane].wanted) || documents_.arriving(panes_[pane].wanted);
+  }
   /// A reading has become this. Views of an older state of the file are renewed.
   void deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport);
   /// So much of a reading has come; it shows already.
   void preview(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// What is wrong with a file that is shown has been told anew.
+  void log_changed(const Document& document);
   /// A reading came to nothing. The viewports that waited for it go back to what they showed, or on to a file that
   /// no other shows; their numbers. Empty when nobody waits any more.
   std::vector<std::size_t> fail(std::uint64_t reading);

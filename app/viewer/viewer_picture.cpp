@@ -88,15 +88,19 @@ void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
 // "city.wrl: 3.1 of 12.0 MB, 4 files to come"
 std::string Viewer::progress_of(const std::string& path) const {
   std::string text = file_label(path);
-  for (const Reader& one : readers_) {
-    if (one.reading.path != path || one.state.received == 0) continue;
+  std::vector<LoadingState> states;
+  for (const Reader& one : readers_)
+    if (one.reading.path == path) states.push_back(one.state);
+  if (const auto document = panes_.documents().document(path); document && states.empty())
+    states.push_back(document->arriving);
+  for (const LoadingState& state : states) {
+    if (state.received == 0) continue;
     const auto megabytes = [](std::uint64_t bytes) {
       const std::uint64_t tenths = (bytes + 50'000) / 100'000;
       return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
     };
-    text +=
-        ": " + megabytes(one.state.received) + (one.state.total ? " of " + megabytes(*one.state.total) : "") + " MB";
-    if (one.state.waiting > 1) text += ", " + std::to_string(one.state.waiting) + " files to come";
+    text += ": " + megabytes(state.received) + (state.total ? " of " + megabytes(*state.total) : "") + " MB";
+    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
   }
   return text;
 }

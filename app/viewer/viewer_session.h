@@ -50,7 +50,9 @@ class Viewer {
 
   void load_next();
   bool take_news();
-  bool take_news(const Reader& from, const WorldReader::News& news);
+  bool take_document(const Reader& from, WorldReader::News& news);
+  bool take_arrivals(Document& document, const std::string& path, WorldReader::News news);
+  void prioritize();
   bool feed_streams();
   void ask_for_streams();
   void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
@@ -108,6 +110,7 @@ class Viewer {
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last
   std::string title_;
+  double next_priorities_ = 0;
   double life_due_ = 0;  // seconds of the window's clock: when time goes on in the worlds, if it does
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;

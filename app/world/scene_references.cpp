@@ -73,18 +73,17 @@ struct WorldLoading::State::SharedImage final : Taker {
     if (!texture.note.empty())
       world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + texture.note);
     image = std::move(texture.image);
-    for (const vrml::Node* node : nodes) world.world.images[node] = image;
-    world.changed = true;
+    world.image_arrived({std::exchange(textures, {}), image});
   }
   void missing(const std::string& why) override {
     over = true;
     if (!told) world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
   }
-  void add(const vrml::Node* node) {
+  void add(const Arrivals::Place& texture) {
     if (image)
-      world.world.images[node] = image;
+      world.image_arrived({{texture}, image});
     else if (!over)
-      nodes.push_back(node);
+      textures.push_back(texture);
   }
 
   State& world;
@@ -93,7 +92,7 @@ struct WorldLoading::State::SharedImage final : Taker {
   vrml::MFString urls;
   std::vector<std::byte> bytes;
   vrml::Share held;  // of these
-  std::vector<const vrml::Node*> nodes;
+  std::vector<Arrivals::Place> textures;
   std::shared_ptr<const render::Image> image;
   bool over = false;
 };
@@ -260,7 +259,7 @@ void SceneTaker::visit_image(NodeId id) {
   auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
   const bool fresh = !shared;
   if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), list);
-  shared->add(&scene->node(id));
+  shared->add({scene, id});
   if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
 }
 
@@ -310,6 +309,7 @@ struct WorldLoading::State::OutlineTaker final : Taker {
         world(state),
         reader(state, *owner->scene, id) {}
 
+  bool makes_nodes() const override { return true; }
   bool begin(const Found& found) override {
     name = found.path;
     return true;
@@ -354,30 +354,8 @@ void SceneTaker::visit_outlines(NodeId id) {
 }
 
 void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
-  const vrml::Node* node = &scene->node(id);
-  world_.changed = true;
-  std::shared_ptr<const qnv::Cloud>& held = world_.world.clouds[node];
-  auto transfer = transfer_of(scene->get<vrml::MFFloat>(id, "transfer"));
-  if (transfer.empty()) {
-    held = cloud;
-  } else {
-    held = nullptr;
-    if (has_room_for(*cloud, *world_.budget)) {
-      qnv::Cloud own = *cloud;
-      own.description.transfer = std::move(transfer);
-      held = hold_cloud(std::move(own), world_.budget);
-    }
-    if (!held) {
-      held = cloud;
-      report_at(*node,
-                "QNV: with a transfer of its own, " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
-    }
-  }
   const auto fallback = fallbacks_.find(id.index);
-  if (fallback == fallbacks_.end()) return;
-  vrml::Node& instance = scene->node(fallback->second);
-  instance.expansion = {};
-  instance.expansion.push_back(id);
+  world_.cloud_arrived({{scene, id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
 }
 
 // A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are

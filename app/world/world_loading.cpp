@@ -255,15 +255,38 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   return true;
 }
 
+void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
+  changed = true;
+  if (!taken) return set_cloud(world, cloud);
+  for (Arrivals::Cloud& earlier : arrivals.clouds)
+    if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node) {
+      earlier.cloud = std::move(cloud.cloud);
+      return;
+    }
+  arrivals.clouds.push_back(std::move(cloud));
+}
+
+void WorldLoading::State::image_arrived(Arrivals::Image image) {
+  changed = true;
+  if (taken) {
+    arrivals.images.push_back(std::move(image));
+  } else {
+    for (const Arrivals::Place& texture : image.textures)
+      world.images[&texture.scene->node(texture.node)] = image.image;
+  }
+}
+
 void WorldLoading::State::set_priorities() {
   if (!loader || by_request.empty() || !root || !root->scene) return;
   const auto now = Clock::now();
   if (now < next_priorities) return;
   next_priorities = now + std::chrono::milliseconds(200);
-  std::unordered_set<const vrml::Node*> wanted;
-  for (const auto& [id, fetch] : by_request)
-    if (fetch->node) wanted.insert(fetch->node);
-  const auto importance = importance_of(*root->scene, wanted, viewer);
+  if (!taken) {
+    std::unordered_set<const vrml::Node*> wanted;
+    for (const auto& [id, fetch] : by_request)
+      if (fetch->node) wanted.insert(fetch->node);
+    importance = importance_of(*root->scene, wanted, viewer);
+  }
   for (const auto& [id, fetch] : by_request) {
     const auto known = importance.find(fetch->node);
     if (known == importance.end()) continue;
@@ -286,6 +309,30 @@ WorldLoading::~WorldLoading() = default;
 bool WorldLoading::step(std::chrono::milliseconds wait) { return state_->step(wait); }
 bool WorldLoading::done() const { return state_->is_done; }
 void WorldLoading::wake() { state_->waker->wake(); }
+bool WorldLoading::structure_complete() const {
+  const State& s = *state_;
+  if (!s.root || !s.root->scene || s.root->refused || s.taken) return false;
+  return std::none_of(s.fetches.begin(), s.fetches.end(), [&](const auto& fetch) {
+    return fetch->taker->makes_nodes() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
+  });
+}
+Arrivals WorldLoading::take_arrivals() {
+  State& s = *state_;
+  Arrivals arrivals = std::exchange(s.arrivals, {});
+  arrivals.feeds = std::exchange(s.world.feeds, {});
+  arrivals.outside = std::exchange(s.world.outside, {});
+  arrivals.diagnostics = std::exchange(s.world.diagnostics, vrml::Diagnostics());
+  return arrivals;
+}
+void WorldLoading::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
+  state_->importance = std::move(importance);
+}
+std::unordered_set<const vrml::Node*> WorldLoading::wanted() const {
+  std::unordered_set<const vrml::Node*> wanted;
+  for (const auto& [id, fetch] : state_->by_request)
+    if (fetch->node) wanted.insert(fetch->node);
+  return wanted;
+}
 bool WorldLoading::changed() const { return state_->changed; }
 bool WorldLoading::streaming() const { return !state_->streams.empty() || !state_->cells.empty(); }
 net::CellClientStatistics WorldLoading::cells() const { return state_->cell_statistics(); }
@@ -323,7 +370,9 @@ OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   State& s = *state_;
   s.taken = true;
   s.budget->stop_when({});
-  OpenedWorld world = std::move(s.world);
+  OpenedWorld world = std::exchange(s.world, OpenedWorld());
+  s.world.path = world.path;
+  s.world.title = world.title;
   world.bytes = s.root->bytes();
   world.parse_seconds = s.root->seconds();
   world.truncated = !s.root->whole;

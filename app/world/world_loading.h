@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/load_limit.h"
+#include "app/world/arrivals.h"
 #include "app/world/opened_world.h"
 #include "app/world/world_loader.h"
 #include "net/cells/cell_receiver.h"
@@ -14,6 +15,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace gs::app {
@@ -47,6 +50,15 @@ class WorldLoading {
   /// Ends the wait of a `step`. Any thread.
   void wake();
 
+  /// Whether all nodes of the world are there, so that it can be taken while pictures and vectors still come.
+  [[nodiscard]] bool structure_complete() const;
+  /// After `take`: what has come since the last time.
+  [[nodiscard]] Arrivals take_arrivals();
+  /// After `take`: how large what waits is seen; nodes of `wanted`.
+  void prioritize(std::unordered_map<const vrml::Node*, float> importance);
+  /// The nodes for which something is still to come over the network.
+  [[nodiscard]] std::unordered_set<const vrml::Node*> wanted() const;
+
   /// Whether something that shows has changed since the last `collect`.
   [[nodiscard]] bool changed() const;
   /// What is there, seen from `viewer`. Empty before there is anything.
@@ -61,7 +73,8 @@ class WorldLoading {
   [[nodiscard]] const vrml::Diagnostics& diagnostics() const;
   /// Of the world, or the name of its file.
   [[nodiscard]] const std::string& title() const;
-  /// The world as it is now; call once, when it is done. Meshes that `collect` made go along.
+  /// The world as it is now; call once, when it is done or its structure is complete. What comes later are arrivals:
+  /// the scene is not touched any more. Meshes that `collect` made go along.
   [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);
 
   /// Datagrams of cells that came, and that were lost.

@@ -2,6 +2,7 @@
 
 #include "app/base/gunzip.h"
 #include "app/formats/content_types.h"
+#include "app/world/arrivals.h"
 #include "app/world/cell_stream.h"
 #include "app/world/cloud_reader.h"
 #include "app/world/outline_scene.h"
@@ -50,6 +51,8 @@ class Fetch;
 class Taker {
  public:
   Taker() = default;
+  /// Whether it changes the nodes of scenes; while one does, the world cannot be given away.
+  [[nodiscard]] virtual bool makes_nodes() const { return false; }
   Taker(const Taker&) = delete;
   Taker& operator=(const Taker&) = delete;
   virtual ~Taker() = default;
@@ -160,6 +163,9 @@ struct WorldLoading::State {
     world.diagnostics.add({severity, file, at, std::move(message)});
   }
   void set_priorities();
+  /// A QNV node has got (better) vectors.
+  void cloud_arrived(Arrivals::Cloud cloud);
+  void image_arrived(Arrivals::Image image);
   net::Loader* network();
   // world_cells.cpp
   bool begin_cells(Fetch& fetch, const net::Url& url);
@@ -175,7 +181,9 @@ struct WorldLoading::State {
   net::ReferencePolicy policy;
   LoadLimit limit;
   WorldBudget budget;
-  OpenedWorld world;
+  OpenedWorld world;                                        // once it was taken: only what goes with the arrivals
+  Arrivals arrivals;                                        // since then
+  std::unordered_map<const vrml::Node*, float> importance;  // likewise, as the owner of the world sees it
   render::MeshCache meshes;
   std::shared_ptr<SceneTaker> root;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
@@ -216,6 +224,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   using World = WorldLoading::State;
 
   SceneTaker(World& world, Role role, SceneTaker* outer);
+  bool makes_nodes() const override { return true; }
   bool begin(const Found& found) override;
   bool whole_file(const net::MappedFile& file, const std::string& path) override;
   void more(std::span<const std::byte> bytes) override;

@@ -295,7 +295,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   resources_.dress(item, *parent.scene, shape);
   RenderSources::Item source;
   source.geometry = &parent.scene->node(geometry);
-  if (sources_) source.appearance = resources_.appearance_nodes(*parent.scene, shape);
+  source.appearance = resources_.appearance_nodes(*parent.scene, shape);
   if (const auto cloud = clouds_.find(source.geometry); cloud != clouds_.end() && cloud->second) {
     add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
     return;
@@ -312,7 +312,8 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
       return;
     ++all.count;
   } else {
-    item.mesh = resources_.mesh_of(*parent.scene, geometry, item.texture.image != nullptr);
+    // A texture may still come.
+    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
     if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
       if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
       return;

@@ -143,9 +143,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::material:
     case NodeKind::texture_transform:
     case NodeKind::pixel_texture:
-      return Effect::dress;
     case NodeKind::image_texture:
-      return Effect::none;  // its url: what comes of it is told when it is there
+      return Effect::dress;
     case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
@@ -293,7 +292,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
   if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
-  auto mesh = resources_.mesh_of(*place.scene, geometry, item.texture.image != nullptr);
+  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
   if (!mesh || mesh->empty()) return false;
   item.mesh = std::move(mesh);
   place_item(i);

@@ -31,7 +31,9 @@ struct Diagnostic {
 /// file cannot fill memory with complaints.
 class Diagnostics {
  public:
-  explicit Diagnostics(std::size_t capacity = 1000) : capacity_(capacity) {}
+  static constexpr std::size_t kCapacity = 1000;
+  Diagnostics() : Diagnostics(kCapacity) {}
+  explicit Diagnostics(std::size_t capacity) : capacity_(capacity) {}
 
   void add(Diagnostic diagnostic);
   void append(const Diagnostics& other);

@@ -1,12 +1,14 @@
 #include "app/session/world_reader.h"
 
 #include "net/load/transport_memory.h"
+#include "render/image/image.h"
 
 #include <catch2/catch.hpp>
 
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -39,11 +41,12 @@ LoadOptions slow_world(int boxes) {
 
 std::vector<WorldReader::News> all_news(WorldReader& reader) {
   std::vector<WorldReader::News> all;
-  while (all.empty() || !all.back().over) {
+  for (bool over = false; !over;) {
     WorldReader::News news = reader.take();
+    over = news.over;
     if (news.document)
       all.push_back(std::move(news));
-    else
+    else if (!over)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return all;
@@ -69,6 +72,58 @@ TEST_CASE("A reader tells what there is to see, and in the end hands over the wo
   CHECK(whole.list->items.size() == 3000);
   CHECK_FALSE(whole.world.truncated);
   while (!reader.ended()) std::this_thread::yield();
+}
+
+TEST_CASE("A picture that is late delays no world, and is taken in when it comes") {
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  const std::string text =
+      "#VRML V2.0 utf8\nDEF T TimeSensor { loop TRUE }\n"
+      "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] }\n"
+      "appearance Appearance { texture ImageTexture { url \"late.png\" } } }\n"
+      "Shape { appearance Appearance { texture ImageTexture { url \"never.png\" } } geometry Box { } }";
+  const auto answer = [](std::vector<std::byte> bytes, std::size_t rate) {
+    return [bytes, rate](const net::TransferRequest&, unsigned) {
+      net::MemoryAnswer given;
+      given.head.content_length = bytes.size();
+      given.body = bytes;
+      if (rate > 0) given.bytes_per_second = rate;
+      given.block = 16;
+      return given;
+    };
+  };
+  const auto bytes = std::as_bytes(std::span(text));
+  options.memory->put("memory://a/world.wrl", answer({bytes.begin(), bytes.end()}, 0));
+  const auto png = render::encode_png(render::Image{2, 2, 3, std::vector<std::uint8_t>(12, 200)});
+  const auto image = std::as_bytes(std::span(png));
+  options.memory->put("memory://a/late.png", answer({image.begin(), image.end()}, png.size()));
+  WorldReader reader("memory://a/world.wrl", options, {});
+  std::shared_ptr<Document> document;
+  bool over = false;
+  Arrivals arrivals;
+  std::optional<std::size_t> waited;  // when the world came
+  while (!over) {
+    WorldReader::News news = reader.take();
+    over = news.over;
+    if (news.document && !news.document->is_preview) {
+      REQUIRE(news.document->world.scene);
+      document = news.document;
+      waited = over ? 0 : news.state.waiting;
+      CHECK(document->living->next_time().has_value());  // its time goes on
+      CHECK(document->list->items.at(0).texture.image == nullptr);
+    }
+    arrivals.append(std::move(news.arrivals));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  REQUIRE(document);
+  CHECK(waited == 1u);  // the one that is missing was known by then
+  CHECK(arrivals.images.size() == 1);
+  CHECK(document->world.diagnostics.warnings() + arrivals.diagnostics.warnings() == 1);
+  document->living->arrive(std::move(arrivals));
+  CHECK(document->living->show(*document->first_scene, {0, 0, 10}));
+  REQUIRE(document->list->items.at(0).texture.image);
+  CHECK(document->list->items.at(0).mesh->texture_coordinates.size() == 3);
+  CHECK(document->first_scene->scene.gathered() == 1);
 }
 
 TEST_CASE("Cancelling a reader keeps what has come, and ending one waits for nothing") {

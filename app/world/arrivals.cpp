@@ -1,0 +1,65 @@
+#include "app/world/arrivals.h"
+
+#include "app/world/cloud_reader.h"
+
+#include <iterator>
+#include <utility>
+
+namespace gs::app {
+
+void Arrivals::append(Arrivals&& later) {
+  const auto move = [](auto& to, auto& from) {
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+  };
+  move(images, later.images);
+  move(clouds, later.clouds);
+  move(feeds, later.feeds);
+  move(outside, later.outside);
+  diagnostics.append(later.diagnostics);
+}
+
+void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
+  vrml::SceneGraph& scene = *arrival.place.scene;
+  const vrml::Node* node = &scene.node(arrival.place.node);
+  std::shared_ptr<const qnv::Cloud>& held = world.clouds[node];
+  auto transfer = transfer_of(scene.get<vrml::MFFloat>(arrival.place.node, "transfer"));
+  if (transfer.empty()) {
+    held = arrival.cloud;
+  } else {
+    held = nullptr;
+    if (has_room_for(*arrival.cloud, *scene.budget())) {
+      qnv::Cloud own = *arrival.cloud;
+      own.description.transfer = std::move(transfer);
+      held = hold_cloud(std::move(own), scene.budget());
+    }
+    if (!held) {
+      held = arrival.cloud;
+      world.diagnostics.add(
+          {vrml::Severity::warning, node->text->file_name(), node->location,
+           "QNV: with a transfer of its own, " + scene.budget()->refusal(vrml::Resource::vectors) + "; left out"});
+    }
+  }
+  if (!arrival.fallback) return;
+  vrml::Node& instance = scene.node(arrival.fallback);
+  instance.expansion = {};
+  instance.expansion.push_back(arrival.place.node);
+}
+
+std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {
+  std::vector<Arrivals::Place> changed;
+  for (const Arrivals::Image& one : arrivals.images)
+    for (const Arrivals::Place& texture : one.textures) {
+      world.images[&texture.scene->node(texture.node)] = one.image;
+      changed.push_back(texture);
+    }
+  for (const Arrivals::Cloud& one : arrivals.clouds) {
+    set_cloud(world, one);
+    changed.push_back(one.place);
+  }
+  world.feeds.insert(world.feeds.end(), arrivals.feeds.begin(), arrivals.feeds.end());
+  world.outside.insert(world.outside.end(), arrivals.outside.begin(), arrivals.outside.end());
+  world.diagnostics.append(arrivals.diagnostics);
+  return changed;
+}
+
+}  // namespace gs::app
