@@ -1,0 +1,106 @@
+// How long a frame of a world that lives takes: `living_bench [--draw] FILE...` prints, for each world, the ROUTEs, the
+// time to connect them and to gather everything, and of 600 frames of 1/60 s the median and the longest time of the
+// events, the median time in which the render list follows them, and, drawn in software at 1024 x 768, of the whole.
+// In milliseconds of one core; drawing takes what there are.
+#include "render/draw/renderer.h"
+#include "render/gl/context.h"
+#include "render/scene/render_scene.h"
+#include "vrml/events/execution.h"
+#include "vrml/syntax/parser.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <variant>
+#include <vector>
+
+namespace {
+
+using namespace gs;
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::time_point from) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
+
+double median(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0 : values[values.size() / 2];
+}
+
+render::BoundNodes bound(const vrml::Execution& execution) {
+  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
+    const vrml::NodeChange found = execution.bound(*vrml::built_in_node_type(type));
+    return found.scene ? &found.scene->node(found.node) : nullptr;
+  };
+  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  constexpr double kStart = 946684800;
+  int frames = 600, first = 1;
+  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  if (count > 1 && std::strcmp(arguments[1], "--draw") == 0) {
+    first = 2;
+    frames = 60;
+    auto opened = render::open_headless_context("auto");
+    if (auto* error = std::get_if<render::ContextError>(&opened)) return std::fputs(error->message.c_str(), stderr), 1;
+    context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
+    auto created = render::Renderer::create(*context);
+    if (auto* error = std::get_if<render::ContextError>(&created)) return std::fputs(error->message.c_str(), stderr), 1;
+    renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
+  }
+  std::printf("%-32s %8s %10s %10s %10s %10s %10s %10s\n", "world", "ROUTEs", "connect", "gather", "events", "longest",
+              "follow", "whole");
+  for (int i = first; i < count; ++i) {
+    std::ifstream file(arguments[i], std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf();
+    vrml::SceneGraph scene(arguments[i]);
+    vrml::Diagnostics diagnostics;
+    (void)vrml::parse(text.str(), scene, diagnostics);
+    const Clock::time_point connecting = Clock::now();
+    vrml::Execution execution(scene);
+    execution.start(kStart);
+    const double connected = milliseconds(connecting);
+    const Clock::time_point gathering = Clock::now();
+    const render::Images images;
+    const render::Clouds clouds;
+    render::MeshCache meshes;
+    render::RenderScene list(scene, images, clouds, meshes);
+    glm::vec3 viewer(0, 0, 10);
+    list.gather(bound(execution), viewer);
+    const double gathered = milliseconds(gathering);
+    render::Camera camera;
+    camera.world_from_camera[3] = glm::vec4(viewer, 1);
+    if (!list.list().viewpoints.empty()) camera.world_from_camera = list.list().viewpoints[0].world_from_camera;
+    std::vector<double> events, follows, wholes;
+    for (int frame = 1; frame <= frames; ++frame) {
+      const Clock::time_point begin = Clock::now();
+      execution.step(kStart + frame / 60.0);
+      const auto changes = execution.take_changes();
+      events.push_back(milliseconds(begin));
+      const Clock::time_point following = Clock::now();
+      render::forget_changed(meshes, changes);
+      (void)list.update(changes, bound(execution), viewer);
+      follows.push_back(milliseconds(following));
+      if (renderer) {
+        render::DrawOptions draw;
+        draw.samples = 0;
+        (void)renderer->draw_to_image(list.list(), render::fit_depth(camera, list.list().bounds), draw);
+      }
+      wholes.push_back(milliseconds(begin));
+    }
+    const double longest = *std::max_element(events.begin(), events.end());
+    std::printf("%-32s %8zu %10.2f %10.2f %10.3f %10.3f %10.3f %10.3f\n", arguments[i], scene.routes().size(),
+                connected, gathered, median(events), longest, median(follows), median(wholes));
+  }
+  return 0;
+}
