@@ -78,7 +78,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFTime     enterTime
   eventOut     SFTime     exitTime
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, &kVisibilitySensorBehaviour},
 };
 
 }  // namespace
