@@ -2,7 +2,11 @@
 
 #include "render/rays/splat_pick.h"
 
-#include <glm/mat4x4.hpp>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
 
 namespace gs::app {
 namespace {
@@ -71,6 +75,46 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
 
 std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
   return Picker().pick(list, ray, options);
+}
+
+std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit) {
+  std::vector<vrml::PathStep> path;
+  const auto& places = list.places;
+  for (std::uint32_t at = hit.splat ? list.splats[*hit.splat].place : list.items[hit.item].place; at < places.size();
+       at = places[at].parent) {
+    const render::Place& place = places[at];
+    // Of the children of its parent; the roots stand in the world's own.
+    const bool root = place.parent >= places.size();
+    path.push_back({place.scene, place.node, root ? glm::dmat4(1) : list.world_from_frame[places[place.parent].frame]});
+  }
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size) {
+  const double unit = std::max(1.0, std::min(size.x, size.y)) / 2;
+  const glm::dvec2 place = (pointer - size * 0.5) / unit * std::tan(double{pose.field_of_view} / 2);
+  const glm::dvec3 direction = glm::dquat(pose.orientation) * glm::dvec3(place.x, -place.y, -1);
+  return {glm::dvec3(pose.position), glm::normalize(direction)};
+}
+
+std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
+                         const render::SightLine& line, bool down, const PickOptions& options) {
+  vrml::Pointer pointer;
+  pointer.down = down;
+  pointer.bearing.origin = line.origin;
+  pointer.bearing.direction = line.direction;
+  const std::optional<Hit> hit = picker.pick(list, line, options);
+  std::vector<vrml::PathStep> path;
+  if (hit) {
+    path = path_of(list, *hit);
+    pointer.path = path;
+    pointer.bearing.point = hit->point;
+    pointer.bearing.normal = hit->normal;
+    pointer.bearing.texture_coordinate = glm::dvec2(hit->texture_coordinate);
+  }
+  world.point(pointer);
+  return hit;
 }
 
 }  // namespace gs::app

@@ -5,11 +5,13 @@
 #include "render/scene/cloud_look.h"
 #include "render/scene/render_list.h"
 #include "render/volume/volume_model.h"
+#include "vrml/events/execution.h"
 
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 namespace gs::app {
 
@@ -57,5 +59,16 @@ class Picker {
 
 /// Picks once, remembering nothing.
 [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options = {});
+
+/// The way from the root of the world to the Shape that was hit. Empty where limits left it out.
+[[nodiscard]] std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit);
+
+/// The half line through `pointer`, in pixels from the upper left of a viewport of `size` pixels; see ray_through.
+[[nodiscard]] render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size);
+
+/// Tells the sensors of the world what the pointing device points at along `line`, and whether its button is down, at
+/// the present timestamp (VRML97 4.6.7.3). `list` shows the world as it is.
+std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
+                         const render::SightLine& line, bool down, const PickOptions& options = {});
 
 }  // namespace gs::app

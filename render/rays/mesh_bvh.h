@@ -14,8 +14,8 @@ struct TriangleHit {
 };
 
 /// The triangles of a mesh, so that few of them have to be looked at for a line: about 20 bytes a triangle, and for a
-/// moment 32 more while it is made, in about 0.3 s a million. Triangles with corners that are no numbers are left out.
-/// A plain value; it does not hold the mesh.
+/// moment 32 more while it is made, in about half a second a million. Triangles with corners that are no numbers are
+/// left out. A plain value; it does not hold the mesh.
 class MeshBvh {
  public:
   explicit MeshBvh(const vrml::Mesh& mesh);
