@@ -274,7 +274,7 @@ constexpr OptionRow kOptions[] = {
        o.snapshot = v;
        return Problem{};
      }},
-    {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open ", set_size},
+    {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open trace ", set_size},
     {"--time", "SECONDS", "0",
      "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "
      "which is 2000-01-01T00:00:00Z",
@@ -282,7 +282,9 @@ constexpr OptionRow kOptions[] = {
     {"--until", "SECONDS", "", "end after so much simulated time", "trace ", set_until},
     {"--input", "FILE", "",
      "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
-     "binds a Viewpoint, and {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event",
+     "binds a Viewpoint, {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event, and "
+     "{\"t\":5,\"move\":[X,Y]}, press or release in the place of move, which points at a pixel of --size, from the "
+     "upper left, with the left button",
      "open trace ",
      [](Options& o, const std::string& v) {
        o.input = v;

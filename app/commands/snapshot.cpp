@@ -89,17 +89,7 @@ SnapshotView choose_view(const Options& options, const render::RenderList& list,
     view.headlight = options.headlight.value_or(true);
     return view;
   }
-  // One that is bound may not be shown, inside a Switch for example.
-  auto viewpoint = std::find_if(list.viewpoints.begin(), list.viewpoints.end(), [&](const auto& candidate) {
-    return &candidate.scene->node(candidate.node) == bound.viewpoint;
-  });
-  if (viewpoint == list.viewpoints.end()) viewpoint = list.viewpoints.begin();
-  if (viewpoint != list.viewpoints.end()) {
-    view.camera.world_from_camera = viewpoint->world_from_camera;
-    view.camera.field_of_view = viewpoint->field_of_view;
-  } else {
-    view.camera = render::first_camera(list.bounds, kFieldOfView, width, height);
-  }
+  view.camera = viewpoint_camera(list, bound.viewpoint, {width, height});
   return view;
 }
 
@@ -112,7 +102,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   render::MeshCache meshes;
-  Simulation simulation(world, &meshes);
+  Simulation simulation(world, {options.width, options.height}, &meshes);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;

@@ -33,7 +33,7 @@ int run_trace(const Options& options) {
   OpenedWorld world = load_world(options.files.front(), load_options(options));
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  Simulation simulation(world);
+  Simulation simulation(world, {options.width, options.height});
   if (!plan_input(options, simulation)) return kFailed;
   vrml::NodeNames names(*world.scene);
   std::string line;

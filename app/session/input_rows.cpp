@@ -29,8 +29,37 @@ struct LineReader {
   }
 };
 
-// Rows of the contract that wait for picking and walking.
-constexpr std::array<std::string_view, 4> kNotYet = {"move", "press", "release", "key"};
+struct PointerRow {
+  std::string_view name;
+  InputRow::Kind kind;
+};
+constexpr std::array<PointerRow, 3> kPointerRows = {
+    {{"move", InputRow::Kind::move}, {"press", InputRow::Kind::press}, {"release", InputRow::Kind::release}}};
+
+// What is wrong with a row of a key, which would walk; that waits.
+std::string key_problem(const Json& row) {
+  const auto down = row.find("down");
+  if (!row.at("key").is_string()) return "expected \"key\": the name of a key";
+  if (down == row.end() || !down->is_boolean()) return "expected \"down\": true or false";
+  return "\"key\" is not supported yet: nobody walks in simulated time";
+}
+
+std::optional<InputRow> read_pointer(const LineReader& in, const Json& row, const PointerRow& kind, double time) {
+  InputRow result;
+  result.kind = kind.kind;
+  result.time = time;
+  result.location = in.place_of(kind.name);
+  constexpr double kFarthest = 1e6;
+  const Json& place = row.at(std::string(kind.name));
+  bool good = place.is_array() && place.size() == 2;
+  for (int i = 0; good && i < 2; ++i) {
+    good = place[i].is_number() && std::abs(place[i].get<double>()) <= kFarthest;
+    if (good) result.pointer[i] = place[i].get<double>();
+  }
+  if (good) return result;
+  in.error(result.location, "expected \"" + std::string(kind.name) + "\": [X,Y] in pixels from the upper left");
+  return std::nullopt;
+}
 
 std::optional<InputRow> read_row(const LineReader& in, double earliest) {
   Json row;
@@ -58,17 +87,20 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
     in.error(in.place_of("t"), "rows must be in the order of time");
     return std::nullopt;
   }
-  for (const std::string_view name : kNotYet)
-    if (row.contains(name)) {
-      in.error(in.place_of(name),
-               "\"" + std::string(name) + "\" is not supported yet; expected \"set\" or \"viewpoint\"");
-      return std::nullopt;
-    }
-  const auto set = row.find("set"), viewpoint = row.find("viewpoint");
-  if ((set == row.end()) == (viewpoint == row.end())) {
-    in.error({in.number, 1}, "expected one of \"set\" and \"viewpoint\"");
+  static constexpr std::array<std::string_view, 6> kSubjects = {"set", "viewpoint", "move", "press", "release", "key"};
+  const auto subjects = std::count_if(kSubjects.begin(), kSubjects.end(),
+                                      [&](std::string_view subject) { return row.contains(subject); });
+  if (subjects != 1) {
+    in.error({in.number, 1}, "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\" and \"key\"");
     return std::nullopt;
   }
+  if (row.contains("key")) {
+    in.error(in.place_of("key"), key_problem(row));
+    return std::nullopt;
+  }
+  for (const PointerRow& kind : kPointerRows)
+    if (row.contains(kind.name)) return read_pointer(in, row, kind, result.time);
+  const auto set = row.find("set"), viewpoint = row.find("viewpoint");
   if (viewpoint != row.end()) {
     result.kind = InputRow::Kind::viewpoint;
     result.location = in.place_of("viewpoint");

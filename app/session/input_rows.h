@@ -2,6 +2,9 @@
 
 #include "vrml/scene/diagnostic.h"
 
+#include <glm/vec2.hpp>
+
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,10 +16,14 @@ struct InputRow {
   enum class Kind : std::uint8_t {
     set,        // an event for node `name`, eventIn `event`
     viewpoint,  // the Viewpoint `name` is bound
+    move,       // the pointing device points at `pointer`
+    press,      // its button goes down there
+    release,    // and up there
   };
   Kind kind = Kind::set;
   double time = 0;  // seconds since the world began
   std::string name, event, value;
+  glm::dvec2 pointer{0};                // pixels from the upper left of the picture
   vrml::SourceLocation location;        // of the row's subject in the file
   vrml::SourceLocation value_location;  // of `value`
 };

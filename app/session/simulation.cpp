@@ -4,6 +4,7 @@
 #include "vrml/syntax/parser.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace gs::app {
@@ -44,18 +45,18 @@ std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldT
   return std::move(holder.interfaces[0].initial);
 }
 
-Simulation::Simulation(OpenedWorld& world, render::MeshCache* meshes)
+Simulation::Simulation(OpenedWorld& world, const glm::ivec2& size, render::MeshCache* meshes)
     : world_(world),
-      meshes_(meshes),
+      size_(size),
+      meshes_(meshes ? *meshes : own_meshes_),
       execution_(*world.scene),
-      names_(std::make_unique<vrml::NodeNames>(*world.scene)) {}
+      names_(std::make_unique<vrml::NodeNames>(*world.scene)) {
+  execution_.set_aspect(size_.x / size_.y);
+}
 
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
-  if (viewpoints_.empty()) {
-    render::MeshCache own;
-    viewpoints_ =
-        render::collect(*world_.scene, world_.images, meshes_ ? *meshes_ : own, {0, 0, 10}, world_.clouds).viewpoints;
-  }
+  if (viewpoints_.empty())
+    viewpoints_ = render::collect(*world_.scene, world_.images, meshes_, {0, 0, 10}, world_.clouds).viewpoints;
   const auto found = find_viewpoint(viewpoints_, viewpoint);
   if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
   action.scene = viewpoints_[*found].scene;
@@ -86,8 +87,14 @@ bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file
     Action action;
     action.time = row.time;
     vrml::SourceLocation place = row.location;
-    const auto problem =
-        row.kind == InputRow::Kind::viewpoint ? bind_action(row.name, action) : set_action(row, action, place);
+    std::optional<std::string> problem;
+    if (row.kind == InputRow::Kind::set) {
+      problem = set_action(row, action, place);
+    } else if (row.kind == InputRow::Kind::viewpoint) {
+      problem = bind_action(row.name, action);
+    } else {
+      action.pointer = row;
+    }
     good = good && !problem;
     if (problem) {
       diagnostics.add({vrml::Severity::error, file, place, *problem});
@@ -105,15 +112,48 @@ std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
   return std::nullopt;
 }
 
+// What is seen at the present time, from where the viewer is then.
+void Simulation::look() {
+  const render::BoundNodes nodes = bound();
+  const auto changes = execution_.take_changes();
+  render::forget_changed(meshes_, changes);
+  if (seen_) {
+    (void)seen_->update(changes, nodes, pose_.position);
+  } else {
+    seen_.emplace(*world_.scene, world_.images, world_.clouds, meshes_).gather(nodes, pose_.position);
+  }
+  // A picture that shows the whole is not framed anew when something moves.
+  const bool whole = seen_->list().viewpoints.empty();
+  if (!whole || !camera_) camera_ = viewpoint_camera(seen_->list(), nodes.viewpoint, glm::vec2(size_));
+  pose_ = pose_of(camera_->world_from_camera, camera_->field_of_view);
+  // Levels of detail and billboards follow the viewer.
+  (void)seen_->update({}, nodes, pose_.position);
+}
+
+void Simulation::point(const InputRow& row) {
+  if (row.kind != InputRow::Kind::move) down_ = row.kind == InputRow::Kind::press;
+  look();
+  PickOptions options;
+  options.pixel = static_cast<float>(2 * std::tan(pose_.field_of_view / 2) / std::min(size_.x, size_.y));
+  (void)app::point(execution_, picker_, seen_->list(), sight_line(pose_, row.pointer, size_), down_, options);
+}
+
 void Simulation::act(double time) {
   for (; next_action_ < actions_.size() && actions_[next_action_].time <= time; ++next_action_) {
     const Action& action = actions_[next_action_];
-    (void)execution_.send(*action.scene, action.node, *action.event, action.value);
+    if (action.pointer) {
+      point(*action.pointer);
+    } else {
+      (void)execution_.send(*action.scene, action.node, *action.event, action.value);
+    }
   }
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   execution_.start(kSimulatedStart);
+  // The whole of a world without a Viewpoint is framed as it is when it begins.
+  if (std::any_of(actions_.begin(), actions_.end(), [](const Action& action) { return action.pointer.has_value(); }))
+    look();
   act(0);
   // The grid's times are multiples, not sums: errors of rounding do not add up.
   double time = 0;

@@ -1,9 +1,13 @@
 #pragma once
 
 #include "app/session/input_rows.h"
+#include "app/view/picking.h"
 #include "app/world/opened_world.h"
+#include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
 #include "vrml/events/node_names.h"
+
+#include <glm/vec2.hpp>
 
 #include <functional>
 #include <memory>
@@ -21,8 +25,9 @@ inline constexpr double kSimulationStep = 1.0 / 60;
 /// bit. `trace` and `--snapshot` are callers. One thread; the world must outlive it.
 class Simulation {
  public:
-  /// `meshes`: where what is made to find Viewpoints is kept for others; null: nowhere.
-  explicit Simulation(OpenedWorld& world, render::MeshCache* meshes = nullptr);
+  /// `size`: of the picture that the pointing device points at, in pixels. `meshes`: where what is made to find
+  /// Viewpoints and what is pointed at is kept for others; null: nowhere.
+  Simulation(OpenedWorld& world, const glm::ivec2& size, render::MeshCache* meshes = nullptr);
 
   /// Takes in what somebody does. False where rows name what the world does not have; `diagnostics` say which.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);
@@ -43,18 +48,28 @@ class Simulation {
     vrml::NodeId node;
     const vrml::InterfaceDeclaration* event = nullptr;
     vrml::FieldValue value;
+    std::optional<InputRow> pointer;  // what the pointing device does, instead of an event
   };
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
   void act(double time);
+  void look();
+  void point(const InputRow& row);
 
   OpenedWorld& world_;
-  render::MeshCache* meshes_;
+  glm::dvec2 size_;
+  render::MeshCache own_meshes_;
+  render::MeshCache& meshes_;
   vrml::Execution execution_;
   std::unique_ptr<vrml::NodeNames> names_;
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
+  std::optional<render::RenderScene> seen_;  // what the pointing device points at, once it does
+  std::optional<render::Camera> camera_;
+  Pose pose_;
+  Picker picker_;
+  bool down_ = false;
 };
 
 /// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null

@@ -348,6 +348,18 @@ render::Camera camera_of(const Pose& pose) {
   return camera;
 }
 
+render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound, const glm::vec2& size) {
+  render::Camera camera;
+  auto viewpoint = std::find_if(list.viewpoints.begin(), list.viewpoints.end(),
+                                [&](const auto& candidate) { return &candidate.scene->node(candidate.node) == bound; });
+  if (viewpoint == list.viewpoints.end()) viewpoint = list.viewpoints.begin();
+  if (viewpoint == list.viewpoints.end())
+    return render::first_camera(list.bounds, camera.field_of_view, size.x, size.y);
+  camera.world_from_camera = viewpoint->world_from_camera;
+  camera.field_of_view = viewpoint->field_of_view;
+  return camera;
+}
+
 Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size) {
   const float unit = std::max(1.0f, std::min(size.x, size.y)) / 2;
   const glm::vec2 place = clean((pointer - size * 0.5f) / unit, 1e4f) * std::tan(pose.field_of_view / 2);

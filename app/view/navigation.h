@@ -142,6 +142,10 @@ struct Navigation {
 [[nodiscard]] Navigation look_at_point(Navigation state, const glm::vec3& point);
 /// Where the whole of `bounds` is seen from the present direction, level.
 [[nodiscard]] Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport);
+/// The camera of the bound Viewpoint; of the first one where that is not shown, inside a Switch for example; of a world
+/// without any, one that has the whole in view in a picture of this size.
+[[nodiscard]] render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound,
+                                              const glm::vec2& size);
 /// Where a world without a Viewpoint is first seen from: all of it, from +Z.
 [[nodiscard]] Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport);
 

@@ -2,94 +2,16 @@
 
 #include "render/rays/splat_pick.h"
 
-#include <glm/geometric.hpp>
-#include <glm/mat4x4.hpp>
-#include <glm/matrix.hpp>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
-#include <vector>
 
 namespace gs::app {
 namespace {
 
 constexpr float kSolid = 0.5f;  // opacity from which a volume hides what lies behind it
-
-/// Distance at which the line enters the box, in lengths of `direction`; none when it misses.
-std::optional<float> enter(const vrml::Bounds& box, const glm::vec3& origin, const glm::vec3& direction) {
-  float first = 0, last = std::numeric_limits<float>::infinity();
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0) {
-      if (!(origin[axis] >= box.lower[axis] && origin[axis] <= box.upper[axis])) return std::nullopt;
-      continue;
-    }
-    float a = (box.lower[axis] - origin[axis]) / direction[axis];
-    float b = (box.upper[axis] - origin[axis]) / direction[axis];
-    if (a > b) std::swap(a, b);
-    first = std::max(first, a);
-    last = std::min(last, b);
-  }
-  // A flat box is entered and left at once, which rounding may turn round.
-  if (!(first <= last + 1e-4f * std::max(1.0f, std::abs(last)))) return std::nullopt;
-  return first;
-}
-
-/// Moeller and Trumbore: distance in lengths of `direction`.
-std::optional<float> meet(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& origin,
-                          const glm::vec3& direction) {
-  const glm::vec3 ab = b - a, ac = c - a;
-  const glm::vec3 p = glm::cross(direction, ac);
-  const float determinant = glm::dot(ab, p);
-  if (determinant == 0) return std::nullopt;
-  const glm::vec3 s = origin - a;
-  const float u = glm::dot(s, p) / determinant;
-  if (!(u >= 0 && u <= 1)) return std::nullopt;
-  const glm::vec3 q = glm::cross(s, ab);
-  const float v = glm::dot(direction, q) / determinant;
-  if (!(v >= 0 && u + v <= 1)) return std::nullopt;
-  const float t = glm::dot(ac, q) / determinant;
-  return t > 0 && std::isfinite(t) ? std::optional(t) : std::nullopt;
-}
-
-/// The nearest triangle.
-std::optional<Hit> pick_triangle(const render::RenderList& list, const Ray& ray, std::size_t max_triangles) {
-  struct Candidate {
-    float enters;
-    std::size_t item;
-    glm::vec3 origin, direction;  // in node space; one length of direction is one metre of the world
-  };
-  std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < list.items.size(); ++i) {
-    const render::DrawItem& item = list.items[i];
-    if (!item.mesh || item.mesh->primitive != vrml::Mesh::Primitive::triangles || item.mesh->empty()) continue;
-    const glm::mat4 node_from_world = glm::inverse(item.world_from_node);
-    const glm::vec3 origin(node_from_world * glm::vec4(ray.origin, 1));
-    const glm::vec3 direction(node_from_world * glm::vec4(ray.direction, 0));
-    if (const auto enters = enter(item.mesh->bounds, origin, direction); enters && std::isfinite(*enters))
-      candidates.push_back({*enters, i, origin, direction});
-  }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.enters < b.enters; });
-  std::optional<Hit> nearest;
-  for (const Candidate& candidate : candidates) {
-    if (nearest && candidate.enters > nearest->distance) break;
-    const vrml::Mesh& mesh = *list.items[candidate.item].mesh;
-    const glm::vec3* positions = mesh.positions.data();
-    const std::uint32_t* indices = mesh.indices.data();
-    const std::size_t triangles = mesh.indices.size() / 3;
-    if (triangles > max_triangles) break;
-    max_triangles -= triangles;
-    for (std::size_t t = 0; t < triangles; ++t) {
-      const auto distance = meet(positions[indices[3 * t]], positions[indices[3 * t + 1]],
-                                 positions[indices[3 * t + 2]], candidate.origin, candidate.direction);
-      if (distance && (!nearest || *distance < nearest->distance))
-        nearest = Hit{*distance, candidate.item, std::nullopt};
-    }
-  }
-  return nearest;
-}
 
 }  // namespace
 
@@ -101,17 +23,32 @@ const render::VolumeModel& Picker::model_of(const std::shared_ptr<const qnv::Clo
 }
 
 std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
-  std::optional<Hit> nearest = pick_triangle(list, ray, options.max_triangles), faint;
+  return pick(list, render::SightLine{glm::dvec3(ray.origin), glm::dvec3(ray.direction)}, options);
+}
+
+std::optional<Hit> Picker::pick(const render::RenderList& list, const render::SightLine& line,
+                                const PickOptions& options) {
+  std::optional<Hit> nearest, faint;
+  if (const auto hit = items_.nearest(list, line, options.max_triangles))
+    nearest = Hit{static_cast<float>(hit->triangle.distance),
+                  hit->item,
+                  std::nullopt,
+                  hit->point,
+                  hit->normal,
+                  hit->texture_coordinate};
+  const auto splat_hit = [&](float distance, std::size_t splat) {
+    return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}};
+  };
   render::PickRay looking;
-  looking.origin = ray.origin;
-  looking.direction = ray.direction;
+  looking.origin = glm::vec3(line.origin);
+  looking.direction = glm::vec3(line.direction);
   looking.pixel = options.pixel;
   if (nearest) looking.farthest = nearest->distance;
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const render::SplatItem& item = list.splats[i];
     if (!item.cloud || item.cloud->description.kind != qnv::Kind::surface) continue;
     if (const auto distance = render::pick_surface(*item.cloud, item.world_from_node, looking)) {
-      nearest = Hit{*distance, 0, i};
+      nearest = splat_hit(*distance, i);
       looking.farthest = *distance;
     }
   }
@@ -127,10 +64,10 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, 
     const auto veil = render::pick_volume(*item.cloud, model_of(item.cloud), look, item.world_from_node, looking);
     if (!veil) continue;
     if (veil->opacity >= kSolid) {
-      nearest = Hit{veil->distance, 0, i};
+      nearest = splat_hit(veil->distance, i);
       looking.farthest = veil->distance;
     } else if (!faint || veil->distance < faint->distance) {
-      faint = Hit{veil->distance, 0, i};
+      faint = splat_hit(veil->distance, i);
     }
   }
   return nearest ? nearest : faint;
@@ -138,6 +75,46 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, 
 
 std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
   return Picker().pick(list, ray, options);
+}
+
+std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit) {
+  std::vector<vrml::PathStep> path;
+  const auto& places = list.places;
+  for (std::uint32_t at = hit.splat ? list.splats[*hit.splat].place : list.items[hit.item].place; at < places.size();
+       at = places[at].parent) {
+    const render::Place& place = places[at];
+    // Of the children of its parent; the roots stand in the world's own.
+    const bool root = place.parent >= places.size();
+    path.push_back({place.scene, place.node, root ? glm::dmat4(1) : list.world_from_frame[places[place.parent].frame]});
+  }
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size) {
+  const double unit = std::max(1.0, std::min(size.x, size.y)) / 2;
+  const glm::dvec2 place = (pointer - size * 0.5) / unit * std::tan(double{pose.field_of_view} / 2);
+  const glm::dvec3 direction = glm::dquat(pose.orientation) * glm::dvec3(place.x, -place.y, -1);
+  return {glm::dvec3(pose.position), glm::normalize(direction)};
+}
+
+std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
+                         const render::SightLine& line, bool down, const PickOptions& options) {
+  vrml::Pointer pointer;
+  pointer.down = down;
+  pointer.bearing.origin = line.origin;
+  pointer.bearing.direction = line.direction;
+  const std::optional<Hit> hit = picker.pick(list, line, options);
+  std::vector<vrml::PathStep> path;
+  if (hit) {
+    path = path_of(list, *hit);
+    pointer.path = path;
+    pointer.bearing.point = hit->point;
+    pointer.bearing.normal = hit->normal;
+    pointer.bearing.texture_coordinate = glm::dvec2(hit->texture_coordinate);
+  }
+  world.point(pointer);
+  return hit;
 }
 
 }  // namespace gs::app

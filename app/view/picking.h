@@ -1,14 +1,17 @@
 #pragma once
 
 #include "app/view/navigation.h"
+#include "render/rays/item_bvh.h"
 #include "render/scene/cloud_look.h"
 #include "render/scene/render_list.h"
 #include "render/volume/volume_model.h"
+#include "vrml/events/execution.h"
 
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 namespace gs::app {
 
@@ -17,24 +20,30 @@ struct Hit {
   float distance = 0;                // metres from the ray's origin
   std::size_t item = 0;              // of RenderList::items, where `splat` is empty
   std::optional<std::size_t> splat;  // of RenderList::splats
+  // World space; see render::SurfaceHit. The normal of what has none is towards where the ray comes from.
+  glm::dvec3 point{0}, normal{0};
+  glm::vec2 texture_coordinate{0};
 };
 
 struct PickOptions {
-  float pixel = 0.001f;      // how wide a pixel of the picture is at distance 1
-  render::CloudLook clouds;  // as they are drawn
-  std::size_t max_triangles = std::size_t{1} << 24;
+  float pixel = 0.001f;                              // how wide a pixel of the picture is at distance 1
+  render::CloudLook clouds;                          // as they are drawn
+  std::size_t max_triangles = std::size_t{1} << 24;  // that are remembered
 };
 
-/// Finds what lies under the pointer. Belongs to the thread that draws; remembers of volumes what takes long to find
-/// out, as long as somebody else holds them.
+/// Finds what lies under the pointer. Belongs to the thread that draws; remembers of meshes and volumes what takes long
+/// to find out, as long as somebody else holds them.
 class Picker {
  public:
-  /// The nearest triangle or disc of `list` that `ray` meets, or place of a volume where half of the light is taken.
+  /// The nearest triangle or disc of `list` that `line` meets, or place of a volume where half of the light is taken.
   /// Triangles count from both sides, discs as they are drawn (render/rays/splat_pick.h). Lines and points are too
   /// thin to hit. A volume that is fainter than that along the ray is hit only where nothing else is.
   ///
-  /// Takes time in proportion to the triangles of the items whose boxes the ray meets, of which no more than
-  /// `max_triangles` are looked at, and to the vectors of all clouds without levels (5 M: 30 ms).
+  /// Takes some microseconds for the triangles, and more for items that have changed and meshes that are new
+  /// (render/rays/item_bvh.h), and time in proportion to the vectors of all clouds without levels (5 M: 30 ms).
+  /// `line.direction` is of unit length.
+  [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const render::SightLine& line,
+                                        const PickOptions& options = {});
   [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray,
                                         const PickOptions& options = {});
 
@@ -44,10 +53,22 @@ class Picker {
     render::VolumeModel model;
   };
   const render::VolumeModel& model_of(const std::shared_ptr<const qnv::Cloud>& cloud);
+  render::ItemBvh items_;
   std::unordered_map<const qnv::Cloud*, Held> models_;
 };
 
 /// Picks once, remembering nothing.
 [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options = {});
+
+/// The way from the root of the world to the Shape that was hit. Empty where limits left it out.
+[[nodiscard]] std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit);
+
+/// The half line through `pointer`, in pixels from the upper left of a viewport of `size` pixels; see ray_through.
+[[nodiscard]] render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size);
+
+/// Tells the sensors of the world what the pointing device points at along `line`, and whether its button is down, at
+/// the present timestamp (VRML97 4.6.7.3). `list` shows the world as it is.
+std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
+                         const render::SightLine& line, bool down, const PickOptions& options = {});
 
 }  // namespace gs::app

@@ -12,6 +12,7 @@ namespace gs::vrml {
 
 class Execution;
 struct Node;
+struct PointingSensor;
 /// A node that takes part in events: its place in Execution. 0 is none.
 using EventNode = std::uint32_t;
 
@@ -32,15 +33,23 @@ struct Behaviour {
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
   /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
   glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
+  /// Of a pointing-device sensor (4.6.7.3, vrml/events/pointing.h); null for all others.
+  const PointingSensor* pointing = nullptr;
+  /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
+  /// nothing below it is ever met.
+  bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
 };
 
 // The rows' behaviours.
 extern const Behaviour kTransformBehaviour;
 extern const Behaviour kViewpointBehaviour;
-extern const Behaviour kProximitySensorBehaviour;
-extern const Behaviour kGroupBehaviour;     // addChildren, removeChildren (4.6.5)
+extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
+extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
+extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
+extern const Behaviour kAnchorBehaviour, kCollisionBehaviour;
 extern const Behaviour kBindableBehaviour;  // 4.6.10
 inline constexpr int kSetBind = 0;          // of its events
+inline constexpr int kFieldOfView = 3;      // of those of Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour;

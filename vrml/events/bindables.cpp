@@ -38,7 +38,8 @@ glm::dmat4 viewer_of(const Node& node) {
 
 }  // namespace
 
-const Behaviour kViewpointBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr, viewer_of};
+const Behaviour kViewpointBehaviour = {
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, nullptr, viewer_of};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr};
 
 }  // namespace gs::vrml

@@ -120,6 +120,7 @@ void Execution::call_at(EventNode node, double time) {
 std::optional<double> Execution::next_time() const {
   for (const EventNode node : running_)
     if (nodes_[node].running) return now_;
+  if (pointing_->waits()) return now_;
   return alarms_.empty() ? std::nullopt : std::optional<double>(alarms_.front().time);
 }
 
@@ -169,6 +170,49 @@ glm::dmat4 Execution::viewer() {
   return viewer_matrix({0, 0, 10}, {});
 }
 
+Frustum Execution::frustum() const {
+  if (told_viewer_ && told_frustum_) return *told_frustum_;
+  constexpr double kDefault = 0.785398, kWidest = 3.13;
+  double angle = kDefault;
+  for (const Stack& stack : stacks_)
+    if (stack.top != 0 && stack.type->behaviour->parent_from_local && has_event(stack.top, kFieldOfView))
+      angle = get<SFFloat>(stack.top, kFieldOfView);
+  const double smaller = std::tan((angle > 0 ? std::min(angle, kWidest) : kDefault) / 2);
+  const double aspect = aspect_ > 0 && std::isfinite(aspect_) ? aspect_ : 1;
+  return aspect >= 1 ? Frustum{smaller * aspect, smaller} : Frustum{smaller, smaller / aspect};
+}
+
+EventNode Execution::event_node(const SceneGraph& scene, NodeId node) {
+  const auto place = scene_places_.find(&scene);
+  return place == scene_places_.end() || !scene.contains(node) ? 0 : member(scenes_[place->second], node);
+}
+
+// ---- What the viewer does
+
+void Execution::point(const Pointer& pointer) {
+  pointing_->point(pointer);
+  drain();
+}
+
+void Execution::request(EventNode anchor) {
+  if (requests_.size() >= kMostRequests) requests_.erase(requests_.begin());
+  requests_.push_back(place_of(anchor));
+}
+
+bool Execution::collide(std::span<const PathStep> path) {
+  for (const bool met : {false, true}) {
+    for (const PathStep& step : path) {
+      const bool known = step.scene && step.scene->contains(step.node);
+      const Behaviour* behaviour = known ? step.scene->node(step.node).type->behaviour : nullptr;
+      if (!behaviour || !behaviour->on_collision) continue;
+      const EventNode node = event_node(*step.scene, step.node);
+      if (node != 0 && !behaviour->on_collision(*this, node, met)) return false;
+    }
+  }
+  drain();
+  return true;
+}
+
 // ---- Cascades (4.10.3, 4.10.4)
 
 void Execution::begin(double now) {
@@ -201,14 +245,14 @@ void Execution::step(double now) {
   }
   running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(kept),
                  running_.begin() + static_cast<std::ptrdiff_t>(count));
+  pointing_->go_on();
   drain();
 }
 
 bool Execution::send(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in,
                      const FieldValue& value) {
   if (!scene.contains(id) || vrml::type_of(value) != event_in.type) return false;
-  const auto place = scene_places_.find(&scene);
-  const EventNode node = place == scene_places_.end() ? 0 : member(scenes_[place->second], id);
+  const EventNode node = event_node(scene, id);
   if (node == 0) return false;
   const std::uint32_t interface = nodes_[node].schema->find(event_in);
   if (interface == EventSchema::kNone ||

@@ -2,6 +2,7 @@
 
 #include "vrml/events/event_schema.h"
 #include "vrml/events/placement.h"
+#include "vrml/events/pointing.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <span>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::vrml {
@@ -29,6 +31,11 @@ struct NodeChange {
   SceneGraph* scene = nullptr;
   NodeId node;
   std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all others
+};
+
+/// What the viewer sees: tangents of half the angles to the right and up.
+struct Frustum {
+  double right = 0, up = 0;
 };
 
 /// The execution model of VRML97 (4.10, 4.11): ROUTEs, cascades of events, and what nodes do as time goes, for a world
@@ -76,7 +83,23 @@ class Execution {
   /// The bound node of a bindable type (4.6.10); a null scene: there is none.
   [[nodiscard]] NodeChange bound(const NodeType& type) const;
   /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
-  void set_viewer(const glm::dmat4& world_from_viewer) { told_viewer_ = world_from_viewer; }
+  /// `sees`: empty for the fieldOfView of the bound Viewpoint, and the aspect.
+  void set_viewer(const glm::dmat4& world_from_viewer, const std::optional<Frustum>& sees = {}) {
+    told_viewer_ = world_from_viewer;
+    told_frustum_ = sees;
+  }
+  /// The width of the picture, divided by its height.
+  void set_aspect(double aspect) { aspect_ = aspect; }
+  /// The pointing device was moved, pressed or released: events of its sensors (4.6.7.3), with the present timestamp.
+  void point(const Pointer& pointer);
+  [[nodiscard]] PointedAt pointed_at() const { return pointing_->pointed_at(); }
+  /// The Anchors that were activated since the last call (6.2): their url is for others to open. The last kMostRequests
+  /// at most.
+  [[nodiscard]] std::vector<NodePlace> take_requests() { return std::exchange(requests_, {}); }
+  static constexpr std::size_t kMostRequests = 64;
+  /// The avatar has met the geometry at the end of the path: collideTime of the Collision nodes on it (6.8), with the
+  /// present timestamp, unless one of them turns collisions off. False: one does.
+  bool collide(std::span<const PathStep> path);
   /// What limits kept out; empty: nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
@@ -127,6 +150,16 @@ class Execution {
   [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node) {
     return placement_.places_of(*nodes_[node].scene, nodes_[node].id);
   }
+
+  /// What the viewer sees: as it was told, else by the bound Viewpoint, whose fieldOfView is the smaller angle (6.53).
+  [[nodiscard]] Frustum frustum() const;
+  /// The node in this world; 0 where its scene is no part of it, or there is no room.
+  [[nodiscard]] EventNode event_node(const SceneGraph& scene, NodeId node);
+  [[nodiscard]] const Behaviour& behaviour_of(EventNode node) const { return *nodes_[node].schema->behaviour; }
+  [[nodiscard]] NodePlace place_of(EventNode node) const { return {nodes_[node].scene, nodes_[node].id}; }
+  [[nodiscard]] Pointing& pointing() { return *pointing_; }
+  /// See take_requests.
+  void request(EventNode anchor);
 
   /// State of behaviours, by number; see state_of.
   struct States;
@@ -238,6 +271,10 @@ class Execution {
   std::vector<Stack> stacks_;
   Placement placement_;
   std::optional<glm::dmat4> told_viewer_;
+  std::optional<Frustum> told_frustum_;
+  double aspect_ = 4.0 / 3;
+  std::unique_ptr<Pointing> pointing_;
+  std::vector<NodePlace> requests_;
   std::vector<NodeChange> changes_, taken_changes_;
   std::vector<EventNode> changed_;
   std::unique_ptr<States> states_;

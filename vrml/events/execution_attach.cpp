@@ -23,7 +23,11 @@ bool receives(const InterfaceDeclaration& declaration) {
 }  // namespace
 
 Execution::Execution(SceneGraph& root)
-    : root_(root), share_(root.budget(), Resource::nodes), placement_(root), states_(std::make_unique<States>()) {
+    : root_(root),
+      share_(root.budget(), Resource::nodes),
+      placement_(root),
+      pointing_(std::make_unique<Pointing>(*this)),
+      states_(std::make_unique<States>()) {
   now_ = previous_ = -std::numeric_limits<double>::infinity();
   nodes_.emplace_back();
   connections_.emplace_back();
@@ -40,6 +44,7 @@ std::size_t Execution::scene_state(SceneGraph& scene) {
 
 void Execution::attach() {
   placement_.forget();
+  pointing_->forget();
   // Inlines inside Inlines stand behind those that hold them.
   for (std::size_t i = 0; i < scenes_.size(); ++i) {
     attach_scene(i);

@@ -1,5 +1,6 @@
 #include "vrml/events/execution.h"
 #include "vrml/events/placement.h"
+#include "vrml/events/pointing.h"
 
 #include <unordered_set>
 
@@ -8,11 +9,13 @@ namespace {
 
 struct GroupingEvents {
   enum : int { add_children, remove_children, children };
+  enum : int { description = children + 1 };            // of Anchor
+  enum : int { collide = children + 1, collide_time };  // of Collision
 };
 
 // 4.6.5: children that are there already are not added again; those that are not there are not removed.
 bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
-  if (event == GroupingEvents::children) return true;
+  if (event >= GroupingEvents::children) return true;
   const MFNode given = std::get<MFNode>(value);
   const MFNode old = execution.get<MFNode>(node, GroupingEvents::children);
   if (given.empty() || !execution.spend(old.size() + given.size())) return false;
@@ -48,10 +51,36 @@ glm::dmat4 transform_of(const Node& node) {
       std::get<SFRotation>(node.values[slots.scale_orientation]));
 }
 
+// An Anchor is activated by a click on what is below it (6.2).
+constexpr PointingSensor kAnchorSensor = {
+    .description = GroupingEvents::description,
+    .of_children = true,
+    .release =
+        [](Execution& execution, EventNode node, bool over) {
+          if (over) execution.request(node);
+        },
+};
+
+bool collision_of(Execution& execution, EventNode node, bool met) {
+  if (!execution.get<SFBool>(node, GroupingEvents::collide)) return false;
+  if (met) execution.send(node, GroupingEvents::collide_time, SFTime{execution.now()});
+  return true;
+}
+
 }  // namespace
 
 const Behaviour kTransformBehaviour = {
     {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};
+const Behaviour kAnchorBehaviour = {
+    .events = {"addChildren", "removeChildren", "children", "description"},
+    .on_event = change_children,
+    .pointing = &kAnchorSensor,
+};
+const Behaviour kCollisionBehaviour = {
+    .events = {"addChildren", "removeChildren", "children", "collide", "collideTime"},
+    .on_event = change_children,
+    .on_collision = collision_of,
+};
 const Behaviour kGroupBehaviour = {{"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr};
 
 }  // namespace gs::vrml

@@ -1,5 +1,7 @@
 #include "vrml/events/interpolation.h"
 
+#include "vrml/events/rotations.h"
+
 #include <glm/glm.hpp>
 
 #include <algorithm>
@@ -37,12 +39,7 @@ SFColor color_of(const Hsv& c) {
   return color(c.value, p, q);
 }
 
-glm::dvec4 quaternion_of(const SFRotation& r) {
-  const glm::dvec3 axis(r.x, r.y, r.z);
-  const double length = glm::length(axis), half = r.angle * 0.5;
-  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(half)) return {0, 0, 0, 1};
-  return {axis * (std::sin(half) / length), std::cos(half)};
-}
+glm::dvec4 four_of(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
 // A way from `a` to `b`, both of length 1, on the sphere; `cosine` of the angle between them.
 template <class Vector>
@@ -99,20 +96,15 @@ SFVec3f between_normals(const SFVec3f& a, const SFVec3f& b, float part) {
 }
 
 SFRotation between_rotations(const SFRotation& a, const SFRotation& b, float part) {
-  const glm::dvec4 from = quaternion_of(a);
-  glm::dvec4 to = quaternion_of(b);
+  const glm::dvec4 from = four_of(quaternion_of(a));
+  glm::dvec4 to = four_of(quaternion_of(b));
   double cosine = glm::dot(from, to);
   if (cosine < 0) {  // two quaternions stand for each orientation: the nearer one
     to = -to;
     cosine = -cosine;
   }
-  glm::dvec4 made = along_arc(from, to, cosine, part);
-  if (made.w < 0) made = -made;
-  const glm::dvec3 axis(made);
-  const double sine = glm::length(axis);
-  if (!(sine > 0)) return {0, 0, 1, 0};
-  return {static_cast<float>(axis.x / sine), static_cast<float>(axis.y / sine), static_cast<float>(axis.z / sine),
-          static_cast<float>(2 * std::atan2(sine, made.w))};
+  const glm::dvec4 made = along_arc(from, to, cosine, part);
+  return rotation_of(glm::dquat(made.w, made.x, made.y, made.z));
 }
 
 }  // namespace gs::vrml

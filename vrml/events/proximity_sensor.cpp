@@ -1,7 +1,7 @@
 #include "vrml/events/execution.h"
+#include "vrml/events/rotations.h"
 
 #include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
 
 #include <cmath>
 
@@ -11,16 +11,6 @@ namespace {
 struct Proximity {
   enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time };
 };
-
-// An orthonormal matrix as an axis and an angle.
-SFRotation rotation_of(const glm::dmat3& matrix) {
-  glm::dquat q = glm::normalize(glm::quat_cast(matrix));
-  if (q.w < 0) q = -q;
-  const double sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(sine > 0)) return {0, 0, 1, 0};
-  return {static_cast<float>(q.x / sine), static_cast<float>(q.y / sine), static_cast<float>(q.z / sine),
-          static_cast<float>(2 * std::atan2(sine, q.w))};
-}
 
 // The columns made perpendicular and of length 1; false where they have no direction.
 bool orthonormal(glm::dmat3& m) {
@@ -78,7 +68,7 @@ void proximity_time(Execution& execution, EventNode node) {
   if (!active || position != execution.get<SFVec3f>(node, Proximity::position))
     execution.send(node, Proximity::position, position);
   glm::dmat3 turned(sensor_from_viewer);
-  const SFRotation orientation = orthonormal(turned) ? rotation_of(turned) : SFRotation{};
+  const SFRotation orientation = orthonormal(turned) ? rotation_of(glm::quat_cast(turned)) : SFRotation{};
   if (!active || orientation != execution.get<SFRotation>(node, Proximity::orientation))
     execution.send(node, Proximity::orientation, orientation);
 }

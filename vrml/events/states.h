@@ -2,6 +2,10 @@
 
 #include "vrml/events/execution.h"
 
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
 #include <deque>
 #include <limits>
 
@@ -16,10 +20,27 @@ struct TimeState {
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };
 
+/// A pointing-device sensor (4.6.7.3) that the pointer has been over.
+struct PointingState {
+  bool over = false, active = false;
+  bool owes_over = false, owes_active = false;  // FALSE, since it was disabled
+  std::uint32_t wanted = 0;                     // the last look that found it
+  std::uint32_t enabled_in = 0;                 // the press during which it was enabled
+  // Of drag sensors, since activation (4.6.7.4); in the coordinate system that the sensor had then.
+  bool tracks = false;            // that system is no singular one
+  bool sent = false;              // a value, in this drag
+  bool disk = false;              // of a CylinderSensor, rather than its cylinder
+  bool far_side = false;          // of the cylinder or sphere, as seen along the bearing
+  double radius = 0, turned = 0;  // turned: radians about the Y axis of a CylinderSensor, over full turns too
+  glm::dvec3 start{0};            // the point that was pointed at
+  glm::dmat4 sensor_from_world{1.0};
+};
+
 /// What behaviours keep of their nodes, by state_of; [0] is unused.
 struct Execution::States {
   std::deque<TimeState> times{1};
   std::deque<MFVec3f> spares{1};  // the array that an interpolator writes next
+  std::deque<PointingState> pointing{1};
 };
 
 }  // namespace gs::vrml

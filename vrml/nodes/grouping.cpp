@@ -16,7 +16,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
-     nullptr, &kGroupBehaviour},
+     nullptr, &kAnchorBehaviour},
     {"Billboard", "6.6", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
@@ -36,7 +36,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFNode     proxy            NULL
   eventOut     SFTime     collideTime
 )",
-     nullptr, &kGroupBehaviour},
+     nullptr, &kCollisionBehaviour},
     {"Group", "6.21", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren

@@ -16,7 +16,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFRotation rotation_changed
   eventOut     SFVec3f    trackPoint_changed
-)"},
+)",
+     nullptr, &kCylinderSensorBehaviour},
     {"PlaneSensor", "6.34", Role::child | Role::sensor, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFBool     enabled          TRUE
@@ -26,7 +27,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFVec3f    trackPoint_changed
   eventOut     SFVec3f    translation_changed
-)"},
+)",
+     nullptr, &kPlaneSensorBehaviour},
     {"ProximitySensor", "6.38", Role::child | Role::sensor, R"(
   exposedField SFVec3f    center           0 0 0            # (-inf,inf)
   exposedField SFVec3f    size             0 0 0            # [0,inf)
@@ -45,7 +47,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFRotation rotation_changed
   eventOut     SFVec3f    trackPoint_changed
-)"},
+)",
+     nullptr, &kSphereSensorBehaviour},
     {"TimeSensor", "6.50", Role::child | Role::sensor | Role::time_dependent, R"(
   exposedField SFTime     cycleInterval    1                # (0,inf)
   exposedField SFBool     enabled          TRUE
@@ -66,7 +69,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFBool     isOver
   eventOut     SFTime     touchTime
-)"},
+)",
+     nullptr, &kTouchSensorBehaviour},
     {"VisibilitySensor", "6.54", Role::child | Role::sensor, R"(
   exposedField SFVec3f    center           0 0 0            # (-inf,inf)
   exposedField SFBool     enabled          TRUE
@@ -74,7 +78,8 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFTime     enterTime
   eventOut     SFTime     exitTime
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, &kVisibilitySensorBehaviour},
 };
 
 }  // namespace

@@ -25,16 +25,37 @@ Transform { }
 ROUTE Clock.fraction_changed TO Path.set_fraction ROUTE Path.value_changed TO Place.translation
 )";
 
+const std::string kSensors = R"(#VRML V2.0 utf8
+Viewpoint { fieldOfView 1.5707963 }
+PROTO Button [ field SFVec3f at 0 0 0 ] { Transform { translation IS at children [ Shape { geometry Box { } } ] } }
+Group { children [ Button { at 0 0 -1 } DEF T TouchSensor { } ] }
+Transform { translation -4 0 0 children [ Shape { geometry Box { } } DEF P PlaneSensor { maxPosition 1 1 } ] }
+Transform { translation 4 0 -1 children [ Shape { geometry Sphere { radius 2 } } DEF S SphereSensor { } ] }
+Transform { translation 0 5 -1 children [ Shape { geometry Cylinder { radius 2 } } DEF C CylinderSensor { } ] }
+DEF A Anchor { url "x" children Transform { translation 0 -5 0 children Shape { geometry Box { } } } }
+)";
+
+// The lines of a trace after the first two, which bind the Viewpoint.
+std::string pointed(const std::string& world, const std::string& arguments, const std::string& rows) {
+  const ScratchFolder folder;
+  const std::string file = folder.write("world.wrl", world), input = folder.write("in.jsonl", rows);
+  const Run result = run("trace " + quoted(file) + " --until 2 " + arguments + " --input " + quoted(input));
+  CHECK(result.status == kDone);
+  const std::string bound = "946684800 Viewpoint#1.isBound TRUE\n946684800 Viewpoint#1.bindTime 946684800\n";
+  return result.output.starts_with(bound) ? result.output.substr(bound.size()) : result.output;
+}
+
 }  // namespace
 
 TEST_CASE("lines of --input are read, and what is wrong with them is told with its place") {
   vrml::Diagnostics diagnostics;
   const auto rows = read_input_rows(
       "{\"t\":0,\"viewpoint\":\"Back\"}\n\n{\"t\":1.5,\"set\":\"A.b.set_x\",\"value\":\"1 0 0\"}\r\n"
-      "{\"t\":2,\"set\":\"A.on\",\"value\":true}\n{\"t\":2,\"set\":\"A.n\",\"value\":-2}",
+      "{\"t\":2,\"set\":\"A.on\",\"value\":true}\n{\"t\":2,\"set\":\"A.n\",\"value\":-2}\n"
+      "{\"t\":2,\"move\":[1,2.5]}\n{\"t\":2,\"press\":[-3,4]}\n{\"t\":2,\"release\":[0,0]}",
       "in.jsonl", diagnostics);
   CHECK(diagnostics.errors() == 0);
-  REQUIRE(rows.size() == 4);
+  REQUIRE(rows.size() == 7);
   CHECK(rows[0].kind == InputRow::Kind::viewpoint);
   CHECK(rows[0].name == "Back");
   CHECK(rows[1].time == 1.5);
@@ -43,16 +64,28 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   CHECK(rows[1].location.line == 3);
   CHECK(rows[2].value == "TRUE");
   CHECK(rows[3].value == "-2");
+  CHECK(rows[4].kind == InputRow::Kind::move);
+  CHECK(rows[4].pointer == glm::dvec2(1, 2.5));
+  CHECK(rows[5].kind == InputRow::Kind::press);
+  CHECK(rows[5].pointer == glm::dvec2(-3, 4));
+  CHECK(rows[6].kind == InputRow::Kind::release);
 
-  CHECK(complaint("{\"t\":1}\n{\"t\":") == "in.jsonl:1:1: error: expected one of \"set\" and \"viewpoint\"");
+  const std::string expected = "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\" and \"key\"";
+  CHECK(complaint("{\"t\":1}\n{\"t\":") == "in.jsonl:1:1: error: " + expected);
+  CHECK(complaint("{\"t\":1,\"move\":[1,2],\"press\":[1,2]}") == "in.jsonl:1:1: error: " + expected);
   CHECK(complaint("\n{\"t\":1,") == "in.jsonl:2:8: error: this is no JSON");
   CHECK(complaint("[1]") == "in.jsonl:1:1: error: expected a JSON object");
   CHECK(complaint("{\"t\":-1,\"viewpoint\":\"A\"}").find("in.jsonl:1:2: error: expected \"t\"") == 0);
   CHECK(complaint("{\"t\":1e999,\"viewpoint\":\"A\"}") == "in.jsonl:1:1: error: a number is too large");
   CHECK(complaint("{\"t\":2,\"viewpoint\":\"A\"}\n{\"t\":1,\"viewpoint\":\"A\"}") ==
         "in.jsonl:2:2: error: rows must be in the order of time");
-  CHECK(complaint("{\"t\":1,\"press\":[1,2]}") ==
-        "in.jsonl:1:8: error: \"press\" is not supported yet; expected \"set\" or \"viewpoint\"");
+  const std::string pixels = "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left";
+  for (const char* place : {"[1]", "[1,2,3]", "1", "[1,\"2\"]", "[1,1e99]", "{}"})
+    CHECK(complaint("{\"t\":1,\"press\":" + std::string(place) + "}") == pixels);
+  CHECK(complaint("{\"t\":1,\"key\":\"w\",\"down\":true}") ==
+        "in.jsonl:1:8: error: \"key\" is not supported yet: nobody walks in simulated time");
+  CHECK(complaint("{\"t\":1,\"key\":\"w\"}") == "in.jsonl:1:8: error: expected \"down\": true or false");
+  CHECK(complaint("{\"t\":1,\"key\":7}") == "in.jsonl:1:8: error: expected \"key\": the name of a key");
   CHECK(complaint("{\"t\":1,\"set\":\"nothing\",\"value\":\"1\"}").find("in.jsonl:1:8: error: ") == 0);
   CHECK(complaint("{\"t\":1,\"set\":\"A.b\"}").find("expected \"value\"") != std::string::npos);
 }
@@ -101,6 +134,76 @@ TEST_CASE("trace does what --input says") {
   CHECK(wrong.output.find("bad.jsonl:4:32: error: expected a value of type SFVec3f") != std::string::npos);
   CHECK(wrong.output.find("bad.jsonl:5:8: error: no Viewpoint 'Nowhere'") != std::string::npos);
   CHECK(wrong.output.find("isBound") == std::string::npos);
+}
+
+TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
+  const std::string rows =
+      "{\"t\":0.1,\"move\":[50,50]}\n{\"t\":0.2,\"press\":[50,50]}\n{\"t\":0.3,\"release\":[50,50]}\n"
+      "{\"t\":0.4,\"move\":[99,99]}\n";
+  const std::string lines =
+      "946684800.1 T.isOver TRUE\n946684800.1 T.hitPoint_changed 0 0 0\n946684800.1 T.hitNormal_changed 0 0 1\n"
+      "946684800.1 T.hitTexCoord_changed 0.5 0.5\n946684800.2 T.isActive TRUE\n946684800.3 T.isActive FALSE\n"
+      "946684800.3 T.touchTime 946684800.3\n946684800.4 T.isOver FALSE\n";
+  CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
+  CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
+  // The same pixels of another picture; the wider one shows more to the sides, where the box of the Anchor is not.
+  CHECK(pointed(kSensors, "--size 300x100", "{\"t\":0,\"move\":[150,50]}\n{\"t\":1,\"move\":[50,50]}") ==
+        "946684800 T.isOver TRUE\n946684800 T.hitPoint_changed 0 0 0\n946684800 T.hitNormal_changed 0 0 1\n"
+        "946684800 T.hitTexCoord_changed 0.5 0.5\n946684801 T.isOver FALSE\n");
+  // Pressed and released at once, it takes two timestamps.
+  CHECK(pointed(kSensors, "--size 100x100", "{\"t\":0.5,\"press\":[50,50]}\n{\"t\":0.5,\"release\":[50,50]}")
+            .find("946684800.5 T.isActive TRUE\n946684800.5166667 T.isActive FALSE\n946684800.5166667 T.touchTime") !=
+        std::string::npos);
+}
+
+TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.7.4, 6.2)") {
+  CHECK(pointed(kSensors, "--size 100x100",
+                "{\"t\":0.1,\"press\":[30,50]}\n{\"t\":0.2,\"move\":[70,20]}\n{\"t\":0.3,\"release\":[70,20]}") ==
+        "946684800.1 P.isActive TRUE\n946684800.2 P.trackPoint_changed 7.6 5.3999996 1\n946684800.2 "
+        "P.translation_changed 1 1 0\n"
+        "946684800.3 P.isActive FALSE\n946684800.3 P.offset_changed 1 1 0\n");
+  CHECK(pointed(kSensors, "--size 100x100",
+                "{\"t\":0.1,\"press\":[70,50]}\n{\"t\":0.2,\"move\":[75,50]}\n{\"t\":0.3,\"release\":[99,50]}") ==
+        "946684800.1 S.isActive TRUE\n946684800.2 S.trackPoint_changed 0.53698766 0 1.926024\n"
+        "946684800.2 S.rotation_changed 0 1 0 0.46557945\n946684800.3 S.isActive FALSE\n"
+        "946684800.3 S.offset_changed 0 1 0 0.46557945\n");
+  CHECK(pointed(kSensors, "--size 100x100",
+                "{\"t\":0.1,\"press\":[50,28]}\n{\"t\":0.2,\"move\":[55,28]}\n{\"t\":0.3,\"release\":[50,28]}") ==
+        "946684800.1 C.isActive TRUE\n946684800.2 C.trackPoint_changed 0.9334688 -0.89273727 1.6653112\n"
+        "946684800.2 C.rotation_changed 0 1 0 0.51089716\n946684800.3 C.trackPoint_changed 0 -1 1.9090903\n"
+        "946684800.3 C.rotation_changed 0 1 0 0\n946684800.3 C.isActive FALSE\n946684800.3 C.offset_changed 0\n");
+  CHECK(pointed(kSensors, "--size 100x100", "{\"t\":0.1,\"press\":[50,75]}\n{\"t\":0.2,\"release\":[50,75]}").empty());
+}
+
+TEST_CASE("without a Viewpoint the pointer points at the whole of the world, as --snapshot frames it") {
+  const std::string world =
+      "#VRML V2.0 utf8\nDEF M Transform { translation 700 0 0 children [ Shape { geometry Sphere { radius 30 } } "
+      "DEF T PlaneSensor { } ] } ROUTE T.translation_changed TO M.translation";
+  const std::string lines = pointed(world, "--size 64x64",
+                                    "{\"t\":0.1,\"press\":[32,32]}\n{\"t\":0.2,\"move\":[48,32]}\n"
+                                    "{\"t\":0.3,\"move\":[32,32]}\n{\"t\":0.4,\"release\":[32,32]}");
+  CHECK(lines.starts_with("946684800.1 T.isActive TRUE\n946684800.2 T.trackPoint_changed "));
+  // The picture stays where it is while the sphere goes.
+  CHECK(lines.find("946684800.3 T.translation_changed 0 0 0\n") != std::string::npos);
+}
+
+TEST_CASE("a snapshot shows what clicks have led to") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.wrl", R"(#VRML V2.0 utf8
+Viewpoint { } DEF M Transform { children [ Shape { geometry Box { } } DEF T PlaneSensor { maxPosition 2 0 } ] }
+ROUTE T.translation_changed TO M.translation)");
+  const std::string moved = folder.write("moved.wrl", R"(#VRML V2.0 utf8
+Viewpoint { } Transform { translation 2 0 0 children [ Shape { geometry Box { } } ] })");
+  const std::string input = folder.write("in.jsonl", "{\"t\":0.1,\"press\":[32,32]}\n{\"t\":0.2,\"move\":[63,32]}\n");
+  const auto picture = [&](const std::string& name, const std::string& arguments) {
+    const Run drawn = run(arguments + " --size 64x64 --snapshot " + quoted(folder.path(name)));
+    INFO(drawn.output);
+    CHECK(drawn.status == kDone);
+    return run_shell("cksum < " + quoted(folder.path(name))).output;
+  };
+  const std::string dragged = picture("1.png", "--time 0.3 --input " + quoted(input) + " " + quoted(world));
+  CHECK(dragged == picture("2.png", quoted(moved)));
+  CHECK(dragged != picture("3.png", quoted(world)));
 }
 
 TEST_CASE("a snapshot with --time is the picture after so much simulated time") {

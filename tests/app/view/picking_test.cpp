@@ -1,12 +1,14 @@
 #include "app/view/picking.h"
 
 #include "qnv/base/cloud.h"
+#include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <limits>
+#include <string>
 
 namespace {
 
@@ -214,4 +216,53 @@ TEST_CASE("Clouds that make no sense are not hit") {
   CHECK(pick(list, kAhead)->splat == list.splats.size() - 1);
   CHECK_FALSE(pick(list, {{nan, 0, 0}, {0, 0, -1}}));
   CHECK_FALSE(pick(list, {{0, 0, 0}, {nan, nan, nan}}));
+}
+
+TEST_CASE("What is hit has a way from the root, through PROTO instances and Inlines, with its coordinate systems") {
+  vrml::SceneGraph scene("root.wrl");
+  vrml::Diagnostics diagnostics;
+  (void)vrml::parse(R"(#VRML V2.0 utf8
+    PROTO Moved [ exposedField MFNode children [ ] ] { Transform { translation 0 0 -5 children IS children } }
+    Moved { children DEF S Switch { whichChoice 1 choice [ Group { } DEF I Inline { } ] } })",
+                    scene, diagnostics);
+  auto inlined = std::make_unique<vrml::SceneGraph>("inline.wrl", scene.budget());
+  (void)vrml::parse("#VRML V2.0 utf8\nTransform { scale 2 2 2 children DEF Box Shape { geometry Box { } } }", *inlined,
+                    diagnostics);
+  REQUIRE(diagnostics.errors() == 0);
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
+    if (scene.node(scene.id_at(i)).name == "I") {
+      scene.attach_inline(scene.id_at(i), std::move(inlined));
+      break;
+    }
+  render::MeshCache meshes;
+  const render::RenderList list = render::collect(scene, {}, meshes);
+  const auto hit = pick(list, {{0.5f, 0, 9}, {0, 0, -1}});
+  REQUIRE(hit);
+  CHECK(hit->point == glm::dvec3(0.5, 0, -3));
+  CHECK(hit->normal == glm::dvec3(0, 0, 1));
+  CHECK(hit->texture_coordinate == glm::vec2(0.625f, 0.5f));
+  std::string names;
+  const auto path = path_of(list, *hit);
+  for (const vrml::PathStep& step : path) names += step.scene->node(step.node).type->name + ' ';
+  CHECK(names == "Transform Switch Inline Transform Shape ");
+  REQUIRE(path.size() == 5);
+  const glm::dmat4 moved = glm::translate(glm::dmat4(1), {0, 0, -5});
+  CHECK(path[0].world_from_parent == glm::dmat4(1));
+  CHECK(path[2].world_from_parent == moved);
+  CHECK(path[3].world_from_parent == moved);
+  CHECK(path[4].world_from_parent == glm::scale(moved, {2, 2, 2}));
+  render::RenderList nowhere;
+  nowhere.items.emplace_back();
+  CHECK(path_of(nowhere, Hit{}).empty());
+}
+
+TEST_CASE("A line of sight goes where the ray through the same pixel goes") {
+  Pose pose;
+  pose.orientation = glm::angleAxis(0.7f, glm::normalize(glm::vec3(1, 2, 3)));
+  for (const glm::vec2& pointer : {glm::vec2(0, 0), glm::vec2(320, 100), glm::vec2(-9, 700)}) {
+    const Ray ray = ray_through(pose, pointer, {640, 200});
+    const render::SightLine line = sight_line(pose, pointer, {640, 200});
+    CHECK(glm::distance(glm::vec3(line.direction), ray.direction) < 1e-5f);
+    CHECK(glm::vec3(line.origin) == ray.origin);
+  }
 }

@@ -1,0 +1,120 @@
+#pragma once
+
+#include "vrml/mesh/mesh.h"
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace gs::render {
+
+/// A half line of which the nearest thing is looked for. Distances are measured in lengths of `direction`, so that they
+/// stay what they are when the line goes into another coordinate system.
+struct SightLine {
+  glm::dvec3 origin{0}, direction{0, 0, -1};
+  double farthest = std::numeric_limits<double>::infinity();
+};
+
+/// Boxes in a tree, so that few of them have to be looked at for a line. At most 26 bytes a box.
+class BoxTree {
+ public:
+  struct Entry {
+    vrml::Bounds box;  // empty: never met
+    std::uint32_t thing = 0;
+  };
+
+  /// A line and what makes boxes quick to test.
+  struct Walker {
+    glm::dvec3 origin, inverse;
+    explicit Walker(const SightLine& line);
+    /// Where it enters the box; infinity where it does not before `farthest`.
+    [[nodiscard]] double enter(const glm::vec3& lower, const glm::vec3& upper, double farthest) const;
+  };
+
+  BoxTree() = default;
+  /// Of things from 0 on, each once, in any order; the entries are used up.
+  explicit BoxTree(std::vector<Entry> entries);
+
+  /// The boxes have changed: `boxes`, by thing. The more they have moved the slower the tree gets.
+  void refit(const std::vector<vrml::Bounds>& boxes);
+  [[nodiscard]] std::size_t bytes() const {
+    return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
+  }
+
+  /// Calls `meet(thing, farthest)` for things whose boxes the line meets, the nearer boxes first. `meet` returns up to
+  /// what distance things matter from then on.
+  template <class Meet>
+  void visit(const SightLine& line, const Meet& meet) const;
+
+ private:
+  // Its first child, if it has children, is the next node.
+  struct Node {
+    glm::vec3 lower;
+    std::uint32_t place;  // of the second child, or of the first thing in order_
+    glm::vec3 upper;
+    std::uint32_t count;  // of things; 0: it has children
+  };
+  static_assert(sizeof(Node) == 32);
+  // A node of more than kMostThings is parted into no smaller ones than kFewestThings, which bounds their number.
+  static constexpr std::size_t kMostThings = 6, kFewestThings = 3;
+  // Below kBalanced parts are halves, which bounds the depth.
+  static constexpr std::uint32_t kBalanced = 48;
+  static constexpr std::size_t kDeepest = 96;
+
+  [[nodiscard]] static std::size_t part(Entry* entries, std::size_t count, bool halves);
+
+  std::vector<Node> nodes_;
+  std::vector<std::uint32_t> order_;
+};
+
+inline BoxTree::Walker::Walker(const SightLine& line) : origin(line.origin), inverse(1.0 / line.direction) {}
+
+inline double BoxTree::Walker::enter(const glm::vec3& lower, const glm::vec3& upper, double farthest) const {
+  constexpr double kRounding = 1 + 1e-12;  // a flat box is entered and left at once
+  double first = 0, last = farthest;
+  for (int i = 0; i < 3; ++i) {
+    const bool forward = inverse[i] > 0;
+    const double in = ((forward ? lower[i] : upper[i]) - origin[i]) * inverse[i];
+    const double out = ((forward ? upper[i] : lower[i]) - origin[i]) * inverse[i];
+    // Along a face, 0 times infinity is NaN, which bounds nothing.
+    if (in > first) first = in;
+    if (out < last) last = out;
+  }
+  return first <= last * kRounding ? first : std::numeric_limits<double>::infinity();
+}
+
+template <class Meet>
+void BoxTree::visit(const SightLine& line, const Meet& meet) const {
+  if (nodes_.empty()) return;
+  constexpr double kMissed = std::numeric_limits<double>::infinity();
+  const Walker walker(line);
+  const auto enter = [&](std::uint32_t place, double before) {
+    return walker.enter(nodes_[place].lower, nodes_[place].upper, before);
+  };
+  double farthest = line.farthest;
+  std::array<std::pair<std::uint32_t, double>, kDeepest> open;  // nodes, and where they are entered
+  std::size_t count = 0;
+  if (const double enters = enter(0, farthest); enters < kMissed) open[count++] = {0, enters};
+  while (count > 0) {
+    const auto [place, enters] = open[--count];
+    if (enters > farthest) continue;
+    const Node& node = nodes_[place];
+    if (node.count > 0) {
+      for (std::uint32_t i = 0; i < node.count; ++i) farthest = meet(order_[node.place + i], farthest);
+      continue;
+    }
+    std::pair<std::uint32_t, double> near{place + 1, enter(place + 1, farthest)},
+        far{node.place, enter(node.place, farthest)};
+    if (far.second < near.second) std::swap(near, far);
+    if (far.second < kMissed) open[count++] = far;
+    if (near.second < kMissed) open[count++] = near;
+  }
+}
+
+}  // namespace gs::render

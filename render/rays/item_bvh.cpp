@@ -1,0 +1,154 @@
+#include "render/rays/item_bvh.h"
+
+#include "vrml/mesh/vertices.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kMostRefits = 64;
+
+bool is_finite(const glm::dmat4& m) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += glm::dot(m[i] * 0.0, glm::dvec4(1));
+  return sum == 0;
+}
+
+/// The box in world space, not too small by rounding. Empty where nothing can be met.
+vrml::Bounds world_box(const DrawItem& item) {
+  vrml::Bounds box;
+  if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
+  const vrml::Bounds& bounds = item.mesh->bounds;
+  const glm::dmat4 matrix(item.world_from_node);
+  if (bounds.empty() || !is_finite(matrix)) return box;
+  const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5,
+                   half = glm::dvec3(bounds.upper) - center;
+  const glm::dvec3 moved(matrix * glm::dvec4(center, 1));
+  constexpr double kRounding = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    double extent = std::abs(moved[i]) * kRounding;
+    for (int k = 0; k < 3; ++k) extent += std::abs(matrix[k][i]) * half[k] * (1 + kRounding);
+    box.lower[i] = static_cast<float>(moved[i] - extent);
+    box.upper[i] = static_cast<float>(moved[i] + extent);
+  }
+  return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : vrml::Bounds{};
+}
+
+void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
+  const vrml::Mesh& mesh = *item.mesh;
+  const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * hit.triangle.triangle;
+  const auto blend = [&](const auto& values) {
+    using Value = std::decay_t<decltype(values[0])>;
+    Value sum(0);
+    for (int i = 0; i < 3; ++i) sum += values[corners[i]] * static_cast<float>(hit.triangle.weights[i]);
+    return sum;
+  };
+  hit.point = line.origin + line.direction * hit.triangle.distance;
+  const glm::dvec3 a(mesh.positions[corners[0]]), b(mesh.positions[corners[1]]), c(mesh.positions[corners[2]]);
+  glm::dvec3 normal = glm::cross(b - a, c - a);
+  if (mesh.normals.size() == mesh.positions.size())
+    if (const glm::dvec3 smooth(blend(mesh.normals)); glm::dot(smooth, smooth) > 0) normal = smooth;
+  normal = glm::transpose(glm::inverse(glm::dmat3(glm::dmat4(item.world_from_node)))) * normal;
+  const double length = glm::length(normal);
+  hit.normal = length > 0 && std::isfinite(length) ? normal / length : glm::dvec3(0);
+  if (mesh.texture_coordinates.size() == mesh.positions.size()) {
+    hit.texture_coordinate = blend(mesh.texture_coordinates);
+  } else {
+    const glm::vec3 point = blend(mesh.positions);
+    hit.texture_coordinate = vrml::default_texture_coordinates({&point, 1}, mesh.bounds)[0];
+  }
+}
+
+}  // namespace
+
+std::size_t ItemBvh::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [mesh, kept] : meshes_) sum += kept.tree.bytes();
+  return sum;
+}
+
+void ItemBvh::update(const RenderList& list) {
+  const bool counted = list.items.size() == items_.size();
+  bool changed = !counted;
+  items_.resize(list.items.size());
+  boxes_.resize(list.items.size());
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const DrawItem& item = list.items[i];
+    Item& known = items_[i];
+    // NaN is never the same, and looked at anew each time.
+    const bool same_mesh = !known.mesh.owner_before(item.mesh) && !item.mesh.owner_before(known.mesh);
+    if (counted && same_mesh && known.world_from_node == item.world_from_node) continue;
+    known = {item.mesh, item.world_from_node};
+    boxes_[i] = world_box(item);
+    changed = true;
+  }
+  if (!changed) return;
+  std::erase_if(meshes_, [&](const auto& entry) {
+    if (!entry.second.mesh.expired()) return false;
+    triangles_ -= entry.second.triangles;
+    return true;
+  });
+  if (counted && ++refits_ <= kMostRefits) {
+    tree_.refit(boxes_);
+    return;
+  }
+  refits_ = 0;
+  std::vector<BoxTree::Entry> entries(boxes_.size());
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i] = {boxes_[i], static_cast<std::uint32_t>(i)};
+  tree_ = BoxTree(std::move(entries));
+}
+
+// Another mesh may come to the place in memory of one that has gone: then the weak pointer has expired.
+const MeshBvh* ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles) {
+  const auto known = meshes_.find(mesh.get());
+  if (known != meshes_.end() && !known->second.mesh.expired()) {
+    known->second.used = searches_;
+    return &known->second.tree;
+  }
+  if (known != meshes_.end()) {
+    triangles_ -= known->second.triangles;
+    meshes_.erase(known);
+  }
+  const std::size_t triangles = mesh->indices.size() / 3;
+  if (triangles_ + triangles > max_triangles)
+    std::erase_if(meshes_, [&](const auto& entry) {
+      if (entry.second.used == searches_) return false;
+      triangles_ -= entry.second.triangles;
+      return true;
+    });
+  if (triangles > max_triangles || triangles_ > max_triangles - triangles) return nullptr;
+  triangles_ += triangles;
+  return &meshes_.emplace(mesh.get(), Kept{mesh, triangles, searches_, MeshBvh(*mesh)}).first->second.tree;
+}
+
+std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles) {
+  ++searches_;
+  update(list);
+  std::optional<SurfaceHit> found;
+  const glm::dvec3 usable = line.origin * 0.0 + line.direction * 0.0;
+  if (usable != glm::dvec3(0) || line.direction == glm::dvec3(0)) return found;
+  const BoxTree::Walker walker(line);
+  tree_.visit(line, [&](std::uint32_t place, double farthest) {
+    const DrawItem& item = list.items[place];
+    const vrml::Bounds& box = boxes_[place];
+    if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
+    const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(item.world_from_node));
+    if (!is_finite(node_from_world)) return farthest;
+    const MeshBvh* tree = tree_of(item.mesh, max_triangles);
+    if (!tree) return farthest;
+    const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
+                           glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
+    const auto hit = tree->nearest(*item.mesh, inside);
+    if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
+    found = SurfaceHit{place, *hit};
+    return hit->distance;
+  });
+  if (found) describe(list.items[found->item], line, *found);
+  return found;
+}
+
+}  // namespace gs::render

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "render/rays/mesh_bvh.h"
+#include "render/scene/render_list.h"
+
+#include <glm/vec2.hpp>
+
+#include <memory>
+#include <unordered_map>
+
+namespace gs::render {
+
+/// Where a line meets a triangle of a RenderList, in world space.
+struct SurfaceHit {
+  std::size_t item = 0;  // of RenderList::items
+  TriangleHit triangle;  // of its mesh
+  glm::dvec3 point{0};
+  /// Of length 1: of the mesh's normals if it has some, else of the triangle, towards where its corners go
+  /// counter-clockwise. 0 where there is none.
+  glm::dvec3 normal{0};
+  /// Of the mesh, or as 6.23 makes them of its box; without the TextureTransform.
+  glm::vec2 texture_coordinate{0};
+};
+
+/// Finds the nearest triangle of a RenderList. Keeps what it learned of meshes as long as somebody else holds them, and
+/// the boxes of the items until they change. One thread.
+class ItemBvh {
+ public:
+  /// Triangles count from both sides; lines and points are too thin to meet. Takes time for each item that has changed
+  /// since the last call, and some microseconds; the first time for a mesh some tenths of a microsecond a triangle.
+  /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
+  [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
+                                                  std::size_t max_triangles = std::size_t{1} << 24);
+  /// What it keeps of meshes.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct Kept {
+    std::weak_ptr<const vrml::Mesh> mesh;
+    std::size_t triangles = 0;
+    std::uint64_t used = 0;  // number of the last search
+    MeshBvh tree;
+  };
+  struct Item {
+    std::weak_ptr<const vrml::Mesh> mesh;
+    glm::mat4 world_from_node{1.0f};
+  };
+  void update(const RenderList& list);
+  const MeshBvh* tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);
+
+  std::unordered_map<const vrml::Mesh*, Kept> meshes_;
+  std::size_t triangles_ = 0;  // of meshes_
+  std::uint64_t searches_ = 0;
+  std::vector<Item> items_;
+  std::vector<vrml::Bounds> boxes_;
+  BoxTree tree_;
+  std::size_t refits_ = 0;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,89 @@
+#include "tests/vrml/events/trace.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <limits>
+
+namespace gs::vrml::traces {
+namespace {
+
+glm::dmat4 looking_at_x(double x) { return glm::translate(glm::dmat4(1), {x, 0, 10}); }
+
+}  // namespace
+
+TEST_CASE("a VisibilitySensor tells when its box comes into view, and leaves it (6.54)") {
+  World world(
+      "Transform { translation 100 0 0 scale 2 2 2 children DEF V VisibilitySensor { size 1 1 1 } } "
+      "DEF W VisibilitySensor { size 1 1 1 }");
+  world.start();
+  CHECK(world.take() == Lines{"0 W.isActive TRUE", "0 W.enterTime 1000"});  // from 0 0 10
+  world.execution().set_viewer(looking_at_x(100));
+  world.step(1);
+  CHECK(world.take() == Lines{"1 V.isActive TRUE", "1 V.enterTime 1001", "1 W.isActive FALSE", "1 W.exitTime 1001"});
+  world.step(2);
+  CHECK(world.take().empty());
+  world.send("V.enabled", false);
+  CHECK(world.take() == Lines{"2 V.enabled FALSE", "2 V.isActive FALSE", "2 V.exitTime 1002"});
+  world.step(3);
+  CHECK(world.take().empty());
+  world.step(4);
+  world.send("V.enabled", true);
+  CHECK(world.take("isActive") == Lines{"4 V.isActive TRUE"});
+  // From behind.
+  world.execution().set_viewer(glm::rotate(looking_at_x(100), 3.14159, {0.0, 1.0, 0.0}));
+  world.step(5);
+  CHECK(world.take("isActive") == Lines{"5 V.isActive FALSE"});
+}
+
+TEST_CASE("the edges of the view are those of fieldOfView, aspect and what was told (6.53, 6.54)") {
+  // tan(0.785398 / 2) = 0.414: 4.14 up and 5.52 to the side at a distance of 10.
+  World world(
+      "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 0 0 10 fieldOfView 1.5707963 } "
+      "DEF In VisibilitySensor { center 5.4 0 0 } DEF Out VisibilitySensor { center 0 5.4 0 }");
+  world.start();
+  CHECK(world.take("isActive") == Lines{"0 In.isActive TRUE"});
+  world.step(1);
+  world.send("B.set_bind", true);
+  world.step(2);
+  CHECK(world.take("isActive") == Lines{"2 Out.isActive TRUE"});
+  world.execution().set_aspect(0.5);  // 10 to the side, 20 up
+  world.step(3);
+  CHECK(world.take("isActive").empty());
+  world.execution().set_viewer(looking_at_x(0), Frustum{0.5, 1});
+  world.step(4);
+  CHECK(world.take("isActive") == Lines{"4 In.isActive FALSE"});
+  world.execution().set_aspect(std::numeric_limits<double>::quiet_NaN());
+  world.execution().set_viewer(looking_at_x(0));
+  world.step(5);
+  CHECK(world.take("isActive") == Lines{"5 In.isActive TRUE"});
+}
+
+TEST_CASE("a VisibilitySensor in several places has the union of their boxes (6.54)") {
+  World world(
+      "Transform { translation 100 0 0 children DEF V VisibilitySensor { size 1 1 1 } } "
+      "Transform { translation -100 0 0 children USE V } DEF N VisibilitySensor { center 0 0 50 }");
+  world.start();
+  CHECK(world.take().empty());
+  world.execution().set_viewer(looking_at_x(-100));
+  world.step(1);
+  CHECK(world.take("isActive") == Lines{"1 V.isActive TRUE"});
+  world.execution().set_viewer(looking_at_x(100));
+  world.step(2);
+  CHECK(world.take().empty());
+  // A box around the viewer, boxes of no sense, and one behind a viewer who is nowhere.
+  world.send("N.size", SFVec3f(100, 100, 100));
+  world.send("V.size", SFVec3f(-1, 1, 1));
+  world.execution().set_viewer(looking_at_x(0));
+  world.step(3);
+  CHECK(world.take("isActive") == Lines{"2 V.isActive FALSE", "3 N.isActive TRUE"});
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  world.send("N.size", SFVec3f(nan, 1, std::numeric_limits<float>::infinity()));
+  world.step(4);
+  CHECK(world.take("isActive") == Lines{"4 N.isActive FALSE"});
+  world.send("V.size", SFVec3f(1, 1, 1));
+  world.execution().set_viewer(glm::dmat4(0.0));
+  world.step(5);
+  (void)world.take();
+}
+
+}  // namespace gs::vrml::traces

@@ -1,0 +1,245 @@
+#include "vrml/events/pointing_sensors.h"
+#include "vrml/events/rotations.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+// The drag sensors (VRML97 4.6.7.4). A drag is followed in the coordinate system that the sensor had when it was
+// activated: what it moves may be above it. Where the bearing leaves the plane, disk, cylinder or sphere, the last
+// value stays. Movements, of which the press itself is none, send values.
+namespace gs::vrml {
+namespace {
+
+bool all_finite(const glm::dmat4& m) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) sum += glm::dot(m[i] * 0.0, glm::dvec4(1));
+  return sum == 0;
+}
+
+void begin_drag(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& world_from_sensor) {
+  PointingState& drag = pointing_state(execution, node);
+  drag.sensor_from_world = glm::inverse(world_from_sensor);
+  drag.start = glm::dvec3(drag.sensor_from_world * glm::dvec4(bearing.point, 1));
+  drag.tracks = all_finite(drag.sensor_from_world) && std::isfinite(drag.start.x + drag.start.y + drag.start.z);
+  drag.sent = drag.disk = drag.far_side = false;
+  drag.radius = drag.turned = 0;
+}
+
+// The bearing in the sensor's coordinate system.
+struct DragRay {
+  glm::dvec3 origin, direction;
+
+  DragRay(const PointingState& drag, const Bearing& bearing)
+      : origin(drag.sensor_from_world * glm::dvec4(bearing.origin, 1)),
+        direction(drag.sensor_from_world * glm::dvec4(bearing.direction, 0)) {}
+  [[nodiscard]] std::optional<glm::dvec3> at(double distance) const {
+    if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
+    return origin + direction * distance;
+  }
+};
+
+// Where it meets the plane in which coordinate number `axis` is `height`.
+std::optional<glm::dvec3> on_plane(const DragRay& ray, int axis, double height) {
+  return ray.at((height - ray.origin[axis]) / ray.direction[axis]);
+}
+
+// A sphere about the origin, or, where `across` is 1 0 1, a cylinder about the Y axis.
+struct RoundBody {
+  double a, b, c;  // a t t + 2 b t + c = 0
+
+  RoundBody(const DragRay& ray, const glm::dvec3& across, double radius)
+      : a(glm::dot(ray.direction * across, ray.direction)),
+        b(glm::dot(ray.origin * across, ray.direction)),
+        c(glm::dot(ray.origin * across, ray.origin) - radius * radius) {}
+};
+
+constexpr glm::dvec3 kSphere(1, 1, 1), kCylinder(1, 0, 1);
+
+// Sides of the body that face away from the viewer are dragged too: a room is one from inside.
+void choose_side(PointingState& drag, const DragRay& ray, const glm::dvec3& across) {
+  drag.radius = std::sqrt(glm::dot(drag.start * across, drag.start));
+  const RoundBody body(ray, across, drag.radius);
+  const double distance =
+      glm::dot((drag.start - ray.origin) * across, ray.direction) / glm::dot(ray.direction * across, ray.direction);
+  drag.far_side = body.a * distance + body.b > 0;
+}
+
+std::optional<glm::dvec3> on_body(const PointingState& drag, const DragRay& ray, const glm::dvec3& across) {
+  const RoundBody body(ray, across, drag.radius);
+  const double inner = body.b * body.b - body.a * body.c;
+  if (!(inner >= 0) || !(body.a > 0) || !(drag.radius > 0)) return std::nullopt;
+  return ray.at((-body.b + (drag.far_side ? 1 : -1) * std::sqrt(inner)) / body.a);
+}
+
+// ---- PlaneSensor (6.34)
+
+struct Plane {
+  enum : int {
+    enabled = kSensorEnabled,
+    is_active,
+    auto_offset,
+    max_position,
+    min_position,
+    offset,
+    track_point,
+    translation
+  };
+};
+
+void drag_plane(Execution& execution, EventNode node, const Bearing& bearing) {
+  PointingState& drag = pointing_state(execution, node);
+  const auto point = drag.tracks ? on_plane({drag, bearing}, 2, drag.start.z) : std::nullopt;
+  if (!point || !send_finite(execution, node, Plane::track_point, SFVec3f(*point))) return;
+  SFVec3f moved(glm::dvec3(execution.get<SFVec3f>(node, Plane::offset)) + (*point - drag.start));
+  const auto &least = execution.get<SFVec2f>(node, Plane::min_position),
+             &most = execution.get<SFVec2f>(node, Plane::max_position);
+  for (int i = 0; i < 2; ++i)
+    if (least[i] <= most[i]) moved[i] = std::clamp(moved[i], least[i], most[i]);
+  drag.sent = send_finite(execution, node, Plane::translation, moved) || drag.sent;
+}
+
+// Of the drag sensors whose values have the type T.
+template <class T, class Events, int value>
+void end_drag(Execution& execution, EventNode node, bool) {
+  if (pointing_state(execution, node).sent && execution.get<SFBool>(node, Events::auto_offset))
+    execution.send(node, Events::offset, T(execution.get<T>(node, value)));
+}
+
+constexpr PointingSensor kPlaneSensor = {
+    .enabled = Plane::enabled,
+    .is_active = Plane::is_active,
+    .press = begin_drag,
+    .drag = drag_plane,
+    .release = end_drag<SFVec3f, Plane, Plane::translation>,
+};
+
+// ---- CylinderSensor (6.15)
+
+struct Cylinder {
+  enum : int {
+    enabled = kSensorEnabled,
+    is_active,
+    auto_offset,
+    disk_angle,
+    max_angle,
+    min_angle,
+    offset,
+    rotation,
+    track_point
+  };
+};
+
+void press_cylinder(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& place) {
+  begin_drag(execution, node, bearing, place);
+  PointingState& drag = pointing_state(execution, node);
+  const DragRay ray(drag, bearing);
+  const double angle =
+      std::atan2(std::hypot(ray.direction.x, ray.direction.z), std::abs(ray.direction.y));  // acute, to the Y axis
+  drag.disk = angle < execution.get<SFFloat>(node, Cylinder::disk_angle);
+  if (!drag.disk) choose_side(drag, ray, kCylinder);
+}
+
+void drag_cylinder(Execution& execution, EventNode node, const Bearing& bearing) {
+  PointingState& drag = pointing_state(execution, node);
+  if (!drag.tracks) return;
+  const DragRay ray(drag, bearing);
+  const auto point = drag.disk ? on_plane(ray, 1, drag.start.y) : on_body(drag, ray, kCylinder);
+  if (!point || !send_finite(execution, node, Cylinder::track_point, SFVec3f(*point))) return;
+  // On the axis there is no angle. A drag may turn it round more than once: the angle goes on from the last one.
+  const double sine = drag.start.z * point->x - drag.start.x * point->z,
+               cosine = drag.start.x * point->x + drag.start.z * point->z;
+  if (!(sine != 0 || cosine != 0) || !std::isfinite(sine + cosine)) return;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const double angle = std::atan2(sine, cosine);
+  drag.turned = angle + kTurn * std::round((drag.turned - angle) / kTurn);
+  auto turned = static_cast<float>(drag.turned + execution.get<SFFloat>(node, Cylinder::offset));
+  const float least = execution.get<SFFloat>(node, Cylinder::min_angle),
+              most = execution.get<SFFloat>(node, Cylinder::max_angle);
+  if (least <= most) turned = std::clamp(turned, least, most);
+  if (!std::isfinite(turned)) return;
+  execution.send(node, Cylinder::rotation, SFRotation{0, 1, 0, turned});
+  drag.sent = true;
+}
+
+constexpr PointingSensor kCylinderSensor = {
+    .enabled = Cylinder::enabled,
+    .is_active = Cylinder::is_active,
+    .press = press_cylinder,
+    .drag = drag_cylinder,
+    .release =
+        [](Execution& execution, EventNode node, bool) {
+          if (pointing_state(execution, node).sent && execution.get<SFBool>(node, Cylinder::auto_offset))
+            execution.send(node, Cylinder::offset, execution.get<SFRotation>(node, Cylinder::rotation).angle);
+        },
+};
+
+// ---- SphereSensor (6.44)
+
+struct Sphere {
+  enum : int { enabled = kSensorEnabled, is_active, auto_offset, offset, rotation, track_point };
+};
+
+// The shortest rotation from one direction to another.
+glm::dquat rotation_between(const glm::dvec3& from, const glm::dvec3& to) {
+  const glm::dvec3 a = glm::normalize(from), b = glm::normalize(to);
+  const double cosine = glm::dot(a, b);
+  constexpr double kOpposite = -1 + 1e-12;
+  if (cosine > kOpposite) return glm::normalize(glm::dquat(1 + cosine, glm::cross(a, b)));
+  const glm::dvec3 other = std::abs(a.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  return {0, glm::normalize(glm::cross(a, other))};
+}
+
+void press_sphere(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& place) {
+  begin_drag(execution, node, bearing, place);
+  PointingState& drag = pointing_state(execution, node);
+  choose_side(drag, DragRay(drag, bearing), kSphere);
+}
+
+void drag_sphere(Execution& execution, EventNode node, const Bearing& bearing) {
+  PointingState& drag = pointing_state(execution, node);
+  const auto point = drag.tracks ? on_body(drag, DragRay(drag, bearing), kSphere) : std::nullopt;
+  if (!point || !send_finite(execution, node, Sphere::track_point, SFVec3f(*point))) return;
+  // First what `offset` turns, then the drag: about axes that do not turn with it.
+  const SFRotation& offset = execution.get<SFRotation>(node, Sphere::offset);
+  const glm::dquat turned = rotation_between(drag.start, *point) * quaternion_of(offset);
+  if (!std::isfinite(turned.w + turned.x + turned.y + turned.z)) return;
+  execution.send(node, Sphere::rotation, rotation_of(turned, {0, 1, 0}));
+  drag.sent = true;
+}
+
+constexpr PointingSensor kSphereSensor = {
+    .enabled = Sphere::enabled,
+    .is_active = Sphere::is_active,
+    .press = press_sphere,
+    .drag = drag_sphere,
+    .release = end_drag<SFRotation, Sphere, Sphere::rotation>,
+};
+
+}  // namespace
+
+const Behaviour kPlaneSensorBehaviour = {
+    .events = {"enabled", "isActive", "autoOffset", "maxPosition", "minPosition", "offset", "trackPoint_changed",
+               "translation_changed"},
+    .on_event = pointing_sensor_event,
+    .on_time = pointing_sensor_time,
+    .pointing = &kPlaneSensor,
+};
+const Behaviour kCylinderSensorBehaviour = {
+    .events = {"enabled", "isActive", "autoOffset", "diskAngle", "maxAngle", "minAngle", "offset", "rotation_changed",
+               "trackPoint_changed"},
+    .on_event = pointing_sensor_event,
+    .on_time = pointing_sensor_time,
+    .pointing = &kCylinderSensor,
+};
+const Behaviour kSphereSensorBehaviour = {
+    .events = {"enabled", "isActive", "autoOffset", "offset", "rotation_changed", "trackPoint_changed"},
+    .on_event = pointing_sensor_event,
+    .on_time = pointing_sensor_time,
+    .pointing = &kSphereSensor,
+};
+
+}  // namespace gs::vrml
