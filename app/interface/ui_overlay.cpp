@@ -210,6 +210,10 @@ UiActions UiOverlay::build(const UiModel& model) {
   }
   if (!state.notice.empty()) state.notice_line();
   if (model.travel_anchor) state.travel_mark(model);
+  if (model.over_sensor && !ImGui::GetIO().WantCaptureMouse) {
+    ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+    if (!model.link.empty()) ImGui::SetTooltip("%s", model.link.c_str());
+  }
   if (!state.hovers) state.hovered = {-1, -1};
   return actions;
 }

@@ -111,7 +111,8 @@ bool Viewer::let_live() {
       if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
     if (!leader) leader = views.front();
     document->living->execution().set_viewer(world_from_viewer(leader->navigation.pose));
-    (void)document->living->step(time);
+    const bool moved = document->living->step(time);
+    if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();
     for (View* seen : views) any = follow_world(*seen) || any;
     any = follow_bound_viewpoint(*leader) || any;
     for (View* seen : views) seen->bound = leader->bound;
@@ -127,6 +128,7 @@ void Viewer::frame(double now, const std::vector<WindowEvent>& events) {
   ui_.begin_frame(now, events);
   show_loaded();
   for (const WindowEvent& event : events) handle(event);
+  if (std::exchange(pointer_moved_, false)) point_again();
   move_views(continuous ? static_cast<float>(now - last_frame_) : 0.0f);
   draw_viewports();
   ask_for_streams();
@@ -307,12 +309,13 @@ void Viewer::show_loaded() {
     frames_wanted_ = kSettlingFrames;
     View& seen = *panes_.at(change.pane).view();
     if (!change.first) continue;
-    if (change.found && !options_.viewpoint.empty() && seen.viewpoint) app::bind_viewpoint(seen, *seen.viewpoint);
+    if (change.found && !options_.viewpoint.empty()) entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
     if (!change.found) ui_.show_notice("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) ui_.show_log();
     if (linked_ && change.pane != panes_.active()) panes_.link(panes_.active());
   }
+  for (const std::size_t i : panes_.visible()) enter_by_link(panes_.at(i));
   show_title();
 }
 

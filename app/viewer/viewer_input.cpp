@@ -24,7 +24,10 @@ void Viewer::handle(const WindowEvent& event) {
     case Kind::key_up:
     case Kind::focus_lost:  // whatever was held, and wherever
       for (std::size_t i = 0; i < kMostViewports; ++i) (void)panes_.at(i).input.take(event, NavigationMode::none);
-      if (event.kind == Kind::focus_lost) router_.release();
+      if (event.kind == Kind::focus_lost) {
+        router_.release();
+        leave_world();
+      }
       return;
     case Kind::button_down:
     case Kind::button_up:
@@ -40,12 +43,15 @@ void Viewer::handle(const WindowEvent& event) {
 void Viewer::handle_pointer(const WindowEvent& event) {
   using Kind = WindowEvent::Kind;
   if ((event.kind == Kind::button_down || event.kind == Kind::wheel) && ui_.wants_pointer()) return;
+  if (event.kind == Kind::pointer && ui_.wants_pointer() && !sensor_has_pointer_) leave_world();
   const std::optional<std::size_t> place = router_.route(event, places());
   const std::vector<std::size_t> sight = panes_.visible();
   if (place && *place < sight.size()) {
     const std::size_t target = sight[*place];
     if (event.kind == Kind::button_down || event.kind == Kind::drop) activate(target);
     Pane& pane = panes_.at(target);
+    if (!ui_.wants_pointer() || sensor_has_pointer_)
+      if (point_with(event, target)) return;
     if (const View* seen = pane.view()) point_at(target, pane.input.take(event, seen->navigation.mode));
   }
   if (event.kind == Kind::drop) open_files(event.paths);
@@ -145,10 +151,7 @@ void Viewer::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
 }
 
 std::optional<float> Viewer::distance_under(const View& seen, const Ray& ray, const glm::vec2& size) {
-  PickOptions options;
-  options.pixel = 2 * std::tan(seen.navigation.pose.field_of_view / 2) / std::max(1.0f, std::min(size.x, size.y));
-  options.clouds = seen.look;
-  const std::optional<Hit> hit = picker_.pick(*seen.list, ray, options);
+  const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
   return hit ? std::optional(hit->distance) : std::nullopt;
 }
 

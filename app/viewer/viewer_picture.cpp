@@ -144,6 +144,11 @@ UiModel Viewer::model() {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
     model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
   }
+  if (pointed_pane_ == panes_.active() && seen->document->living) {
+    const vrml::PointedAt at = seen->document->living->execution().pointed_at();
+    model.over_sensor = at.sensor || at.active;
+    model.link = at.description;
+  }
   model.mode = seen->navigation.mode;
   model.rules = seen->rules;
   model.speed = seen->navigation.speed;

@@ -5,6 +5,7 @@
 #include "app/view/picking.h"
 #include "app/view/viewports.h"
 #include "app/viewer/folder_questions.h"
+#include "app/viewer/links.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_panes.h"
 #include "app/window/window.h"
@@ -12,6 +13,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,6 +67,14 @@ class Viewer {
   bool handle_control_key(Key key);
   bool handle_view_key(Key key);
   void point_at(std::size_t pane, const InputTracker::Gesture& gesture);
+  [[nodiscard]] static PickOptions pick_options(const View& view, const glm::vec2& size);
+  bool point_world(std::size_t pane, bool down);
+  bool point_with(const WindowEvent& event, std::size_t pane);
+  void point_again();
+  void leave_world();
+  void open_links(std::size_t pane);
+  void enter_by_link(Pane& pane);
+  void follow_link(std::size_t pane, const Link& link);
   [[nodiscard]] std::optional<float> distance_under(const View& view, const Ray& ray, const glm::vec2& size);
 
   void choose_mode(NavigationMode mode);
@@ -105,6 +115,11 @@ class Viewer {
   Panes panes_;
   PointerRouter router_;
   Picker picker_;
+  std::optional<std::size_t> pointed_pane_;     // in whose world the pointing device is
+  glm::vec2 pointer_{0};                        // framebuffer pixels
+  bool pointer_moved_ = false;                  // since sensors heard of it
+  bool sensor_has_pointer_ = false;             // until the button is released
+  std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
   Refinement refinement_;
   FolderQuestions questions_;
   bool linked_ = false;

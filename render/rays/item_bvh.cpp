@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRefits = 64;
+constexpr std::size_t kManyTriangles = 100'000;  // whose tree takes longer than a frame
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -67,7 +69,8 @@ void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
 
 std::size_t ItemBvh::bytes() const {
   std::size_t sum = 0;
-  for (const auto& [mesh, kept] : meshes_) sum += kept.tree.bytes();
+  for (const auto& [mesh, kept] : meshes_)
+    if (kept.tree->ready) sum += kept.tree->tree->bytes();
   return sum;
 }
 
@@ -103,11 +106,11 @@ void ItemBvh::update(const RenderList& list) {
 }
 
 // Another mesh may come to the place in memory of one that has gone: then the weak pointer has expired.
-const MeshBvh* ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles) {
+std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles) {
   const auto known = meshes_.find(mesh.get());
   if (known != meshes_.end() && !known->second.mesh.expired()) {
     known->second.used = searches_;
-    return &known->second.tree;
+    return known->second.tree;
   }
   if (known != meshes_.end()) {
     triangles_ -= known->second.triangles;
@@ -122,7 +125,18 @@ const MeshBvh* ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, s
     });
   if (triangles > max_triangles || triangles_ > max_triangles - triangles) return nullptr;
   triangles_ += triangles;
-  return &meshes_.emplace(mesh.get(), Kept{mesh, triangles, searches_, MeshBvh(*mesh)}).first->second.tree;
+  auto tree = std::make_shared<Tree>();
+  const auto make = [tree, mesh] {
+    tree->tree.emplace(*mesh);
+    tree->ready = true;
+  };
+  if (triangles < kManyTriangles) {
+    make();
+  } else {
+    std::thread(make).detach();  // it has what it needs, and nobody waits for it
+  }
+  meshes_.emplace(mesh.get(), Kept{mesh, triangles, searches_, tree});
+  return tree;
 }
 
 std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles) {
@@ -138,11 +152,11 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
     const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(item.world_from_node));
     if (!is_finite(node_from_world)) return farthest;
-    const MeshBvh* tree = tree_of(item.mesh, max_triangles);
+    const std::shared_ptr<Tree> tree = tree_of(item.mesh, max_triangles);
     if (!tree) return farthest;
     const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
                            glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
-    const auto hit = tree->nearest(*item.mesh, inside);
+    const auto hit = tree->ready ? tree->tree->nearest(*item.mesh, inside) : nearest_of_all(*item.mesh, inside);
     if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
     found = SurfaceHit{place, *hit};
     return hit->distance;

@@ -5,7 +5,10 @@
 
 #include <glm/vec2.hpp>
 
+#include <atomic>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 
 namespace gs::render {
@@ -27,7 +30,8 @@ struct SurfaceHit {
 class ItemBvh {
  public:
   /// Triangles count from both sides; lines and points are too thin to meet. Takes time for each item that has changed
-  /// since the last call, and some microseconds; the first time for a mesh some tenths of a microsecond a triangle.
+  /// since the last call, and some microseconds; for a large mesh, until its tree is made meanwhile, some 10 ns a
+  /// triangle.
   /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
   [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
                                                   std::size_t max_triangles = std::size_t{1} << 24);
@@ -35,18 +39,23 @@ class ItemBvh {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  /// A large one is made on a thread of its own, so that nobody waits for it.
+  struct Tree {
+    std::atomic<bool> ready = false;
+    std::optional<MeshBvh> tree;  // once it is ready
+  };
   struct Kept {
     std::weak_ptr<const vrml::Mesh> mesh;
     std::size_t triangles = 0;
     std::uint64_t used = 0;  // number of the last search
-    MeshBvh tree;
+    std::shared_ptr<Tree> tree;
   };
   struct Item {
     std::weak_ptr<const vrml::Mesh> mesh;
     glm::mat4 world_from_node{1.0f};
   };
   void update(const RenderList& list);
-  const MeshBvh* tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);
+  std::shared_ptr<Tree> tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);
 
   std::unordered_map<const vrml::Mesh*, Kept> meshes_;
   std::size_t triangles_ = 0;  // of meshes_

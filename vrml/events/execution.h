@@ -92,6 +92,8 @@ class Execution {
   void set_aspect(double aspect) { aspect_ = aspect; }
   /// The pointing device was moved, pressed or released: events of its sensors (4.6.7.3), with the present timestamp.
   void point(const Pointer& pointer);
+  /// Whether there is a pointing-device sensor at all.
+  [[nodiscard]] bool has_pointing_sensors() const { return has_pointing_sensors_; }
   [[nodiscard]] PointedAt pointed_at() const { return pointing_->pointed_at(); }
   /// The Anchors that were activated since the last call (6.2): their url is for others to open. The last kMostRequests
   /// at most.
@@ -275,6 +277,7 @@ class Execution {
   double aspect_ = 4.0 / 3;
   std::unique_ptr<Pointing> pointing_;
   std::vector<NodePlace> requests_;
+  bool has_pointing_sensors_ = false;
   std::vector<NodeChange> changes_, taken_changes_;
   std::vector<EventNode> changed_;
   std::unique_ptr<States> states_;

@@ -65,6 +65,7 @@ void Execution::attach_scene(std::size_t index) {
     const NodeId id = scene.id_at(static_cast<std::uint32_t>(state.nodes_seen));
     const Node& node = scene.node(id);
     if (node.in_prototype_body) continue;
+    has_pointing_sensors_ = has_pointing_sensors_ || (node.type->behaviour && node.type->behaviour->pointing);
     if (node.type->behaviour && node.type->behaviour->initialize) (void)member(state, id);
     if (node.type->prototype || node.type->kind == NodeType::Kind::external_prototype) (void)attach_instance(state, id);
   }

@@ -1,0 +1,95 @@
+#include "app/viewer/links.h"
+
+#include "app/formats/content_types.h"
+#include "net/base/schemes.h"
+#include "net/base/url.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+extern char** environ;
+
+namespace gs::app {
+namespace {
+
+// The URL of the file that the url field was written in, which relative ones are relative to (VRML97 4.5.3).
+net::Url base_of(const std::string& file) {
+  net::Url asked = net::parse_url(file);
+  if (!asked.scheme.empty() && net::find_scheme(asked.scheme)) return asked;
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(file, error);
+  return net::url_of_path(error ? file : absolute.lexically_normal().string());
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// A page, a picture, a film: what a web browser shows.
+bool is_for_browser(const net::Url& url) {
+  if (url.scheme == "mailto") return true;
+  if (url.scheme != "http" && url.scheme != "https") return false;
+  std::string name = lower(url.path.substr(url.path.rfind('/') + 1));
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t point = name.rfind('.');
+  if (point == std::string::npos) return true;
+  const std::string extension = name.substr(point) + " ";
+  const auto types = content_types();
+  return std::none_of(types.begin(), types.end(), [&](const ContentType& type) {
+    return type.extensions.find(extension) != std::string_view::npos;
+  });
+}
+
+}  // namespace
+
+Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
+  Link link;
+  const vrml::InterfaceDeclaration* url_field = scene.node(anchor).type->find_field("url");
+  const auto& urls = scene.get<vrml::MFString>(anchor, "url");
+  for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter")) {
+    const std::string text(parameter.view());
+    if (text.starts_with("target=") && text != "target=_self" && text != "target=_top" && text != "target=_parent")
+      link.other_window = true;
+  }
+  const net::Url base = base_of(scene.text_of(anchor, url_field->slot).file_name());
+  for (const vrml::SFString& each : urls) {
+    Link::Place place;
+    net::Url url = net::resolve(base, net::parse_url(net::tidy_url(each.view())));
+    place.viewpoint = std::exchange(url.fragment, {});
+    url.has_fragment = false;
+    net::Url own = base;
+    own.fragment.clear();
+    own.has_fragment = false;
+    if (url.text() == own.text()) {
+      if (place.viewpoint.empty()) continue;
+    } else if (url.scheme == "file") {
+      place.target = net::path_of_url(url);
+      if (base.scheme != "file") place.problem = "A world of the network leads to a file of this machine: not opened";
+    } else {
+      place.target = url.text();
+      place.for_browser = is_for_browser(url);
+      if (!place.for_browser && !net::find_scheme(url.scheme))
+        place.problem = "\"" + url.scheme + ":\" is no kind of address that can be opened";
+    }
+    link.places.push_back(std::move(place));
+  }
+  return link;
+}
+
+bool open_in_browser(const std::string& url) {
+  if (!url.starts_with("http://") && !url.starts_with("https://") && !url.starts_with("mailto:")) return false;
+  std::string program = "xdg-open", argument = url;
+  char* const arguments[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
+  // It hands the address on and ends; until then it is nobody's concern.
+  return waitpid(child, nullptr, WNOHANG) >= 0;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "vrml/scene/scene_graph.h"
+
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Where an Anchor leads (VRML97 6.2).
+struct Link {
+  struct Place {
+    std::string target;     // a path or URL without a fragment; empty: the same world
+    std::string viewpoint;  // the fragment: DEF name of a Viewpoint; may be empty
+    bool for_browser = false;  // no kind of file that is opened here
+    std::string problem;    // why it may not be gone to; empty: it may
+  };
+  std::vector<Place> places;  // in the order of the url list
+  bool other_window = false;  // "target=" in `parameter` names another frame
+};
+
+/// Of an Anchor node. A world of the network leads to the network only.
+[[nodiscard]] Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor);
+
+/// Gives an http(s) URL to the program that the desktop has for it. False: none can be started.
+bool open_in_browser(const std::string& url);
+
+}  // namespace gs::app

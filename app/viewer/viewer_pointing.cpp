@@ -1,0 +1,137 @@
+#include "app/viewer/links.h"
+#include "app/viewer/viewer_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+// The pointing device in worlds that live: their sensors, and the Anchors that lead elsewhere.
+namespace gs::app {
+
+PickOptions Viewer::pick_options(const View& seen, const glm::vec2& size) {
+  PickOptions options;
+  options.pixel = 2 * std::tan(seen.navigation.pose.field_of_view / 2) / std::max(1.0f, std::min(size.x, size.y));
+  options.clouds = seen.look;
+  return options;
+}
+
+// True when a sensor has the pointer, so that it moves nobody.
+bool Viewer::point_world(std::size_t pane, bool down) {
+  View* seen = panes_.at(pane).view();
+  if (!seen || !seen->document->living) return false;
+  vrml::Execution& execution = seen->document->living->execution();
+  if (!execution.has_pointing_sensors()) return false;
+  const Viewport place = place_of(pane);
+  (void)seen->document->living->step(world_time());
+  (void)follow_world(*seen);
+  (void)point(execution, picker_, *seen->list,
+              sight_line(seen->navigation.pose, place.inside(pointer_), place.size()), down,
+              pick_options(*seen, place.size()));
+  pointed_pane_ = pane;
+  open_links(pane);
+  return execution.pointed_at().active;
+}
+
+// The pointer is somewhere else.
+void Viewer::leave_world() {
+  if (!pointed_pane_) return;
+  View* seen = panes_.at(*std::exchange(pointed_pane_, std::nullopt)).view();
+  if (seen && seen->document->living) seen->document->living->execution().point({});
+  sensor_has_pointer_ = false;
+}
+
+// What the pointer is over changes as the world moves below it, too.
+void Viewer::point_again() {
+  if (!pointed_pane_) return;
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (std::find(sight.begin(), sight.end(), *pointed_pane_) == sight.end()) return leave_world();
+  if (!panes_.at(*pointed_pane_).input.holding()) (void)point_world(*pointed_pane_, sensor_has_pointer_);
+}
+
+// True when the event was for the sensors of the world.
+bool Viewer::point_with(const WindowEvent& event, std::size_t pane) {
+  using Kind = WindowEvent::Kind;
+  pointer_ = event.pointer;
+  if (sensor_has_pointer_ && pointed_pane_) {
+    if (event.kind == Kind::pointer) {
+      pointer_moved_ = true;
+      return true;
+    }
+    if (event.kind == Kind::button_up && event.button == MouseButton::left) {
+      (void)point_world(*pointed_pane_, false);
+      sensor_has_pointer_ = false;
+      return true;
+    }
+    return event.kind == Kind::button_down;
+  }
+  if (pointed_pane_ && *pointed_pane_ != pane) leave_world();
+  pointed_pane_ = pane;
+  if (event.kind == Kind::pointer) pointer_moved_ = true;
+  if (event.kind != Kind::button_down || event.button != MouseButton::left || event.shift || event.control)
+    return false;
+  sensor_has_pointer_ = point_world(pane, true);
+  if (!sensor_has_pointer_) (void)point_world(pane, false);
+  return sensor_has_pointer_;
+}
+
+// Anchors ---------------------------------------------------------------------------------------------
+
+void Viewer::open_links(std::size_t pane) {
+  View* seen = panes_.at(pane).view();
+  for (const vrml::NodePlace& anchor : seen->document->living->execution().take_requests()) {
+    const Link link = link_of(*anchor.scene, anchor.node);
+    follow_link(pane, link);
+    return;  // one at a time: what comes behind it is another place
+  }
+}
+
+// To the Viewpoint that led here, once the world lives.
+void Viewer::enter_by_link(Pane& pane) {
+  View* seen = pane.view();
+  const auto entry = entries_.find(pane.shown);
+  if (entry == entries_.end() || !seen || !seen->document->living) return;
+  if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second))
+    app::bind_viewpoint(*seen, *index);
+  else
+    ui_.show_notice("There is no Viewpoint \"" + entry->second + "\" in this world", true);
+  entries_.erase(entry);
+}
+
+void Viewer::follow_link(std::size_t pane, const Link& link) {
+  View* seen = panes_.at(pane).view();
+  for (const Link::Place& place : link.places) {
+    if (!place.problem.empty()) {
+      ui_.show_notice(place.problem, true);
+      continue;
+    }
+    const bool here = place.target.empty() || place.target == seen->document->world.path;
+    if (here) {
+      const auto index = find_viewpoint(seen->list->viewpoints, place.viewpoint);
+      if (index)
+        app::bind_viewpoint(*seen, *index);
+      else
+        ui_.show_notice("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
+      return;
+    }
+    if (place.for_browser) {
+      ui_.show_notice(open_in_browser(place.target) ? "Opened in the web browser: " + place.target
+                                                    : "No web browser can be started for " + place.target,
+                      false);
+      return;
+    }
+    activate(pane);
+    if (link.other_window) {
+      if (panes_.layout() == ViewportLayout::one) choose_layout(ViewportLayout::two);
+      const std::vector<std::size_t> sight = panes_.visible();
+      const auto mine = std::find(sight.begin(), sight.end(), pane);
+      if (sight.size() > 1 && mine != sight.end())
+        activate(sight[(static_cast<std::size_t>(mine - sight.begin()) + 1) % sight.size()]);
+    }
+    if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;
+    // A world may lead anywhere, but it does not say what the user allows.
+    panes_.open(std::vector<std::string>{place.target});
+    return;
+  }
+}
+
+}  // namespace gs::app
