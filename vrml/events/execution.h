@@ -116,6 +116,9 @@ class Execution {
   [[nodiscard]] bool afford(std::size_t bytes);
   /// The node goes to the top of the stack of its type, or off it (4.6.10).
   void bind(EventNode node, bool to_top);
+  /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
+  /// go off their stacks (4.6.10).
+  void nodes_leave();
   /// The bound node of a type; 0: none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
 
@@ -160,6 +163,7 @@ class Execution {
     std::uint32_t change = 0;                        // of changes_, from 1
     std::uint32_t alarm = 0;                         // number of the call_at that counts; 0: none
     bool on_stack = false, running = false, listed = false, looking = false;
+    bool placed = false;  // on a stack, and seen in the transformation hierarchy since
   };
   struct Sent {
     EventNode node;
@@ -207,6 +211,8 @@ class Execution {
   [[nodiscard]] FieldValue& stored(const Member& at, const EventSchema::Interface& interface);
   void mark_changed(EventNode node, std::int32_t slot);
   Stack& stack_of(const NodeType& type);
+  std::vector<EventNode> bindables_on_stacks();
+  void unbind_what_left();
 
   SceneGraph& root_;
   Share share_;
@@ -234,6 +240,7 @@ class Execution {
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;
   std::vector<Stack> stacks_;
+  bool nodes_leave_ = false;
   Placement placement_;
   std::optional<glm::dmat4> told_viewer_;
   std::vector<NodeChange> changes_, taken_changes_;
