@@ -33,6 +33,7 @@ bool set_bind(Execution& execution, EventNode node, int event, const FieldValue&
   if (before == after) return false;
   if (before != 0) tell_bound(execution, before, false);
   if (after != 0) tell_bound(execution, after, true);
+  if (type.behaviour->parent_from_local) execution.viewer_jumped();
   return false;
 }
 

@@ -180,6 +180,11 @@ void Execution::unbind_what_left() {
       (void)type_of(node).behaviour->on_event(*this, node, kSetBind, FieldValue(false));
 }
 
+void Execution::viewer_jumped() {
+  for (const EventNode node : running_)
+    if (nodes_[node].running) look_again(node);
+}
+
 glm::dmat4 Execution::viewer() {
   if (told_viewer_) return *told_viewer_;
   for (const Stack& stack : stacks_) {

@@ -119,6 +119,8 @@ class Execution {
   /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
   /// go off their stacks (4.6.10).
   void nodes_leave();
+  /// The viewer has jumped: nodes that run look once more before this timestamp is over (6.53).
+  void viewer_jumped();
   /// The bound node of a type; 0: none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
 

@@ -155,4 +155,21 @@ TEST_CASE("removing from and adding to groups without bindables tells nobody (4.
   CHECK(world.take("isBound").empty());
 }
 
+TEST_CASE("ProximitySensors that a bind leaves and enters tell with its timestamp (6.53)") {
+  World world(R"(
+DEF A Viewpoint { position 0 0 0 } DEF B Viewpoint { position 50 0 0 } DEF Here ProximitySensor { size 4 4 4 }
+DEF There ProximitySensor { center 50 0 0 size 4 4 4 } DEF T TimeSensor { loop TRUE cycleInterval 8 })");
+  world.start();
+  CHECK(world.take("Here.isActive") == Lines{"0 Here.isActive TRUE"});
+  world.step(1);
+  (void)world.take();
+  world.send("B.set_bind", true);
+  CHECK(world.take() == Lines{"1 A.isBound FALSE", "1 A.bindTime 1001", "1 B.isBound TRUE", "1 B.bindTime 1001",
+                              "1 Here.isActive FALSE", "1 Here.exitTime 1001", "1 There.isActive TRUE",
+                              "1 There.enterTime 1001", "1 There.position_changed 50 0 0",
+                              "1 There.orientation_changed 0 0 1 0"});
+  world.step(2);
+  CHECK(world.take() == Lines{"2 T.fraction_changed 0.25", "2 T.time 1002"});
+}
+
 }  // namespace gs::vrml::traces
