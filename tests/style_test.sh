@@ -27,4 +27,7 @@ report "Non-ASCII source:" "$(sources app vrml qnv net render tests bench | xarg
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render | grep '\.h$' | xargs -r grep -L '#pragma once')"
 report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
+if command -v python3 >/dev/null; then
+  report "docs/conformance.tsv names no such test, or its page is stale:" "$(scripts/conformance.sh --check 2>&1)"
+fi
 exit $failed

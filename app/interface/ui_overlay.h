@@ -65,8 +65,8 @@ struct UiModel {
   std::string gl_renderer;
   const vrml::Diagnostics* log = nullptr;  // of the shown file, or of the one that failed
 
-  bool over_sensor = false;  // the pointer is over something in the world that can be clicked or dragged
-  std::string link;          // what it leads to; may be empty
+  bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
+  std::string link;                        // what it leads to; may be empty
   std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
   glm::vec2 pointer{0};
 };

@@ -10,10 +10,10 @@ namespace gs::app {
 /// Where an Anchor leads (VRML97 6.2).
 struct Link {
   struct Place {
-    std::string target;     // a path or URL without a fragment; empty: the same world
-    std::string viewpoint;  // the fragment: DEF name of a Viewpoint; may be empty
+    std::string target;        // a path or URL without a fragment; empty: the same world
+    std::string viewpoint;     // the fragment: DEF name of a Viewpoint; may be empty
     bool for_browser = false;  // no kind of file that is opened here
-    std::string problem;    // why it may not be gone to; empty: it may
+    std::string problem;       // why it may not be gone to; empty: it may
   };
   std::vector<Place> places;  // in the order of the url list
   bool other_window = false;  // "target=" in `parameter` names another frame

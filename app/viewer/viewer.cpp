@@ -309,7 +309,8 @@ void Viewer::show_loaded() {
     frames_wanted_ = kSettlingFrames;
     View& seen = *panes_.at(change.pane).view();
     if (!change.first) continue;
-    if (change.found && !options_.viewpoint.empty()) entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
+    if (change.found && !options_.viewpoint.empty())
+      entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
     if (!change.found) ui_.show_notice("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) ui_.show_log();

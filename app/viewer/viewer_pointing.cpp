@@ -24,9 +24,8 @@ bool Viewer::point_world(std::size_t pane, bool down) {
   const Viewport place = place_of(pane);
   (void)seen->document->living->step(world_time());
   (void)follow_world(*seen);
-  (void)point(execution, picker_, *seen->list,
-              sight_line(seen->navigation.pose, place.inside(pointer_), place.size()), down,
-              pick_options(*seen, place.size()));
+  (void)point(execution, picker_, *seen->list, sight_line(seen->navigation.pose, place.inside(pointer_), place.size()),
+              down, pick_options(*seen, place.size()));
   pointed_pane_ = pane;
   open_links(pane);
   return execution.pointed_at().active;

@@ -12,7 +12,7 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRefits = 64;
-constexpr std::size_t kManyTriangles = 100'000;  // whose tree takes longer than a frame
+constexpr std::size_t kLargeMesh = 100'000;  // whose tree takes longer than a frame
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -106,7 +106,8 @@ void ItemBvh::update(const RenderList& list) {
 }
 
 // Another mesh may come to the place in memory of one that has gone: then the weak pointer has expired.
-std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles) {
+std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh,
+                                                std::size_t max_triangles) {
   const auto known = meshes_.find(mesh.get());
   if (known != meshes_.end() && !known->second.mesh.expired()) {
     known->second.used = searches_;
@@ -130,7 +131,7 @@ std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml
     tree->tree.emplace(*mesh);
     tree->ready = true;
   };
-  if (triangles < kManyTriangles) {
+  if (triangles < kLargeMesh) {
     make();
   } else {
     std::thread(make).detach();  // it has what it needs, and nobody waits for it

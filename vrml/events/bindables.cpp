@@ -9,6 +9,12 @@ struct BindableEvents {
 };
 
 void tell_bound(Execution& execution, EventNode node, bool bound) {
+  // Bound and unbound with one timestamp: each eventOut sends once in it (4.10.4), so the rest is told with the next
+  // one.
+  if (execution.has_sent(node, BindableEvents::is_bound)) {
+    execution.call_at(node, execution.now());
+    return;
+  }
   execution.send(node, BindableEvents::is_bound, SFBool{bound});
   // A Viewpoint tells the time of both (6.53).
   execution.send(node, BindableEvents::bind_time, SFTime{execution.now()});
@@ -27,7 +33,13 @@ bool set_bind(Execution& execution, EventNode node, int event, const FieldValue&
   if (before == after) return false;
   if (before != 0) tell_bound(execution, before, false);
   if (after != 0) tell_bound(execution, after, true);
+  if (type.behaviour->parent_from_local) execution.viewer_jumped();
   return false;
+}
+
+void tell_late(Execution& execution, EventNode node) {
+  const bool bound = execution.top_of(execution.type_of(node)) == node;
+  if (execution.get<SFBool>(node, BindableEvents::is_bound) != bound) tell_bound(execution, node, bound);
 }
 
 glm::dmat4 viewer_of(const Node& node) {
@@ -39,7 +51,7 @@ glm::dmat4 viewer_of(const Node& node) {
 }  // namespace
 
 const Behaviour kViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, nullptr, viewer_of};
-const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, nullptr};
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of};
+const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, tell_late};
 
 }  // namespace gs::vrml

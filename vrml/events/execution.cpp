@@ -151,12 +151,45 @@ void Execution::bind(EventNode node, bool to_top) {
     if (at.bound_below != 0) nodes_[at.bound_below].bound_above = at.bound_above;
     if (stack.top == node) stack.top = at.bound_below;
   }
+  if (!at.on_stack || !to_top) at.placed = false;
   at.on_stack = to_top;
   at.bound_above = 0;
   at.bound_below = to_top ? stack.top : 0;
   if (!to_top) return;
   if (stack.top != 0) nodes_[stack.top].bound_above = node;
   stack.top = node;
+}
+
+// Those below others first.
+std::vector<EventNode> Execution::bindables_on_stacks() {
+  std::vector<EventNode> nodes;
+  for (const Stack& stack : stacks_)
+    for (EventNode node = stack.top; node != 0 && spend(kDelivery); node = nodes_[node].bound_below)
+      nodes.push_back(node);
+  std::reverse(nodes.begin(), nodes.end());
+  for (const EventNode node : nodes) placement_.look_for(*nodes_[node].scene, nodes_[node].id);
+  return nodes;
+}
+
+void Execution::nodes_leave() {
+  if (nodes_leave_ || !spend(placement_.visits())) return;
+  nodes_leave_ = true;
+  // Who is bound without ever having stood in the hierarchy does not leave it.
+  for (const EventNode node : bindables_on_stacks())
+    if (!nodes_[node].placed) nodes_[node].placed = !places_of(node).empty();
+}
+
+// A bound node that is deleted behaves as if it got set_bind FALSE (4.6.10).
+void Execution::unbind_what_left() {
+  if (!std::exchange(nodes_leave_, false)) return;
+  for (const EventNode node : bindables_on_stacks())
+    if (nodes_[node].placed && places_of(node).empty() && placement_.whole())
+      (void)type_of(node).behaviour->on_event(*this, node, kSetBind, FieldValue(false));
+}
+
+void Execution::viewer_jumped() {
+  for (const EventNode node : running_)
+    if (nodes_[node].running) look_again(node);
 }
 
 glm::dmat4 Execution::viewer() {
@@ -283,6 +316,7 @@ void Execution::drain() {
       nodes_[node].schema->behaviour->on_time(*this, node);
     }
     looking_.clear();
+    if (queue_.empty()) unbind_what_left();
   } while (!queue_.empty());
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
   removed_connections_.clear();
@@ -345,6 +379,7 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
     return;
   if (interface.slot < 0) return;
   FieldValue& field = at.node->values[interface.slot];
+  if (std::holds_alternative<MFNode>(field)) nodes_leave();
   if (&field != &value) field = value;
   mark_changed(node, interface.slot);
   if (interface.declaration->access == AccessType::exposedField) queue(node, place);

@@ -143,6 +143,11 @@ class Execution {
   [[nodiscard]] bool afford(std::size_t bytes);
   /// The node goes to the top of the stack of its type, or off it (4.6.10).
   void bind(EventNode node, bool to_top);
+  /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
+  /// go off their stacks (4.6.10).
+  void nodes_leave();
+  /// The viewer has jumped: nodes that run look once more before this timestamp is over (6.53).
+  void viewer_jumped();
   /// The bound node of a type; 0: none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
 
@@ -197,6 +202,7 @@ class Execution {
     std::uint32_t change = 0;                        // of changes_, from 1
     std::uint32_t alarm = 0;                         // number of the call_at that counts; 0: none
     bool on_stack = false, running = false, listed = false, looking = false;
+    bool placed = false;  // on a stack, and seen in the transformation hierarchy since
   };
   struct Sent {
     EventNode node;
@@ -244,6 +250,8 @@ class Execution {
   [[nodiscard]] FieldValue& stored(const Member& at, const EventSchema::Interface& interface);
   void mark_changed(EventNode node, std::int32_t slot);
   Stack& stack_of(const NodeType& type);
+  std::vector<EventNode> bindables_on_stacks();
+  void unbind_what_left();
 
   SceneGraph& root_;
   Share share_;
@@ -271,6 +279,7 @@ class Execution {
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;
   std::vector<Stack> stacks_;
+  bool nodes_leave_ = false;
   Placement placement_;
   std::optional<glm::dmat4> told_viewer_;
   std::optional<Frustum> told_frustum_;

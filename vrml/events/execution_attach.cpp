@@ -241,6 +241,7 @@ void Execution::bind_first_nodes() {
       const EventNode bindable = member(state, id);
       if (bindable != 0 && stack_of(*node.type).top == 0)
         (void)node.type->behaviour->on_event(*this, bindable, kSetBind, FieldValue(true));
+      nodes_[bindable].placed = nodes_[bindable].on_stack;
     }
     if (!has(node.type->role, Role::grouping)) continue;
     for (const InterfaceDeclaration& declaration : node.type->interfaces)

@@ -32,6 +32,7 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
       if (!named.contains(child.index)) made.push_back(child);
   }
   if (made.size() == old.size()) return false;
+  if (!add) execution.nodes_leave();
   if (made.size() > old.size() && !execution.afford((made.size() - old.size()) * sizeof(NodeId))) return false;
   execution.send(node, GroupingEvents::children, std::move(made));
   return false;

@@ -98,6 +98,8 @@ void Placement::search() {
     path.push_back({&scene, on_path, id, 0, 0, mover});
     if (const SceneGraph* inlined = scene.inlined(id)) path.push_back({inlined, on_path_of(*inlined), {}, 0, 0, false});
   }
+  visits_ = visits;
+  whole_ = path.empty();
 }
 
 std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node) {

@@ -30,6 +30,15 @@ class Placement {
   /// node that is not in the hierarchy. Valid until the next call.
   [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node);
 
+  /// The next search looks for this node, too: so that one search serves many.
+  void look_for(const SceneGraph& scene, NodeId node) {
+    if (paths_.try_emplace(&scene.node(node)).second) known_ = false;
+  }
+  /// Whether the last search saw the whole hierarchy.
+  [[nodiscard]] bool whole() const { return whole_; }
+  /// The nodes that it came by.
+  [[nodiscard]] std::size_t visits() const { return visits_; }
+
   static constexpr std::size_t kMostPlaces = 64;
 
  private:
@@ -37,7 +46,8 @@ class Placement {
   void search();
 
   const SceneGraph& root_;
-  bool known_ = false;
+  bool known_ = false, whole_ = false;
+  std::size_t visits_ = 0;
   std::unordered_map<const Node*, std::vector<Path>> paths_;  // of the nodes that were asked for
   std::vector<glm::dmat4> places_;
 };

@@ -15,7 +15,9 @@ namespace gs::vrml {
 struct TimeState {
   bool active = false;
   bool cycle_sent = false;
-  double cycle = 0;  // number of the cycle of the last step
+  bool delayed = false;  // due to start, but isActive was sent already with that timestamp
+  double cycle = 0;      // number of the cycle of the last step
+  double sent_at = -std::numeric_limits<double>::infinity();  // the time that the last outputs are of
   // A set_startTime that came while the node was active, and when: it counts if the node stops at the same time.
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace gs::vrml {
 namespace {
@@ -33,7 +34,8 @@ TimeFields fields_of(const Execution& execution, EventNode node) {
 // What ends at the time of outputs: nothing, the activity inside a cycle, or with its last cycle.
 enum class Ending : std::uint8_t { none, inside_cycle, cycle };
 
-// What the sensor sends at a time while it is active (6.50). That the last cycle ends is not left to rounding.
+// What the sensor sends at a time while it is active (6.50): that of the step, or the one at which its activity ends
+// between two steps. That the last cycle ends is not left to rounding.
 void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at,
                   Ending ending) {
   const double cycles = (at - f.start) / f.interval;
@@ -46,23 +48,13 @@ void send_outputs(Execution& execution, EventNode node, TimeState& state, const 
     execution.send(node, Clock::cycle_time, SFTime{f.start + cycle * f.interval});
   }
   execution.send(node, Clock::fraction_changed, end_of_cycle ? SFFloat{1} : static_cast<SFFloat>(fraction));
-  execution.send(node, Clock::time, SFTime{execution.now()});
-}
-
-void stop(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at, Ending ending) {
-  send_outputs(execution, node, state, f, at, ending);
-  execution.send(node, Clock::is_active, SFBool{false});
-  state.active = false;
-  execution.run(node, false);
-  // Stopped and started anew at one time: the stop counts first (4.6.9).
-  if (state.new_start_at == execution.now()) {
-    execution.send(node, Clock::start_time, SFTime{state.new_start});
-    execution.call_at(node, execution.now());  // isActive was sent with this timestamp; it starts in the next step
-  }
+  execution.send(node, Clock::time, SFTime{at});
+  state.sent_at = at;
 }
 
 void start_if_due(Execution& execution, EventNode node, TimeState& state, const TimeFields& f) {
   const double now = execution.now();
+  const bool delayed = std::exchange(state.delayed, false);
   if (!f.enabled) return;
   if (f.start > now) {
     execution.call_at(node, f.start);
@@ -70,14 +62,16 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   }
   const bool stopped = f.stop > f.start && now >= f.stop, over = !f.loop && now >= f.start + f.interval;
   // Steps may be longer than the whole of its activity: it is not passed over for that.
-  const bool since_last_step = f.start > execution.previous();
+  const bool since_last_step = delayed || f.start > execution.previous();
   if (!(f.start <= now) || ((stopped || over) && !since_last_step)) return;
   if (execution.has_sent(node, Clock::is_active)) {
+    state.delayed = true;
     execution.call_at(node, now);
     return;
   }
   state.active = true;
   state.cycle_sent = false;
+  state.sent_at = -std::numeric_limits<double>::infinity();
   execution.send(node, Clock::is_active, SFBool{true});
   if (over) {  // the end of its only cycle
     state.cycle_sent = true;
@@ -91,6 +85,20 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
     send_outputs(execution, node, state, f, end, over ? Ending::cycle : Ending::none);
   }
   execution.run(node, true);
+}
+
+void stop(Execution& execution, EventNode node, TimeState& state, double at, Ending ending) {
+  // Times grow from event to event (4.11.1): what is up to date is not sent again, and a stopTime that was set to what
+  // has passed means the present (6.50).
+  if (at > state.sent_at) send_outputs(execution, node, state, fields_of(execution, node), at, ending);
+  execution.send(node, Clock::is_active, SFBool{false});
+  state.active = false;
+  execution.run(node, false);
+  // Stopped and started anew at one time: the stop counts first (4.6.9).
+  if (state.new_start_at == execution.now()) {
+    execution.send(node, Clock::start_time, SFTime{state.new_start});
+    start_if_due(execution, node, state, fields_of(execution, node));
+  }
 }
 
 void time_sensor_time(Execution& execution, EventNode node) {
@@ -110,9 +118,9 @@ void time_sensor_time(Execution& execution, EventNode node) {
     return;
   }
   if (now >= end) {
-    stop(execution, node, state, f, end, cycle_end <= stop_time ? Ending::cycle : Ending::inside_cycle);
+    stop(execution, node, state, end, cycle_end <= stop_time ? Ending::cycle : Ending::inside_cycle);
   } else if (!f.enabled) {
-    stop(execution, node, state, f, now, Ending::inside_cycle);
+    stop(execution, node, state, now, Ending::inside_cycle);
   } else {
     send_outputs(execution, node, state, f, now, Ending::none);
   }

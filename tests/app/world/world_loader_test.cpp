@@ -161,7 +161,8 @@ TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whateve
   const OpenedWorld world = load_world(
       folder.write("main.wrl",
                    "#VRML V2.0 utf8\nEXTERNPROTO B [ field SFFloat r ] [ \"nowhere.wrl#B\" \"parts/lib.wrl#B\" ]\n"
-                   "Inline { url \"PARTS\\box.wrl\" }\nShape { geometry B { r 5 } appearance Appearance { texture "
+                   "Inline { url [ \"urn:nobody:box\" \"PARTS\\box.wrl\" ] }\nShape { geometry B { r 5 } appearance "
+                   "Appearance { texture "
                    "ImageTexture { url \"img/red.gif\" } } }\n"));
   INFO(said(world));
   REQUIRE(world.scene);

@@ -40,10 +40,9 @@ TEST_CASE("the viewer goes with the bound Viewpoint, into a ProximitySensor and 
   (void)world.take();
   world.step(1);
   world.send("V.set_bind", true);
-  world.step(2);
   const Lines entered = world.take("P.");
   REQUIRE(entered.size() == 4);
-  CHECK(entered[0] == "2 P.isActive TRUE");
+  CHECK(entered[0] == "1 P.isActive TRUE");
   CHECK(entered[3].find("P.orientation_changed 0 1 0 1.570796") != std::string::npos);
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation") == SFVec3f(0));
   world.send("T.translation", SFVec3f(0, 0, 100));
@@ -86,6 +85,66 @@ TEST_CASE("a hierarchy in cycles, or of more places than anybody counts, does no
   world.execution().set_viewer(viewer_at(0, 0, 0));
   world.step(1);
   CHECK(world.take("P.isActive") == Lines{"1 P.isActive TRUE"});
+}
+
+TEST_CASE(
+    "ProximitySensors work each for itself, also below a Switch that shows nothing, and nested boxes (6.38, 6.46)") {
+  World world(
+      "Switch { whichChoice -1 choice DEF P ProximitySensor { size 4 4 4 } } DEF Q ProximitySensor { size 8 8 8 } "
+      "DEF Off ProximitySensor { size 8 8 8 enabled FALSE } DEF Flat ProximitySensor { size 8 0 8 }");
+  world.start();
+  world.execution().set_viewer(viewer_at(3, 0, 0));
+  world.step(1);
+  CHECK(world.take("isActive") == Lines{"1 Q.isActive TRUE"});
+  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.step(2);
+  CHECK(world.take("isActive") == Lines{"2 P.isActive TRUE"});
+  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.step(3);
+  CHECK(world.take() == Lines{"3 P.isActive FALSE", "3 P.exitTime 1003", "3 Q.isActive FALSE", "3 Q.exitTime 1003"});
+}
+
+TEST_CASE("a ProximitySensor that moves over a viewer who stands tells as if he moved (6.38)") {
+  World world(
+      "DEF T Transform { translation 50 0 0 children DEF P ProximitySensor { size 4 4 4 } } Viewpoint { position 0 0 0 "
+      "}");
+  world.start();
+  world.step(1);
+  (void)world.take();
+  world.send("T.translation", SFVec3f(1, 0, 0));
+  world.step(2);
+  CHECK(world.take("P.") == Lines{"2 P.isActive TRUE", "2 P.enterTime 1002", "2 P.position_changed -1 0 0",
+                                  "2 P.orientation_changed 0 0 1 0"});
+  world.send("P.center", SFVec3f(5, 0, 0));
+  world.step(3);
+  CHECK(world.take("P.isActive") == Lines{"3 P.isActive FALSE"});
+  world.send("P.size", SFVec3f(20, 4, 4));
+  world.step(4);
+  CHECK(world.take("P.isActive") == Lines{"4 P.isActive TRUE"});
+}
+
+TEST_CASE("a ProximitySensor around everything tells the time at which the world was entered (6.38)") {
+  World world(
+      "DEF P ProximitySensor { size 1000 1000 1000 } DEF T TimeSensor { cycleInterval 4 } "
+      "ROUTE P.enterTime TO T.startTime");
+  world.start();
+  CHECK(world.take("P.enterTime") == Lines{"0 P.enterTime 1000"});
+  world.step(1);
+  CHECK(world.take("T.fraction") == Lines{"1 T.fraction_changed 0.25"});
+}
+
+TEST_CASE("a ProximitySensor sends positions and orientations only when they change (6.38)") {
+  World world("DEF P ProximitySensor { size 10 10 10 }");
+  world.start();
+  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.step(1);
+  (void)world.take();
+  world.execution().set_viewer(glm::rotate(viewer_at(1, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
+  world.step(2);
+  CHECK(world.take() == Lines{"2 P.orientation_changed 0 1 0 0.5"});
+  world.execution().set_viewer(glm::rotate(viewer_at(2, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
+  world.step(3);
+  CHECK(world.take() == Lines{"3 P.position_changed 2 0 0"});
 }
 
 }  // namespace gs::vrml::traces

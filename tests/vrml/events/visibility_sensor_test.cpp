@@ -45,7 +45,7 @@ TEST_CASE("the edges of the view are those of fieldOfView, aspect and what was t
   world.step(1);
   world.send("B.set_bind", true);
   world.step(2);
-  CHECK(world.take("isActive") == Lines{"2 Out.isActive TRUE"});
+  CHECK(world.take("isActive") == Lines{"1 Out.isActive TRUE"});
   world.execution().set_aspect(0.5);  // 10 to the side, 20 up
   world.step(3);
   CHECK(world.take("isActive").empty());

@@ -1,0 +1,122 @@
+#include "tests/vrml/events/trace.h"
+
+#include <cmath>
+#include <string>
+
+namespace gs::vrml::traces {
+namespace {
+
+struct InterpolatorRow {
+  const char* type;
+  const char* values;      // for keys 1 and 3
+  const char* at_first;    // what is sent for a key or what lies outside of both
+  const char* in_between;  // for 2
+  const char* at_last;
+};
+
+const InterpolatorRow kInterpolatorRows[] = {
+    {"ColorInterpolator", "[ 1 0 0, 1 1 0 ]", "1 0 0", "1 0.5 0", "1 1 0"},
+    {"CoordinateInterpolator", "[ 0 0 0, 1 1 1, 2 0 0, 3 1 1 ]", "[ 0 0 0, 1 1 1 ]", "[ 1 0 0, 2 1 1 ]",
+     "[ 2 0 0, 3 1 1 ]"},
+    {"NormalInterpolator", "[ 1 0 0, 0 1 0 ]", "[ 1 0 0 ]", nullptr, "[ 0 1 0 ]"},
+    {"OrientationInterpolator", "[ 0 1 0 0, 0 1 0 1 ]", "0 1 0 0", "0 1 0 0.5", "0 1 0 1"},
+    {"PositionInterpolator", "[ 0 0 0, 2 4 6 ]", "0 0 0", "1 2 3", "2 4 6"},
+    {"ScalarInterpolator", "[ 10 20 ]", "10", "15", "20"},
+};
+
+std::string value_sent(World& world, double at, float fraction) {
+  world.step(at);
+  world.send("I.set_fraction", SFFloat{fraction});
+  const Lines lines = world.take();
+  if (lines.size() != 1) return "events: " + std::to_string(lines.size());
+  const std::string start = std::to_string(static_cast<int>(at)) + " I.value_changed ";
+  return lines[0].starts_with(start) ? lines[0].substr(start.size()) : lines[0];
+}
+
+}  // namespace
+
+TEST_CASE("each of the six interpolators sends one value_changed for a set_fraction, of that time (4.6.8)") {
+  for (const InterpolatorRow& row : kInterpolatorRows) {
+    INFO(row.type);
+    World world("DEF I " + std::string(row.type) + " { key [ 1 3 ] keyValue " + row.values + " }");
+    world.start();
+    CHECK(world.take().empty());
+    CHECK(value_sent(world, 1, 1) == row.at_first);
+    CHECK(value_sent(world, 2, 0) == row.at_first);
+    CHECK(value_sent(world, 3, -1e30F) == row.at_first);
+    CHECK(value_sent(world, 4, 3) == row.at_last);
+    CHECK(value_sent(world, 5, 1e30F) == row.at_last);
+    if (row.in_between) CHECK(value_sent(world, 6, 2) == row.in_between);
+    CHECK(value_sent(world, 7, 1) == row.at_first);
+  }
+}
+
+TEST_CASE(
+    "set_key and set_keyValue send key_changed and keyValue_changed, and count from the next set_fraction (4.6.8)") {
+  for (const InterpolatorRow& row : kInterpolatorRows) {
+    INFO(row.type);
+    World world("DEF I " + std::string(row.type) + " { key [ 1 3 ] keyValue " + row.values + " }");
+    world.start();
+    CHECK(value_sent(world, 1, 2.5F) != row.at_last);
+    world.send("I.set_key", MFFloat{1, 2});
+    CHECK(world.take() == Lines{"1 I.key [ 1, 2 ]"});
+    CHECK(value_sent(world, 2, 2.5F) == row.at_last);
+  }
+}
+
+TEST_CASE("set_fraction and set_key of one cascade take effect in the order in which they come (4.6.8, 4.10.3)") {
+  World world(R"(
+DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] } DEF A ScalarInterpolator { key 0 keyValue 0 }
+DEF B ScalarInterpolator { } ROUTE B.keyValue TO I.keyValue ROUTE A.value_changed TO I.set_fraction)");
+  world.start();
+  world.send("B.keyValue", MFFloat{20, 40});
+  world.send("A.keyValue", MFFloat{0.5F});
+  world.send("A.set_fraction", SFFloat{0});
+  CHECK(world.take("I.value_changed") == Lines{"0 I.value_changed 30"});
+}
+
+TEST_CASE("an interpolator sends nothing until it gets a fraction (4.6.8)") {
+  World world("DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] }");
+  world.start();
+  world.step(1);
+  world.send("I.keyValue", MFFloat{20, 40});
+  world.step(2);
+  CHECK(world.take("value_changed").empty());
+}
+
+TEST_CASE("NormalInterpolator sends unit vectors, arcs of equal length for equal fractions (6.31)") {
+  World world(
+      "DEF I NormalInterpolator { key [ 0 1 ] keyValue [ 1 0 0, 0 0 1, 0 1 0, 0 1 0 ] } DEF N Normal { } "
+      "ROUTE I.value_changed TO N.vector");
+  world.start();
+  for (int i = 1; i < 9; ++i) {
+    world.step(i);
+    world.send("I.set_fraction", SFFloat{static_cast<float>(i) / 9});
+    const auto& normals = world.scene().get<MFVec3f>(world.node("N"), "vector");
+    REQUIRE(normals.size() == 2);
+    const double angle = i * 10 * 3.14159265358979 / 180;
+    CHECK(normals[0].x == Approx(std::cos(angle)).margin(1e-6));
+    CHECK(normals[0].y == Approx(std::sin(angle)).margin(1e-6));
+    CHECK(normals[1].z == Approx(std::cos(angle)).margin(1e-6));
+  }
+}
+
+TEST_CASE("OrientationInterpolator takes the complement of an arc of more than half a turn (6.32)") {
+  World world(
+      "DEF I OrientationInterpolator { key [ 0 1 ] keyValue [ 0 1 0 0, 0 1 0 5 ] } DEF T Transform { } "
+      "ROUTE I.value_changed TO T.rotation");
+  world.start();
+  world.send("I.set_fraction", SFFloat{0.5F});
+  const auto& turn = world.scene().get<SFRotation>(world.node("T"), "rotation");
+  // Half-way from 2 pi to 5.
+  CHECK(std::cos(turn.y * turn.angle) == Approx(std::cos((2 * 3.14159265 + 5) / 2)).margin(1e-6));
+  CHECK(std::sin(turn.y * turn.angle) == Approx(std::sin((2 * 3.14159265 + 5) / 2)).margin(1e-6));
+}
+
+TEST_CASE("ColorInterpolator takes hues the shorter way round, also through 0 (6.10)") {
+  World world("DEF I ColorInterpolator { key [ 0 1 ] keyValue [ 1 0 0.5, 1 0.5 0 ] }");
+  world.start();
+  CHECK(value_sent(world, 1, 0.5F) == "1 0 0");
+}
+
+}  // namespace gs::vrml::traces

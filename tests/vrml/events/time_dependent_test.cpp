@@ -1,0 +1,222 @@
+#include "tests/vrml/events/trace.h"
+
+#include <algorithm>
+#include <string>
+
+namespace gs::vrml::traces {
+
+// World::kStart is 1000; times in traces are since then, SFTime values are not.
+
+TEST_CASE("isActive is sent when an activity begins and ends, and at no other time (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1006 }");
+  world.start();
+  for (int i = 1; i < 100; ++i) world.step(i / 8.0);
+  CHECK(world.take("isActive") == Lines{"1 T.isActive TRUE", "6 T.isActive FALSE"});
+}
+
+TEST_CASE("the end of an activity that lies between two steps gives its own time and fraction (6.50)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 cycleInterval 2 } "
+      "DEF U TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1003.5 }");
+  world.start();
+  world.step(1);
+  (void)world.take();
+  world.step(4);
+  CHECK(world.take("T.") == Lines{"4 T.fraction_changed 1", "4 T.time 1003", "4 T.isActive FALSE"});
+  World other("DEF U TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1003.5 }");
+  other.start();
+  other.step(1);
+  (void)other.take();
+  other.step(4);
+  CHECK(other.take() == Lines{"4 U.fraction_changed 0.25", "4 U.time 1003.5", "4 U.isActive FALSE"});
+}
+
+TEST_CASE("set_stopTime to a time that has passed stops at the present, and keeps what was set (4.6.9, 6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE }");
+  world.start();
+  world.step(1);
+  world.step(2);
+  (void)world.take();
+  world.step(3);
+  world.send("T.stopTime", SFTime{1001.5});
+  CHECK(world.take() ==
+        Lines{"3 T.fraction_changed 0.5", "3 T.time 1003", "3 T.stopTime 1001.5", "3 T.isActive FALSE"});
+  world.step(4);
+  CHECK(world.take().empty());
+  CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001.5);
+}
+
+TEST_CASE("set_stopTime that comes before the sensor's step of that time ends with the present, too (6.50)") {
+  // S starts T's stop within a cascade of the same step in which T would go on.
+  World world(R"(
+DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE }
+DEF S TimeSensor { startTime 1003 cycleInterval 9 } DEF Stop TimeSensor { enabled FALSE }
+ROUTE S.cycleTime TO T.stopTime)");
+  world.start();
+  world.step(1);
+  world.step(2);
+  (void)world.take();
+  world.step(3.5);
+  CHECK(world.take("T.") ==
+        Lines{"3.5 T.fraction_changed 0.625", "3.5 T.time 1003.5", "3.5 T.stopTime 1003", "3.5 T.isActive FALSE"});
+}
+
+TEST_CASE("set_stopTime not after startTime is ignored while active, and taken while not (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1002 cycleInterval 4 }");
+  world.start();
+  world.send("T.stopTime", SFTime{1001});
+  CHECK(world.take() == Lines{"0 T.stopTime 1001"});
+  world.step(2);
+  (void)world.take();
+  world.send("T.stopTime", SFTime{1002});
+  world.send("T.stopTime", SFTime{5});
+  CHECK(world.take().empty());
+  CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001);
+  world.send("T.stopTime", SFTime{1003});  // in the future: it ends then
+  CHECK(world.take() == Lines{"2 T.stopTime 1003"});
+  world.step(3);
+  CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003", "3 T.isActive FALSE"});
+}
+
+TEST_CASE("set_loop TRUE before the end of the cycle takes a set_loop FALSE back (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  world.step(1);
+  world.step(1.5);
+  world.send("T.loop", false);
+  world.step(2);
+  world.send("T.loop", true);
+  (void)world.take();
+  world.step(3.5);
+  CHECK(world.take() == Lines{"3.5 T.cycleTime 1003", "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
+}
+
+TEST_CASE("after set_loop FALSE stopTime ends it, where that is before the end of the cycle (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE stopTime 1007 }");
+  world.start();
+  world.step(1);
+  world.step(6);
+  world.send("T.loop", false);
+  (void)world.take();
+  world.step(7);
+  CHECK(world.take() == Lines{"7 T.fraction_changed 0.5", "7 T.time 1007", "7 T.isActive FALSE"});
+}
+
+TEST_CASE("a looping sensor with startTime not before stopTime never ends (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 stopTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  for (int i = 1; i < 500; ++i) world.step(i);
+  CHECK(world.take("isActive") == Lines{"1 T.isActive TRUE"});
+}
+
+TEST_CASE("a node whose activity lies before the world began is not active (4.6.9)") {
+  World world(
+      "DEF Over TimeSensor { startTime 990 cycleInterval 5 } DEF Stopped TimeSensor { startTime 990 stopTime 999 loop "
+      "TRUE } DEF Runs TimeSensor { startTime 998 cycleInterval 5 }");
+  world.start();
+  CHECK(world.take("isActive") == Lines{"0 Runs.isActive TRUE"});
+  world.step(1);
+  CHECK(world.take("Over").empty());
+}
+
+TEST_CASE("set_stopTime now and set_startTime in the future start it anew at that time (4.6.9)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 cycleInterval 10 } DEF Now TimeSensor { enabled FALSE } DEF Then TimeSensor { "
+      "enabled FALSE } ROUTE Now.startTime TO T.stopTime ROUTE Then.startTime TO T.startTime");
+  world.start();
+  world.step(3);
+  world.step(4);
+  (void)world.take();
+  world.send("Now.startTime", SFTime{1004});
+  world.send("Then.startTime", SFTime{1006});
+  CHECK(world.take("T.") == Lines{"4 T.stopTime 1004", "4 T.isActive FALSE", "4 T.startTime 1006"});
+  world.step(5);
+  CHECK(world.take().empty());
+  world.step(6);
+  CHECK(world.take("T.") ==
+        Lines{"6 T.isActive TRUE", "6 T.cycleTime 1006", "6 T.fraction_changed 0", "6 T.time 1006"});
+}
+
+TEST_CASE("a restart runs its cycle also where that is shorter than a step (4.6.9)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 cycleInterval 0.5 loop TRUE } DEF S TimeSensor { enabled FALSE } "
+      "ROUTE S.startTime TO T.startTime ROUTE S.startTime TO T.stopTime ROUTE S.enabled TO T.loop");
+  world.start();
+  world.step(1);
+  world.step(3);
+  world.send("T.loop", false);
+  (void)world.take();
+  world.step(3.25);
+  world.send("S.startTime", SFTime{1003.25});
+  CHECK(world.take("T.isActive") == Lines{"3.25 T.isActive FALSE"});
+  world.step(5);
+  world.step(6);
+  CHECK(world.take("T.isActive") == Lines{"5 T.isActive TRUE", "6 T.isActive FALSE"});
+}
+
+TEST_CASE("a sensor that has ended starts again when startTime is set (4.6.9)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 1 }");
+  world.start();
+  for (int i = 1; i < 5; ++i) world.step(i);
+  (void)world.take();
+  world.send("T.startTime", SFTime{1004});
+  CHECK(world.take() == Lines{"4 T.startTime 1004", "4 T.isActive TRUE", "4 T.cycleTime 1004", "4 T.fraction_changed 0",
+                              "4 T.time 1004"});
+}
+
+TEST_CASE("set_enabled FALSE evaluates and sends all outputs, then isActive FALSE (6.50)") {
+  World world(
+      "DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE } DEF L DirectionalLight { } "
+      "DEF S TimeSensor { startTime 1003 cycleInterval 9 } DEF Off DirectionalLight { on TRUE } "
+      "ROUTE Off.on TO T.enabled");
+  world.start();
+  world.step(1);
+  (void)world.take();
+  world.step(3);
+  world.send("Off.on", false);
+  CHECK(world.take("T.") ==
+        Lines{"3 T.fraction_changed 0.5", "3 T.time 1003", "3 T.enabled FALSE", "3 T.isActive FALSE"});
+}
+
+TEST_CASE("a disabled sensor takes and sends events of its exposedFields (6.50)") {
+  World world("DEF T TimeSensor { enabled FALSE loop TRUE }");
+  world.start();
+  world.send("T.startTime", SFTime{1003});
+  world.send("T.stopTime", SFTime{1002});
+  world.send("T.cycleInterval", SFTime{7});
+  world.send("T.loop", false);
+  CHECK(world.take() == Lines{"0 T.startTime 1003", "0 T.stopTime 1002", "0 T.cycleInterval 7", "0 T.loop FALSE"});
+  world.step(3);
+  CHECK(world.take().empty());
+}
+
+TEST_CASE("cycleTime is the beginning of each cycle, also of the first (6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  for (int i = 1; i < 16; ++i) world.step(i / 2.0);
+  CHECK(world.take("cycleTime") ==
+        Lines{"1 T.cycleTime 1001", "3 T.cycleTime 1003", "5 T.cycleTime 1005", "7 T.cycleTime 1007"});
+}
+
+TEST_CASE("fraction_changed is 0 at startTime, 1 at the end of every cycle, and between them grows (6.50)") {
+  World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
+  world.start();
+  for (int i = 2; i < 11; ++i) world.step(i / 2.0);
+  CHECK(world.take("fraction") ==
+        Lines{"1 T.fraction_changed 0", "1.5 T.fraction_changed 0.25", "2 T.fraction_changed 0.5",
+              "2.5 T.fraction_changed 0.75", "3 T.fraction_changed 1", "3.5 T.fraction_changed 0.25",
+              "4 T.fraction_changed 0.5", "4.5 T.fraction_changed 0.75", "5 T.fraction_changed 1"});
+}
+
+TEST_CASE("set_cycleInterval counts when the sensor is not active (6.50)") {
+  World world("DEF T TimeSensor { startTime 1002 cycleInterval 2 }");
+  world.start();
+  world.send("T.cycleInterval", SFTime{4});
+  world.step(2);
+  world.send("T.cycleInterval", SFTime{1});
+  (void)world.take();
+  world.step(3);
+  CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003"});
+}
+
+}  // namespace gs::vrml::traces
