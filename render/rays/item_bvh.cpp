@@ -77,6 +77,7 @@ std::size_t ItemBvh::bytes() const {
 void ItemBvh::update(const RenderList& list) {
   const bool counted = list.items.size() == items_.size();
   bool changed = !counted;
+  std::size_t others = 0;  // that are not what they were
   items_.resize(list.items.size());
   boxes_.resize(list.items.size());
   for (std::size_t i = 0; i < list.items.size(); ++i) {
@@ -85,6 +86,7 @@ void ItemBvh::update(const RenderList& list) {
     // NaN is never the same, and looked at anew each time.
     const bool same_mesh = !known.mesh.owner_before(item.mesh) && !item.mesh.owner_before(known.mesh);
     if (counted && same_mesh && known.world_from_node == item.world_from_node) continue;
+    others += same_mesh ? 0 : 1;
     known = {item.mesh, item.world_from_node};
     boxes_[i] = world_box(item);
     changed = true;
@@ -95,7 +97,8 @@ void ItemBvh::update(const RenderList& list) {
     triangles_ -= entry.second.triangles;
     return true;
   });
-  if (counted && ++refits_ <= kMostRefits) {
+  // A list that was gathered anew, or another one, has little to do with the old tree.
+  if (counted && others <= list.items.size() / 8 && ++refits_ <= kMostRefits) {
     tree_.refit(boxes_);
     return;
   }

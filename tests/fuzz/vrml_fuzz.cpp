@@ -7,6 +7,7 @@
 #include "vrml/syntax/printer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 using namespace gs::vrml;
@@ -14,7 +15,42 @@ using namespace gs::vrml;
 namespace gs::fuzz {
 namespace {
 
-// What the world sends in some steps, with an event for each eventIn of its first nodes; as a digest.
+// A pointing-device sensor sends nothing that is no number.
+void check_numbers(const SentEvent& event) {
+  const Behaviour* behaviour = event.scene->node(event.node).type->behaviour;
+  if (!behaviour || !behaviour->pointing || event.event->access != AccessType::eventOut) return;
+  if (const auto* vector = std::get_if<SFVec3f>(event.value))
+    require(std::isfinite(vector->x) && std::isfinite(vector->y) && std::isfinite(vector->z));
+  if (const auto* turn = std::get_if<SFRotation>(event.value))
+    require(std::isfinite(turn->x) && std::isfinite(turn->y) && std::isfinite(turn->z) && std::isfinite(turn->angle));
+}
+
+// A press on the first thing in a group, a drag, and a release; and the avatar runs into it.
+void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now) {
+  const Node& node = scene.node(id);
+  const InterfaceDeclaration* field = node.type->find_field("children");
+  if (!field || field->type != FieldType::MFNode) return;
+  const auto& children = *std::get_if<MFNode>(&node.values[field->slot]);
+  if (children.empty()) return;
+  const Behaviour* behaviour = node.type->behaviour;
+  const bool moves = behaviour && behaviour->parent_from_local;
+  const PathStep path[] = {{&scene, id, glm::dmat4(1)},
+                           {&scene, children[0], moves ? behaviour->parent_from_local(node) : glm::dmat4(1)}};
+  Pointer pointer;
+  pointer.path = path;
+  for (int i = 0; i < 4; ++i) {
+    const double to = 0.25 * i * i;
+    pointer.bearing = {{0, 0, 10}, {to, to / 2, -9}, {to, to / 2, 1}, {0, 0, 1}, {to, to}};
+    pointer.down = i < 3;
+    execution.point(pointer);
+    execution.step(now += 0.25);
+  }
+  (void)execution.collide(path);
+  (void)execution.pointed_at();
+}
+
+// What the world sends in some steps, with an event for each eventIn of its first nodes and a click on each of its
+// first groups; as a digest.
 std::uint64_t live(SceneGraph& scene) {
   constexpr std::uint32_t kNodes = 40;
   constexpr std::size_t kEvents = 2000;
@@ -22,6 +58,7 @@ std::uint64_t live(SceneGraph& scene) {
   std::size_t events = 0;
   Execution execution(scene);
   execution.observe([&](const SentEvent& event) {
+    check_numbers(event);
     if (++events > kEvents) return;
     std::string line = event.event->name;
     print_value(line, *event.value, *event.scene);
@@ -32,6 +69,7 @@ std::uint64_t live(SceneGraph& scene) {
   for (std::uint32_t i = 1; i <= std::min<std::size_t>(kNodes, scene.node_count()); ++i) {
     const NodeId id = scene.id_at(i);
     if (scene.node(id).in_prototype_body) continue;
+    touch(execution, scene, id, now);
     for (const InterfaceDeclaration& declaration : scene.node(id).type->interfaces)
       if (execution.send(scene, id, declaration, initial_value(declaration.type)) && i % 4 == 0)
         execution.step(now += 0.25);

@@ -132,6 +132,7 @@ TEST_CASE("isActive TRUE and FALSE have different timestamps, whatever happens a
   device.press();
   device.release();
   CHECK(world.take() == Lines{"1 T.isActive TRUE"});
+  CHECK(world.execution().next_time() == World::kStart + 1);  // as soon as can be
   world.step(2);
   CHECK(world.take() == Lines{"2 T.isActive FALSE", "2 T.touchTime 1002"});
   world.step(3);
@@ -145,6 +146,7 @@ TEST_CASE("isActive TRUE and FALSE have different timestamps, whatever happens a
   CHECK(world.take() == Lines{"6 T.isActive FALSE"});
   world.step(7);
   CHECK(world.take().empty());
+  CHECK_FALSE(world.execution().next_time());
   for (int i = 0; i < 1000; ++i) device.set(i % 2 == 0);
   for (int i = 8; i < 200; ++i) world.step(i);
   CHECK_FALSE(world.execution().pointed_at().active);
