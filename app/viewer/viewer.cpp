@@ -128,8 +128,8 @@ void Viewer::frame(double now, const std::vector<WindowEvent>& events) {
   ui_.begin_frame(now, events);
   show_loaded();
   for (const WindowEvent& event : events) handle(event);
-  if (std::exchange(pointer_moved_, false)) point_again();
   move_views(continuous ? static_cast<float>(now - last_frame_) : 0.0f);
+  if (std::exchange(pointer_moved_, false)) point_again();
   draw_viewports();
   ask_for_streams();
   apply(ui_.build(model()));
@@ -153,7 +153,10 @@ void Viewer::move_views(float seconds) {
     if (input.any()) leader_ = sight[i];
     seen->navigation = step(seen->navigation, input, seconds);
     const Pose& after = seen->navigation.pose;
-    if (before.position != after.position || before.orientation != after.orientation) moved.push_back(sight[i]);
+    if (before.position == after.position && before.orientation == after.orientation) continue;
+    moved.push_back(sight[i]);
+    // The pointer is over something else from now on.
+    if (pointed_pane_ == sight[i]) pointer_moved_ = true;
   }
   const auto has_moved = [&](std::size_t pane) { return std::find(moved.begin(), moved.end(), pane) != moved.end(); };
   if (linked_ && !moved.empty())
