@@ -229,4 +229,39 @@ Viewpoint { } Transform { translation 2 0 0 children
   CHECK(run("--time soon" + size + "a.png " + quoted(world)).status == kUsage);
 }
 
+TEST_CASE("the demo world moves, and its gate and lantern do their part after a click") {
+  const ScratchFolder folder;
+  const std::string world = quoted(GHOSTSPACE_TESTS "/../assets/worlds/demo.wrl");
+  const Run checked = run("check " + world);
+  CHECK(checked.status == kDone);
+  CHECK(checked.output.find("warning") == std::string::npos);
+
+  const Run still = run("trace " + world + " --until 1");
+  CHECK(still.status == kDone);
+  // Among others the lighthouse, the boat, its pennant in another file, and the gulls in instances of a PROTO.
+  for (const char* moved : {" Rays.rotation_changed ", " Boat.translation_changed ", " Boat.rotation_changed ",
+                            " Pennant.point_changed ", " Circle.rotation_changed ", " Wing.rotation_changed "}) {
+    INFO(moved);
+    CHECK(still.output.find(moved) != std::string::npos);
+  }
+  CHECK(still.output.find(" GateLeaf.") == std::string::npos);
+  CHECK(still.output.find(" Flame.") == std::string::npos);
+
+  const std::string input = folder.write("in.jsonl",
+                                         "{\"t\":1,\"set\":\"GateClock.set_startTime\",\"value\":946684801}\n"
+                                         "{\"t\":1,\"set\":\"LampClock.set_startTime\",\"value\":946684801}\n");
+  const std::string clicked = run("trace " + world + " --until 17 --input " + quoted(input)).output;
+  const auto ends = [&](const std::string& event, const std::string& value) {
+    INFO(event);
+    const std::size_t last = clicked.rfind(event);
+    REQUIRE(last != std::string::npos);
+    CHECK(clicked.substr(last, clicked.find('\n', last) - last) == event + value);
+  };
+  CHECK(clicked.find("946684804 GateLeaf.rotation_changed 0 -1 0 1.5\n") != std::string::npos);
+  ends("GateLeaf.rotation_changed ", "0 1 0 0");
+  CHECK(clicked.find("946684804 Flame.emissiveColor_changed 1 0.88 0.56\n") != std::string::npos);
+  ends("Flame.emissiveColor_changed ", "0.62 0.4 0.16");
+  ends("PierLight.intensity_changed ", "0.8");
+}
+
 }  // namespace gs::app::trace_test
