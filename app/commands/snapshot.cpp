@@ -72,25 +72,11 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-struct SnapshotView {
-  render::Camera camera;
-  bool headlight = true;
-};
-
-SnapshotView choose_view(const Options& options, const render::RenderList& list, const render::BoundNodes& bound) {
-  SnapshotView view;
-  view.headlight = options.headlight.value_or(list.navigation.headlight);
-  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
   constexpr float kFieldOfView = 0.785398f;
-  if (options.orbit) {
-    view.camera =
-        render::orbit_camera(list.bounds, glm::radians(static_cast<float>(options.orbit->first)),
-                             glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView, width, height);
-    view.headlight = options.headlight.value_or(true);
-    return view;
-  }
-  view.camera = viewpoint_camera(list, bound.viewpoint, {width, height});
-  return view;
+  return render::orbit_camera(bounds, glm::radians(static_cast<float>(options.orbit->first)),
+                              glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView,
+                              static_cast<float>(options.width), static_cast<float>(options.height));
 }
 
 }  // namespace
@@ -101,8 +87,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  render::MeshCache meshes;
-  Simulation simulation(world, {options.width, options.height}, &meshes);
+  Simulation simulation(world, {options.width, options.height});
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;
@@ -124,31 +109,25 @@ int run_snapshot(const Options& options, const std::string& file) {
   simulation.run(options.time);
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())
     complain("%s: warning: %s", file.c_str(), problem.c_str());
-  if (!simulation.execution().take_changes().empty()) meshes.clear();
-  const render::BoundNodes bound = simulation.bound();
-  const glm::vec3 start_point(0, 0, 10);
-  render::RenderList list = render::collect(*world.scene, world.images, meshes, start_point, world.clouds, &bound);
-  SnapshotView view = choose_view(options, list, bound);
+  const render::RenderList& first = simulation.look();
+  const render::Camera camera = options.orbit ? orbiting(options, first.bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.
-  list = render::collect(*world.scene, world.images, meshes, glm::vec3(view.camera.world_from_camera[3]), world.clouds,
-                         &bound);
+  const render::RenderList& list = simulation.look_from(glm::vec3(camera.world_from_camera[3]));
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);
-  view.camera = render::fit_depth(view.camera, list.bounds);
-  if (list.navigation.visibility_limit > 0 && !options.orbit)
-    view.camera.far_plane = std::max(list.navigation.visibility_limit, view.camera.near_plane * 2);
 
   render::DrawOptions draw;
   draw.width = options.width;
   draw.height = options.height;
   draw.samples = options.samples;
-  draw.headlight = view.headlight;
+  draw.headlight = options.headlight.value_or(options.orbit || list.navigation.headlight);
+  draw.visibility_limit = !options.orbit;
   draw.background = options.background;
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
-  auto picture = renderer.draw_to_image(list, view.camera, draw, &statistics);
+  auto picture = renderer.draw_to_image(list, camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
   limit_drawing(0);
   const render::Image& image = std::get<render::Image>(picture);
@@ -158,7 +137,7 @@ int run_snapshot(const Options& options, const std::string& file) {
 
   if (!options.stats.empty()) {
     const Clock::time_point again = Clock::now();
-    (void)renderer.draw_to_image(list, view.camera, draw);
+    (void)renderer.draw_to_image(list, camera, draw);
     const nlohmann::json stats = {{"bytes", world.bytes},
                                   {"load_s", load_seconds},
                                   {"first_image_s", first_image_seconds},

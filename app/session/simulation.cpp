@@ -45,13 +45,9 @@ std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldT
   return std::move(holder.interfaces[0].initial);
 }
 
-Simulation::Simulation(OpenedWorld& world, const glm::ivec2& size, render::MeshCache* meshes)
-    : world_(world),
-      size_(size),
-      meshes_(meshes ? *meshes : own_meshes_),
-      execution_(*world.scene),
-      names_(std::make_unique<vrml::NodeNames>(*world.scene)) {
-  execution_.set_aspect(size_.x / size_.y);
+Simulation::Simulation(OpenedWorld& world, const glm::ivec2& size)
+    : world_(world), size_(size), living_(world, meshes_), names_(std::make_unique<vrml::NodeNames>(*world.scene)) {
+  execution().set_aspect(size_.x / size_.y);
 }
 
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
@@ -112,30 +108,29 @@ std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
   return std::nullopt;
 }
 
-// What is seen at the present time, from where the viewer is then.
-void Simulation::look() {
-  const render::BoundNodes nodes = bound();
-  const auto changes = execution_.take_changes();
-  render::forget_changed(meshes_, changes);
-  if (seen_) {
-    (void)seen_->update(changes, nodes, pose_.position);
-  } else {
-    seen_.emplace(*world_.scene, world_.images, world_.clouds, meshes_).gather(nodes, pose_.position);
-  }
+const render::RenderList& Simulation::look() {
+  if (!seen_) seen_ = living_.look(pose_.position, true);
+  (void)living_.show(*seen_, pose_.position);
+  const render::RenderList& list = seen_->scene.list();
   // A picture that shows the whole is not framed anew when something moves.
-  const bool whole = seen_->list().viewpoints.empty();
-  if (!whole || !camera_) camera_ = viewpoint_camera(seen_->list(), nodes.viewpoint, glm::vec2(size_));
+  if (!list.viewpoints.empty() || !camera_)
+    camera_ = viewpoint_camera(list, living_.bound().viewpoint, glm::vec2(size_));
   pose_ = pose_of(camera_->world_from_camera, camera_->field_of_view);
-  // Levels of detail and billboards follow the viewer.
-  (void)seen_->update({}, nodes, pose_.position);
+  return look_from(pose_.position);
+}
+
+const render::RenderList& Simulation::look_from(const glm::vec3& viewer) {
+  if (!seen_) seen_ = living_.look(viewer, true);
+  (void)living_.show(*seen_, viewer);
+  return seen_->scene.list();
 }
 
 void Simulation::point(const InputRow& row) {
   if (row.kind != InputRow::Kind::move) down_ = row.kind == InputRow::Kind::press;
-  look();
+  const render::RenderList& list = look();
   PickOptions options;
   options.pixel = static_cast<float>(2 * std::tan(pose_.field_of_view / 2) / std::min(size_.x, size_.y));
-  (void)app::point(execution_, picker_, seen_->list(), sight_line(pose_, row.pointer, size_), down_, options);
+  (void)app::point(execution(), picker_, list, sight_line(pose_, row.pointer, size_), down_, options);
 }
 
 void Simulation::act(double time) {
@@ -144,16 +139,16 @@ void Simulation::act(double time) {
     if (action.pointer) {
       point(*action.pointer);
     } else {
-      (void)execution_.send(*action.scene, action.node, *action.event, action.value);
+      (void)execution().send(*action.scene, action.node, *action.event, action.value);
     }
   }
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
-  execution_.start(kSimulatedStart);
+  living_.start(kSimulatedStart);
   // The whole of a world without a Viewpoint is framed as it is when it begins.
   if (std::any_of(actions_.begin(), actions_.end(), [](const Action& action) { return action.pointer.has_value(); }))
-    look();
+    (void)look();
   act(0);
   // The grid's times are multiples, not sums: errors of rounding do not add up.
   double time = 0;
@@ -163,17 +158,9 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     if (next_action_ < actions_.size()) next = std::min(next, actions_[next_action_].time);
     if (next == tick) ++steps;
     time = next;
-    execution_.step(kSimulatedStart + time);
+    (void)living_.step(kSimulatedStart + time);
     act(time);
   }
-}
-
-render::BoundNodes Simulation::bound() const {
-  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
-    const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
-    return bound.scene ? &bound.scene->node(bound.node) : nullptr;
-  };
-  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
 }
 
 }  // namespace gs::app

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/session/input_rows.h"
+#include "app/session/living_world.h"
 #include "app/view/picking.h"
 #include "app/world/opened_world.h"
 #include "render/scene/render_scene.h"
@@ -25,9 +26,8 @@ inline constexpr double kSimulationStep = 1.0 / 60;
 /// bit. `trace` and `--snapshot` are callers. One thread; the world must outlive it.
 class Simulation {
  public:
-  /// `size`: of the picture that the pointing device points at, in pixels. `meshes`: where what is made to find
-  /// Viewpoints and what is pointed at is kept for others; null: nowhere.
-  Simulation(OpenedWorld& world, const glm::ivec2& size, render::MeshCache* meshes = nullptr);
+  /// `size`: of the picture that the pointing device points at, in pixels.
+  Simulation(OpenedWorld& world, const glm::ivec2& size);
 
   /// Takes in what somebody does. False where rows name what the world does not have; `diagnostics` say which.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);
@@ -37,9 +37,13 @@ class Simulation {
   /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
-  [[nodiscard]] vrml::Execution& execution() { return execution_; }
-  /// Which bindable nodes a picture is to be made with.
-  [[nodiscard]] render::BoundNodes bound() const;
+  [[nodiscard]] vrml::Execution& execution() { return living_.execution(); }
+  /// The world as it is now, seen as a picture of it is: from the bound Viewpoint, else so that all is in view.
+  const render::RenderList& look();
+  /// The same from somewhere else.
+  const render::RenderList& look_from(const glm::vec3& viewer);
+  /// Of `look`.
+  [[nodiscard]] const render::Camera& camera() const { return *camera_; }
 
  private:
   struct Action {
@@ -53,19 +57,17 @@ class Simulation {
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
   void act(double time);
-  void look();
   void point(const InputRow& row);
 
   OpenedWorld& world_;
   glm::dvec2 size_;
-  render::MeshCache own_meshes_;
-  render::MeshCache& meshes_;
-  vrml::Execution execution_;
+  render::MeshCache meshes_;
+  LivingWorld living_;
   std::unique_ptr<vrml::NodeNames> names_;
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
-  std::optional<render::RenderScene> seen_;  // what the pointing device points at, once it does
+  std::shared_ptr<LivingScene> seen_;  // null: nobody has looked yet
   std::optional<render::Camera> camera_;
   Pose pose_;
   Picker picker_;

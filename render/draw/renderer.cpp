@@ -107,7 +107,9 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
   FrameStatistics statistics;
   if (options.width <= 0 || options.height <= 0) return statistics;
   const Gl& gl = state_->gl;
-  const Camera camera = fit_depth(given, list.bounds);
+  Camera camera = fit_depth(given, list.bounds);
+  if (options.visibility_limit && list.navigation.visibility_limit > 0)
+    camera.far_plane = std::max(list.navigation.visibility_limit, camera.near_plane * 2);
   const glm::mat4 clip_from_camera =
       projection(camera, static_cast<float>(options.width), static_cast<float>(options.height));
 

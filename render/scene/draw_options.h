@@ -18,6 +18,7 @@ struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
   bool headlight = true;
+  bool visibility_limit = true;         // what lies behind that of the bound NavigationInfo is not drawn (VRML97 6.29)
   std::size_t budget = 0;               // discs of all clouds together; 0: no limit
   std::optional<glm::vec3> background;  // one colour in place of the world's Background
   SplatPath splats = SplatPath::automatic;
