@@ -1,7 +1,7 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
-#include "app/world/stream_feed.h"
+#include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"

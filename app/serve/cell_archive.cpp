@@ -1,6 +1,6 @@
 #include "app/serve/cell_archive.h"
 
-#include "app/world/cell_regions.h"
+#include "app/streams/cell_regions.h"
 #include "qnv/records/records_payload.h"
 #include "qnv/stream/container.h"
 

@@ -65,7 +65,7 @@ void WorldReader::tell(News news) {
     if (news.document) news_.document = std::move(news.document);
     news_.arrivals.append(std::move(news.arrivals));
     news_.over = news_.over || news.over;
-    news_.fed = news_.fed || news.fed;
+    news_.streams_grew = news_.streams_grew || news.streams_grew;
     news_.state = news.state;
   }
   if (wake_) wake_();
@@ -86,8 +86,8 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     (void)loading.step(kWait);
     if (loading.done()) break;
     if (lives) {
-      News news{nullptr, loading.take_arrivals(), false, loading.fed(), loading.state()};
-      if (!news.arrivals.empty() || news.fed || !(news.state == told)) {
+      News news{nullptr, loading.take_arrivals(), false, loading.streams_grew(), loading.state()};
+      if (!news.arrivals.empty() || news.streams_grew || !(news.state == told)) {
         told = news.state;
         tell(std::move(news));
       }
@@ -123,7 +123,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   }
   while (!stop_ && loading.streaming()) {
     (void)loading.step(kStreamWait);
-    if (loading.fed()) tell({nullptr, loading.take_arrivals(), false, true, loading.state()});
+    if (loading.streams_grew()) tell({nullptr, loading.take_arrivals(), false, true, loading.state()});
   }
   const std::lock_guard lock(mutex_);
   loading_ = nullptr;

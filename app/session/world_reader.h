@@ -26,9 +26,9 @@ class WorldReader {
     /// A preview as far as it has come, or the world that lives from then on; one without a scene could not be opened.
     /// Null: no other than before.
     std::shared_ptr<Document> document;
-    Arrivals arrivals;  // for the living world
-    bool over = false;  // no more will come but bytes of streams
-    bool fed = false;   // such bytes have come
+    Arrivals arrivals;          // for the living world
+    bool over = false;          // no more will come but bytes of streams
+    bool streams_grew = false;  // such bytes have come
     LoadingState state;
   };
 

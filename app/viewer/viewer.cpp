@@ -1,8 +1,8 @@
 #include "app/viewer/viewer.h"
 
+#include "app/streams/stream_feed.h"
 #include "app/viewer/viewer_session.h"
 #include "app/world/importance.h"
-#include "app/world/stream_feed.h"
 
 #include <algorithm>
 #include <utility>
@@ -211,7 +211,7 @@ bool Viewer::take_news() {
       retired_.push_back(std::move(one.reader));
     } else {
       WorldReader::News news = one.reader->take();
-      any = any || news.document || news.fed || !(news.state == one.state);
+      any = any || news.document || news.streams_grew || !(news.state == one.state);
       one.state = news.state;
       if (!news.document || !take_document(one, news)) {
         ++i;
@@ -249,7 +249,7 @@ bool Viewer::take_document(const Reader& from, WorldReader::News& news) {
 // Of a world that lives already.
 bool Viewer::take_arrivals(Document& document, const std::string& path, WorldReader::News news) {
   const LoadingState state = news.over ? LoadingState{} : news.state;
-  const bool any = news.fed || news.over || !(state == document.arriving) || !news.arrivals.empty();
+  const bool any = news.streams_grew || news.over || !(state == document.arriving) || !news.arrivals.empty();
   if (!document.all_came) document.arriving = state;
   document.all_came = document.all_came || news.over;
   if (news.arrivals.empty()) return any;

@@ -1,4 +1,4 @@
-#include "app/world/world_loading_state.h"
+#include "app/world/outline_reader.h"
 #include "qnv/lod/lod_source.h"
 
 #include <utility>
@@ -7,13 +7,13 @@
 // Bytes of streams of outlines become polygons of OutlineGroup nodes.
 namespace gs::app {
 
-void OutlineReader::more(std::span<const std::byte> bytes) {
+void OutlineReader::receive(std::span<const std::byte> bytes) {
   (void)decoder_.push(bytes);
   show();
 }
 
 // What came as cells is a whole chunk of the file.
-void OutlineReader::piece(const net::CellEvent& event) {
+void OutlineReader::receive_cells(const net::CellEvent& event) {
   const auto chunk = qnv::sound_chunk(event.bytes);
   if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_.add(sound->type, sound->payload);
   show();

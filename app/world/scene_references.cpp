@@ -1,5 +1,5 @@
 #include "app/formats/texture_image.h"
-#include "app/world/world_loading_state.h"
+#include "app/world/scene_handler.h"
 #include "net/base/schemes.h"
 #include "vrml/scene/prototype.h"
 
@@ -30,7 +30,7 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 }
 
 /// A picture that textures show.
-struct WorldLoading::State::SharedImage final : Taker {
+struct WorldLoading::State::SharedImage final : ContentHandler {
   SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
       : world(state),
         file(node.text->file_name()),
@@ -46,7 +46,7 @@ struct WorldLoading::State::SharedImage final : Taker {
     decode(mapped.bytes());
     return true;
   }
-  void more(std::span<const std::byte> piece) override {
+  void receive(std::span<const std::byte> piece) override {
     if (over) return;
     if (held.grow(piece.size())) {
       bytes.insert(bytes.end(), piece.begin(), piece.end());
@@ -100,11 +100,11 @@ struct WorldLoading::State::SharedImage final : Taker {
 /// Vectors that QNV nodes show.
 struct WorldLoading::State::SharedCloud {
   std::shared_ptr<const qnv::Cloud> cloud;
-  std::vector<std::pair<std::shared_ptr<SceneTaker>, NodeId>> nodes;
+  std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
 };
 
 // In the order of VRML97 4.5.3: as seen from the file that uses a PROTO, then from the one that declares it.
-SceneTaker::Reference SceneTaker::refer(const vrml::MFString& list, const vrml::SceneGraph& text) const {
+SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list, const vrml::SceneGraph& text) const {
   const auto own = origins_.find(scene), source = origins_.find(&text);
   // Of a text that nobody knows, nothing is trusted.
   Reference reference{{},
@@ -126,22 +126,22 @@ SceneTaker::Reference SceneTaker::refer(const vrml::MFString& list, const vrml::
   return reference;
 }
 
-SceneTaker::Reference SceneTaker::refer(NodeId id) const {
+SceneHandler::Reference SceneHandler::refer(NodeId id) const {
   const int slot = scene->node(id).type->find_field("url")->slot;
   return refer(scene->get<vrml::MFString>(id, "url"), scene->text_of(id, slot));
 }
 
-void SceneTaker::ask_for(Reference reference, NodeId id, std::shared_ptr<Taker> taker, Urgency urgency) {
+void SceneHandler::ask_for(Reference reference, NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency) {
   auto fetch = std::make_unique<Fetch>();
   fetch->candidates = std::move(reference.places);
   fetch->from = std::move(reference.from);
   fetch->reference = std::move(reference.first);
   fetch->node = id ? &scene->node(id) : nullptr;
-  fetch->taker = std::move(taker);
+  fetch->handler = std::move(handler);
   world_.fetch(std::move(fetch), urgency);
 }
 
-void SceneTaker::look_for_references() {
+void SceneHandler::look_for_references() {
   if (!scene || refused || !world_.options.references) return;
   if (parser_) {
     open_.clear();
@@ -155,7 +155,7 @@ void SceneTaker::look_for_references() {
   look_for_prototypes();
 }
 
-void SceneTaker::visit(NodeId id) {
+void SceneHandler::visit(NodeId id) {
   const vrml::Node& node = scene->node(id);
   if (node.in_prototype_body) return;
   if (open_.contains(id.index)) {
@@ -174,8 +174,8 @@ void SceneTaker::visit(NodeId id) {
   if (node.type->name == "OutlineGroup") visit_outlines(id);
 }
 
-void SceneTaker::look_for_prototypes() {
-  std::unordered_map<std::string, SceneTaker*> fresh;  // EXTERNPROTOs of one file are one library
+void SceneHandler::look_for_prototypes() {
+  std::unordered_map<std::string, SceneHandler*> fresh;  // EXTERNPROTOs of one file are one library
   for (const auto& type : scene->types()) {
     if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
         !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
@@ -184,13 +184,13 @@ void SceneTaker::look_for_prototypes() {
     std::vector<net::Url> files = reference.places;
     for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
     const std::string fragment = files.empty() ? std::string() : reference.places.front().fragment;
-    SceneTaker*& known = fresh[key_of(files, reference.from)];
+    SceneHandler*& known = fresh[key_of(files, reference.from)];
     if (known) {
       known->types.push_back(type.get());
       known->fragments.push_back(fragment);
       continue;
     }
-    auto library = std::make_shared<SceneTaker>(world_, Role::library, this);
+    auto library = std::make_shared<SceneHandler>(world_, Role::library, this);
     known = library.get();
     library->what = "EXTERNPROTO " + type->name;
     library->place_file = scene->file_name();
@@ -203,7 +203,7 @@ void SceneTaker::look_for_prototypes() {
   }
 }
 
-void SceneTaker::take_library(SceneTaker& library) {
+void SceneHandler::take_library(SceneHandler& library) {
   if (library.scene && !library.refused) {
     origins_.insert(library.origins_.begin(), library.origins_.end());
     vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
@@ -226,7 +226,7 @@ void SceneTaker::take_library(SceneTaker& library) {
 }
 
 // Instances whose own fields are still being read must wait for them.
-void SceneTaker::resolve_types() {
+void SceneHandler::resolve_types() {
   std::unordered_set<const vrml::NodeType*> open_types;
   if (parser_)
     for (const NodeId id : parser_->open_nodes()) open_types.insert(scene->node(id).type);
@@ -239,10 +239,10 @@ void SceneTaker::resolve_types() {
   });
 }
 
-void SceneTaker::visit_inline(NodeId id) {
+void SceneHandler::visit_inline(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (scene->inlined(id) || list.empty()) return;
-  auto inner = std::make_shared<SceneTaker>(world_, Role::inlined, this);
+  auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);
   inner->what = "Inline";
   inner->urls = list;
   inner->inline_node = id;
@@ -252,7 +252,7 @@ void SceneTaker::visit_inline(NodeId id) {
   ask_for(refer(id), id, std::move(inner), Urgency::inline_scene);
 }
 
-void SceneTaker::visit_image(NodeId id) {
+void SceneHandler::visit_image(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
   Reference reference = refer(id);
@@ -265,7 +265,7 @@ void SceneTaker::visit_image(NodeId id) {
 
 // From its own records, else from the first file of its url list; the node's transfer function goes before the
 // stream's.
-void SceneTaker::visit_cloud(NodeId id) {
+void SceneHandler::visit_cloud(NodeId id) {
   const vrml::Node& node = scene->node(id);
   if (world_.world.clouds.contains(&node)) return;
   if (!scene->get<vrml::MFInt32>(id, "vectors").empty()) {
@@ -289,20 +289,20 @@ void SceneTaker::visit_cloud(NodeId id) {
   }
   shared = std::make_shared<WorldLoading::State::SharedCloud>();
   shared->nodes.emplace_back(shared_from_this(), id);
-  auto taker =
-      std::make_shared<CloudTaker>(world_, CloudTaker::Place{node.text->file_name(), node.location, list, true},
-                                   [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
-                                     shared->cloud = cloud;
-                                     for (const auto& [scene_taker, of] : shared->nodes)
-                                       scene_taker->set_cloud(of, cloud);
-                                   });
-  ask_for(std::move(reference), id, std::move(taker), Urgency::vectors);
+  auto handler =
+      std::make_shared<CloudHandler>(world_, CloudHandler::Place{node.text->file_name(), node.location, list, true},
+                                     [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                       shared->cloud = cloud;
+                                       for (const auto& [scene_handler, of] : shared->nodes)
+                                         scene_handler->set_cloud(of, cloud);
+                                     });
+  ask_for(std::move(reference), id, std::move(handler), Urgency::vectors);
 }
 
 /// Polygons of an OutlineGroup that its url names.
-struct WorldLoading::State::OutlineTaker final : Taker {
-  OutlineTaker(State& state, std::shared_ptr<SceneTaker> scene_taker, NodeId id, vrml::MFString list)
-      : owner(std::move(scene_taker)),
+struct WorldLoading::State::OutlineHandler final : ContentHandler {
+  OutlineHandler(State& state, std::shared_ptr<SceneHandler> scene_handler, NodeId id, vrml::MFString list)
+      : owner(std::move(scene_handler)),
         node(id),
         urls(std::move(list)),
         place(owner->scene->node(id).location),
@@ -314,12 +314,12 @@ struct WorldLoading::State::OutlineTaker final : Taker {
     name = found.path;
     return true;
   }
-  void more(std::span<const std::byte> bytes) override {
-    reader.more(bytes);
+  void receive(std::span<const std::byte> bytes) override {
+    reader.receive(bytes);
     show();
   }
-  void piece(const net::CellEvent& event) override {
-    reader.piece(event);
+  void receive_cells(const net::CellEvent& event) override {
+    reader.receive_cells(event);
     show();
   }
   void end(const std::optional<std::string>& problem) override {
@@ -337,7 +337,7 @@ struct WorldLoading::State::OutlineTaker final : Taker {
     for (const NodeId changed : reader.take_changed()) owner->outlines_changed(changed);
   }
 
-  std::shared_ptr<SceneTaker> owner;
+  std::shared_ptr<SceneHandler> owner;
   NodeId node;
   vrml::MFString urls;
   vrml::SourceLocation place;
@@ -346,21 +346,21 @@ struct WorldLoading::State::OutlineTaker final : Taker {
   std::string name;
 };
 
-void SceneTaker::visit_outlines(NodeId id) {
+void SceneHandler::visit_outlines(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  ask_for(refer(id), id, std::make_shared<WorldLoading::State::OutlineTaker>(world_, shared_from_this(), id, list),
+  ask_for(refer(id), id, std::make_shared<WorldLoading::State::OutlineHandler>(world_, shared_from_this(), id, list),
           Urgency::vectors);
 }
 
-void SceneTaker::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
+void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
   const auto fallback = fallbacks_.find(id.index);
   world_.cloud_arrived({{scene, id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
 }
 
 // A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
 // there, they are shown in the place of its body.
-void SceneTaker::replace_fallback(NodeId id) {
+void SceneHandler::replace_fallback(NodeId id) {
   const vrml::NodeType& native = *vrml::built_in_node_type("QNV");
   const NodeId made = scene->create(native, scene->node(id).location);
   if (!made) return;

@@ -82,7 +82,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     if (!at->fetch) return;
     deliver(*at->fetch, bytes);
     if (!options.by_view) return;
-    at->feed = at->fetch->taker->follow();
+    at->feed = at->fetch->handler->follow();
     if (!at->feed) return;
     at->stream->follow(at->feed);
     ended.push_back(std::exchange(at->fetch, nullptr));
@@ -91,11 +91,11 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     if (at->feed) {
       received += event.bytes.size();
       at->feed->add_loose(event.name.chunk, event.bytes);
-      fed = true;
+      streams_grew = true;
     } else if (at->fetch && event.bytes.size() <= at->fetch->max_bytes - at->fetch->received) {
       received += event.bytes.size();
       at->fetch->received += event.bytes.size();
-      at->fetch->taker->piece(event);
+      at->fetch->handler->receive_cells(event);
     }
   };
   sink.ended = [this, at](const std::optional<std::string>& problem) {

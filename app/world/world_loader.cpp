@@ -1,6 +1,6 @@
 #include "app/world/world_loader.h"
 
-#include "app/world/stream_feed.h"
+#include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
 
 #include <new>

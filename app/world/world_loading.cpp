@@ -3,7 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/base/text.h"
 #include "app/world/importance.h"
-#include "app/world/world_loading_state.h"
+#include "app/world/scene_handler.h"
 #include "net/base/schemes.h"
 #include "net/load/transport.h"
 
@@ -49,7 +49,7 @@ WorldLoading::State::~State() = default;
 
 void WorldLoading::State::start() {
   const net::Url asked = net::parse_url(world.path);
-  root = std::make_shared<SceneTaker>(*this, SceneTaker::Role::root, nullptr);
+  root = std::make_shared<SceneHandler>(*this, SceneHandler::Role::root, nullptr);
   auto first = std::make_unique<Fetch>();
   if (asked.scheme.empty() || asked.scheme == "file") {
     const std::string path = asked.scheme.empty() ? world.path : net::path_of_url(asked);
@@ -62,7 +62,7 @@ void WorldLoading::State::start() {
     first->candidates = {asked};
   }
   first->max_bytes = options.max_bytes;
-  first->taker = root;
+  first->handler = root;
   fetch(std::move(first), Urgency::world);
 }
 
@@ -103,8 +103,8 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
     return ask(fetch, std::move(ranges));
   }
   ended.push_back(&fetch);
-  fetch.taker->told = fetch.told;
-  fetch.taker->missing(fetch.first_problem);
+  fetch.handler->told = fetch.told;
+  fetch.handler->missing(fetch.first_problem);
 }
 
 void WorldLoading::State::fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder) {
@@ -160,7 +160,7 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
     fetch.rest = fetch.rest.first(static_cast<std::size_t>(fetch.max_bytes));
   }
   begin_taking(fetch, found);
-  if (!fetch.refused && fetch.file && !fetch.cut && fetch.taker->whole_file(*fetch.file, found.path)) {
+  if (!fetch.refused && fetch.file && !fetch.cut && fetch.handler->whole_file(*fetch.file, found.path)) {
     received += fetch.rest.size();
     fetch.received = fetch.rest.size();
     fetch.rest = {};
@@ -191,7 +191,7 @@ void WorldLoading::State::local_step() {
 
 void WorldLoading::State::begin_taking(Fetch& fetch, const Found& found) {
   fetch.begun = true;
-  fetch.refused = !fetch.taker->begin(found);
+  fetch.refused = !fetch.handler->begin(found);
 }
 
 void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes) {
@@ -199,14 +199,14 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
     bytes = bytes.first(static_cast<std::size_t>(fetch.max_bytes - fetch.received));
   fetch.received += bytes.size();
   received += bytes.size();
-  fetch.taker->cut = fetch.cut;
-  if (!bytes.empty()) fetch.taker->more(bytes);
+  fetch.handler->cut = fetch.cut;
+  if (!bytes.empty()) fetch.handler->receive(bytes);
 }
 
 void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   ended.push_back(&fetch);
-  fetch.taker->cut = fetch.cut;
-  if (!fetch.refused) fetch.taker->end(problem);
+  fetch.handler->cut = fetch.cut;
+  if (!fetch.refused) fetch.handler->end(problem);
 }
 
 void WorldLoading::State::stop(const std::string& why) {
@@ -220,10 +220,10 @@ void WorldLoading::State::stop(const std::string& why) {
   for (std::size_t i = 0; i < fetches.size(); ++i) {
     Fetch& fetch = *fetches[i];
     if (std::find(ended.begin(), ended.end(), &fetch) != ended.end()) continue;
-    fetch.taker->cut = true;
+    fetch.handler->cut = true;
     stop_cells(&fetch);
-    if (fetch.begun && !fetch.refused) fetch.taker->end(std::nullopt);
-    if (fetch.taker == root) root->whole = false;
+    if (fetch.begun && !fetch.refused) fetch.handler->end(std::nullopt);
+    if (fetch.handler == root) root->whole = false;
   }
   ended.clear();
   fetches.clear();
@@ -313,7 +313,7 @@ bool WorldLoading::structure_complete() const {
   const State& s = *state_;
   if (!s.root || !s.root->scene || s.root->refused || s.taken) return false;
   return std::none_of(s.fetches.begin(), s.fetches.end(), [&](const auto& fetch) {
-    return fetch->taker->makes_nodes() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
+    return fetch->handler->makes_nodes() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
   });
 }
 Arrivals WorldLoading::take_arrivals() {
@@ -336,7 +336,7 @@ std::unordered_set<const vrml::Node*> WorldLoading::wanted() const {
 bool WorldLoading::changed() const { return state_->changed; }
 bool WorldLoading::streaming() const { return !state_->streams.empty() || !state_->cells.empty(); }
 net::CellClientStatistics WorldLoading::cells() const { return state_->cell_statistics(); }
-bool WorldLoading::fed() { return std::exchange(state_->fed, false); }
+bool WorldLoading::streams_grew() { return std::exchange(state_->streams_grew, false); }
 void WorldLoading::look_from(const glm::vec3& viewer) { state_->viewer = viewer; }
 
 render::RenderList WorldLoading::collect(const glm::vec3& viewer) {

@@ -84,7 +84,7 @@ class WorldLoading {
   /// on being of use, and touches nothing of the world but the streams.
   [[nodiscard]] bool streaming() const;
   /// Whether bytes of such streams have come since the last call.
-  [[nodiscard]] bool fed();
+  [[nodiscard]] bool streams_grew();
 
   /// The inside; see world_loading_state.h.
   struct State;

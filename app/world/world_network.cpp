@@ -74,7 +74,7 @@ bool WorldLoading::State::take_events() {
     }
     for (const auto& stream : streams)
       if (stream->take(event)) break;
-    fed = true;
+    streams_grew = true;
   }
   return any;
 }
@@ -141,7 +141,7 @@ void WorldLoading::State::take_rest(Fetch& fetch) {
   place.validator = fetch.validator;
   place.front = fetch.received;
   place.total = *fetch.total;
-  if (fetch.taker->seek(std::move(place)))
+  if (fetch.handler->seek(std::move(place)))
     ended.push_back(&fetch);
   else
     ask(fetch, {{fetch.received, *fetch.total}});

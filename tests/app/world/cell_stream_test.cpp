@@ -1,7 +1,7 @@
 // Streams that come as cells over UDP, on this machine.
 #include "app/serve/archive.h"
-#include "app/world/cell_regions.h"
-#include "app/world/stream_feed.h"
+#include "app/streams/cell_regions.h"
+#include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/lod/lod.h"

@@ -1,7 +1,7 @@
 // Worlds that come over a scripted network.
 #include "app/world/world_loading.h"
 
-#include "app/world/stream_feed.h"
+#include "app/streams/stream_feed.h"
 #include "net/load/transport_memory.h"
 #include "qnv/lod/lod.h"
 #include "tests/app/clouds.h"

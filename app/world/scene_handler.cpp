@@ -1,6 +1,6 @@
+#include "app/world/scene_handler.h"
 #include "app/base/text.h"
 #include "app/formats/mesh_import.h"
-#include "app/world/world_loading_state.h"
 #include "vrml/scene/prototype.h"
 
 #include <algorithm>
@@ -15,18 +15,18 @@ using vrml::Severity;
 
 }  // namespace
 
-SceneTaker::SceneTaker(World& world, Role given_role, SceneTaker* given_outer)
+SceneHandler::SceneHandler(World& world, Role given_role, SceneHandler* given_outer)
     : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, vrml::Resource::files) {}
 
-bool SceneTaker::leads_back(const Found& found) const {
+bool SceneHandler::leads_back(const Found& found) const {
   std::size_t depth = 0;
-  for (const SceneTaker* scene_taker = outer; scene_taker; scene_taker = scene_taker->outer, ++depth)
-    if (scene_taker->found_.url.text() == found.url.text() || depth >= world_.budget->limits().inline_depth)
+  for (const SceneHandler* scene_handler = outer; scene_handler; scene_handler = scene_handler->outer, ++depth)
+    if (scene_handler->found_.url.text() == found.url.text() || depth >= world_.budget->limits().inline_depth)
       return true;
   return false;
 }
 
-bool SceneTaker::begin(const Found& found) {
+bool SceneHandler::begin(const Found& found) {
   if (outer && leads_back(found)) {
     world_.report(Severity::error, place_file, place, what + " leads back to " + found.path + "; left out");
     refused = true;
@@ -41,13 +41,13 @@ bool SceneTaker::begin(const Found& found) {
   return true;
 }
 
-bool SceneTaker::whole_file(const net::MappedFile& file, const std::string& path) {
+bool SceneHandler::whole_file(const net::MappedFile& file, const std::string& path) {
   const auto bytes = file.bytes();
   type_ = &content_type_of(path, first_bytes(bytes));
   if (type_->content == ContentClass::vrml || is_outline_stream(bytes)) return false;
   bytes_ = bytes.size();
   if (type_->is_cloud())
-    (void)cloud_taker().whole_file(file, path);
+    (void)cloud_handler().whole_file(file, path);
   else
     read_mesh(bytes);
   refused = refused || (type_->is_cloud() && !cloud_node_);
@@ -55,7 +55,7 @@ bool SceneTaker::whole_file(const net::MappedFile& file, const std::string& path
   return true;
 }
 
-void SceneTaker::more(std::span<const std::byte> bytes) {
+void SceneHandler::receive(std::span<const std::byte> bytes) {
   bytes_ += bytes.size();
   if (refused) return;
   if (!type_ || type_->content == ContentClass::mesh) {
@@ -78,7 +78,7 @@ void SceneTaker::more(std::span<const std::byte> bytes) {
 }
 
 // By the first bytes, the name, or what the server says. False while more bytes are needed to tell.
-bool SceneTaker::choose_type(bool last) {
+bool SceneHandler::choose_type(bool last) {
   if (!last && waiting_.size() < kTypeBytes) return false;
   const std::string name = found_.local ? found_.path : found_.url.path;
   const auto first = first_bytes(waiting_);
@@ -87,14 +87,14 @@ bool SceneTaker::choose_type(bool last) {
   return true;
 }
 
-void SceneTaker::read_rest(std::span<const std::byte> bytes) {
-  if (!outlines_ && !cloud_taker_ && type_->is_cloud() && is_outline_stream(bytes))
+void SceneHandler::read_rest(std::span<const std::byte> bytes) {
+  if (!outlines_ && !cloud_handler_ && type_->is_cloud() && is_outline_stream(bytes))
     outlines_ = std::make_unique<OutlineReader>(world_, *scene);
   if (outlines_) {
-    outlines_->more(bytes);
+    outlines_->receive(bytes);
     return show_outlines();
   }
-  if (type_->is_cloud()) return cloud_taker().more(bytes);
+  if (type_->is_cloud()) return cloud_handler().receive(bytes);
   if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
   if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(world_.budget);
   is_gzip_known_ = true;
@@ -110,31 +110,31 @@ void SceneTaker::read_rest(std::span<const std::byte> bytes) {
   look_for_references();
 }
 
-CloudTaker& SceneTaker::cloud_taker() {
-  if (!cloud_taker_) {
-    const std::weak_ptr<SceneTaker> self = weak_from_this();
-    cloud_taker_ = std::make_shared<CloudTaker>(world_, CloudTaker::Place{found_.path, {}, {}, false},
-                                                [self](const std::shared_ptr<const qnv::Cloud>& cloud) {
-                                                  if (const auto taker = self.lock()) taker->show_cloud(cloud);
-                                                });
-    cloud_taker_->begin(found_);
+CloudHandler& SceneHandler::cloud_handler() {
+  if (!cloud_handler_) {
+    const std::weak_ptr<SceneHandler> self = weak_from_this();
+    cloud_handler_ = std::make_shared<CloudHandler>(world_, CloudHandler::Place{found_.path, {}, {}, false},
+                                                    [self](const std::shared_ptr<const qnv::Cloud>& cloud) {
+                                                      if (const auto handler = self.lock()) handler->show_cloud(cloud);
+                                                    });
+    cloud_handler_->begin(found_);
   }
-  cloud_taker_->cut = cut;
-  return *cloud_taker_;
+  cloud_handler_->cut = cut;
+  return *cloud_handler_;
 }
 
-void SceneTaker::show_outlines() {
+void SceneHandler::show_outlines() {
   for (const vrml::NodeId id : outlines_->take_changed()) outlines_changed(id);
   attach();
   look_for_references();  // textures
 }
 
-void SceneTaker::outlines_changed(vrml::NodeId id) {
+void SceneHandler::outlines_changed(vrml::NodeId id) {
   shown_open_.push_back(&scene->node(id));
   world_.changed = true;
 }
 
-void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
+void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
   auto read =
       import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
   refused = !read;
@@ -145,7 +145,7 @@ void SceneTaker::read_mesh(std::span<const std::byte> bytes) {
   world_.changed = true;
 }
 
-void SceneTaker::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
+void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
   if (!cloud_node_) {
     const std::string path = found_.local ? net::url_of_path(found_.path).path : found_.url.path;
     cloud_node_ = add_cloud_shape(*scene, *cloud, path.substr(path.rfind('/') + 1));
@@ -156,7 +156,7 @@ void SceneTaker::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
   world_.changed = true;
 }
 
-void SceneTaker::end(const std::optional<std::string>& problem) {
+void SceneHandler::end(const std::optional<std::string>& problem) {
   if (problem) {
     world_.report(Severity::error, found_.path, {}, *problem);
     whole = false;
@@ -165,7 +165,7 @@ void SceneTaker::end(const std::optional<std::string>& problem) {
     if (!type_) choose_type(true);
     if (type_->content == ContentClass::mesh) {
       read_mesh(std::exchange(waiting_, {}));
-    } else if (type_->is_cloud() && !cloud_taker_ && !outlines_ && is_outline_stream(waiting_)) {
+    } else if (type_->is_cloud() && !cloud_handler_ && !outlines_ && is_outline_stream(waiting_)) {
       read_rest(std::exchange(waiting_, {}));
     }
     if (outlines_) {
@@ -174,9 +174,9 @@ void SceneTaker::end(const std::optional<std::string>& problem) {
       refused = outlines_->empty();
       outlines_.reset();
     } else if (type_->is_cloud()) {
-      if (!cloud_taker_) read_rest(std::exchange(waiting_, {}));
-      cloud_taker().cut = cut || problem;
-      cloud_taker_->end(std::nullopt);
+      if (!cloud_handler_) read_rest(std::exchange(waiting_, {}));
+      cloud_handler().cut = cut || problem;
+      cloud_handler_->end(std::nullopt);
       refused = !cloud_node_;
     } else if (type_->content == ContentClass::vrml) {
       if (!parser_) read_rest(std::exchange(waiting_, {}));
@@ -189,7 +189,7 @@ void SceneTaker::end(const std::optional<std::string>& problem) {
   finished_reading();
 }
 
-void SceneTaker::end_text(bool had_problem) {
+void SceneHandler::end_text(bool had_problem) {
   if (gunzip_) {
     if (const auto damage = gunzip_->finish(); damage && !cut && !had_problem) {
       report(Severity::error, {}, *damage);
@@ -204,7 +204,7 @@ void SceneTaker::end_text(bool had_problem) {
 }
 
 // Polygons that have not come now never will.
-void SceneTaker::complete_outlines() {
+void SceneHandler::complete_outlines() {
   for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
     const vrml::NodeId id = scene->id_at(i);
     const vrml::Node& node = scene->node(id);
@@ -214,27 +214,27 @@ void SceneTaker::complete_outlines() {
   }
 }
 
-bool SceneTaker::seek(RangedStream::Place place_in_stream) {
-  if (!cloud_taker_ || !cloud_taker_->seek(std::move(place_in_stream))) return false;
+bool SceneHandler::seek(RangedStream::Place place_in_stream) {
+  if (!cloud_handler_ || !cloud_handler_->seek(std::move(place_in_stream))) return false;
   finished_reading();
   return true;
 }
 
-void SceneTaker::piece(const net::CellEvent& event) {
+void SceneHandler::receive_cells(const net::CellEvent& event) {
   bytes_ += event.bytes.size();
-  if (cloud_taker_) cloud_taker_->piece(event);
+  if (cloud_handler_) cloud_handler_->receive_cells(event);
   if (!outlines_) return;
-  outlines_->piece(event);
+  outlines_->receive_cells(event);
   show_outlines();
 }
 
-std::shared_ptr<StreamFeed> SceneTaker::follow() {
-  auto feed = cloud_taker_ ? cloud_taker_->follow() : nullptr;
+std::shared_ptr<StreamFeed> SceneHandler::follow() {
+  auto feed = cloud_handler_ ? cloud_handler_->follow() : nullptr;
   if (feed) finished_reading();
   return feed;
 }
 
-void SceneTaker::missing(const std::string& why) {
+void SceneHandler::missing(const std::string& why) {
   refused = true;
   if (!outer)
     world_.report(Severity::error, world_.world.path, {}, why.empty() ? "cannot be found" : why);
@@ -244,7 +244,7 @@ void SceneTaker::missing(const std::string& why) {
 }
 
 // Nothing more comes of the file itself.
-void SceneTaker::finished_reading() {
+void SceneHandler::finished_reading() {
   text_ended_ = true;
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - world_.started).count();
   if (!refused) {
@@ -255,13 +255,13 @@ void SceneTaker::finished_reading() {
 }
 
 // An Inline's content shows as soon as there is any.
-void SceneTaker::attach() {
+void SceneHandler::attach() {
   if (role != Role::inlined || !own_ || refused || own_->roots().empty()) return;
   outer->scene->attach_inline(inline_node, std::move(own_));
 }
 
 // A library is of use when all that it uses itself is there.
-void SceneTaker::settle() {
+void SceneHandler::settle() {
   if (settled_ || !text_ended_ || awaited_libraries_ > 0) return;
   settled_ = true;
   if (role != Role::library) return;
@@ -269,7 +269,7 @@ void SceneTaker::settle() {
 }
 
 // Those that were open the last time may have grown since, and be complete now.
-void SceneTaker::forget_open(render::MeshCache& meshes) {
+void SceneHandler::forget_open(render::MeshCache& meshes) {
   if (!scene) return;
   for (const vrml::Node* node : shown_open_) meshes.forget(node);
   shown_open_.clear();
@@ -287,7 +287,7 @@ void SceneTaker::forget_open(render::MeshCache& meshes) {
   for (const auto& inner : inner_) inner->forget_open(meshes);
 }
 
-std::unique_ptr<vrml::SceneGraph> SceneTaker::release() {
+std::unique_ptr<vrml::SceneGraph> SceneHandler::release() {
   if (refused) own_.reset();
   return std::move(own_);
 }

@@ -1,5 +1,5 @@
+#include "app/world/cloud_handler.h"
 #include "app/base/temporary_file.h"
-#include "app/world/world_loading_state.h"
 #include "qnv/stream/container.h"
 
 #include <algorithm>
@@ -21,25 +21,25 @@ std::string file_name_of(const Found& found) {
 
 }  // namespace
 
-CloudTaker::CloudTaker(World& world, Place place, Show show)
+CloudHandler::CloudHandler(World& world, Place place, Show show)
     : world_(world),
       place_(std::move(place)),
       show_(std::move(show)),
       held_bytes_(world.budget, vrml::Resource::files),
       decoded_(world.budget, vrml::Resource::vectors) {}
 
-bool CloudTaker::begin(const Found& found) {
+bool CloudHandler::begin(const Found& found) {
   found_ = found;
   return true;
 }
 
-bool CloudTaker::whole_file(const net::MappedFile& file, const std::string& path) {
+bool CloudHandler::whole_file(const net::MappedFile& file, const std::string& path) {
   way_ = Way::done;
   read_whole(file.bytes(), path);
   return true;
 }
 
-void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string& path) {
+void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   if (is_outline_stream(bytes)) {
     world_.report(Severity::warning, place_.file, place_.location,
@@ -65,7 +65,7 @@ void CloudTaker::read_whole(std::span<const std::byte> bytes, const std::string&
     give_up(vrml::Resource::vectors);
 }
 
-void CloudTaker::give_up(vrml::Resource resource) {
+void CloudHandler::give_up(vrml::Resource resource) {
   way_ = Way::done;
   bytes_ = {};
   held_bytes_.shrink_to(0);
@@ -73,12 +73,12 @@ void CloudTaker::give_up(vrml::Resource resource) {
                 world_.budget->refusal(resource) + "; the vectors, or the finer ones, are left out");
 }
 
-bool CloudTaker::count_decoded() {
+bool CloudHandler::count_decoded() {
   const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
   return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
 }
 
-void CloudTaker::more(std::span<const std::byte> bytes) {
+void CloudHandler::receive(std::span<const std::byte> bytes) {
   if (way_ == Way::done) return;
   if (way_ == Way::pushed) return feed_->push(bytes);
   if (way_ == Way::decoded) {
@@ -93,7 +93,7 @@ void CloudTaker::more(std::span<const std::byte> bytes) {
 }
 
 // A stream of QNV shows from its first bytes on. Everything else is read when it is there as a whole.
-void CloudTaker::choose_way() {
+void CloudHandler::choose_way() {
   if (!qnv::is_stream(bytes_)) {
     if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
     return;
@@ -132,7 +132,7 @@ void CloudTaker::choose_way() {
   show_records(false);
 }
 
-void CloudTaker::start_feed(std::shared_ptr<qnv::LodStream> stream) {
+void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
   qnv::Cloud cloud;
   cloud.description = stream->header().description;
   cloud.color = stream->header().color;
@@ -143,7 +143,7 @@ void CloudTaker::start_feed(std::shared_ptr<qnv::LodStream> stream) {
 }
 
 // Again whenever a quarter more has come: making a cloud takes time in proportion to it.
-void CloudTaker::show_records(bool last) {
+void CloudHandler::show_records(bool last) {
   const std::size_t vectors = decoder_->vectors();
   if (vectors == 0 || (!last && vectors < shown_ + shown_ / 4 + 1000)) return;
   if (vectors == shown_) return;
@@ -151,7 +151,7 @@ void CloudTaker::show_records(bool last) {
   show_(std::make_shared<const qnv::Cloud>(decoder_->cloud()));
 }
 
-void CloudTaker::end(const std::optional<std::string>& problem) {
+void CloudHandler::end(const std::optional<std::string>& problem) {
   if (problem)
     world_.report(Severity::warning, place_.file, place_.location,
                   (place_.is_node ? "QNV: " : "") + *problem + "; shown is what has come");
@@ -173,7 +173,7 @@ void CloudTaker::end(const std::optional<std::string>& problem) {
   }
 }
 
-void CloudTaker::read_bytes() {
+void CloudHandler::read_bytes() {
   const std::string name = found_.local ? found_.path : file_name_of(found_);
   const ContentType& type = content_type_of(name, first_bytes(bytes_));
   if (type.content != ContentClass::volume || found_.local) {
@@ -189,7 +189,7 @@ void CloudTaker::read_bytes() {
   bytes_ = {};
 }
 
-bool CloudTaker::seek(RangedStream::Place place) {
+bool CloudHandler::seek(RangedStream::Place place) {
   if (way_ != Way::pushed) return false;
   place.directory = directory_;
   if (directory_ == 0 || directory_ >= place.total || directory_ < place.front) return false;
@@ -197,7 +197,7 @@ bool CloudTaker::seek(RangedStream::Place place) {
   return true;
 }
 
-void CloudTaker::piece(const net::CellEvent& event) {
+void CloudHandler::receive_cells(const net::CellEvent& event) {
   if (way_ == Way::pushed) {
     feed_->add_loose(event.name.chunk, event.bytes);
   } else if (way_ == Way::decoded && event.records) {
@@ -212,12 +212,12 @@ void CloudTaker::piece(const net::CellEvent& event) {
   }
 }
 
-void CloudTaker::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
+void CloudHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
   for (const qnv::StreamProblem& problem : problems)
     world_.report(severity, found_.path, {}, "byte " + std::to_string(problem.offset) + ": " + problem.message);
 }
 
-void CloudTaker::missing(const std::string& why) {
+void CloudHandler::missing(const std::string& why) {
   if (!told) world_.report(Severity::warning, place_.file, place_.location, "QNV: " + why_missing(place_.urls, why));
 }
 

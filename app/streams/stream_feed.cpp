@@ -1,4 +1,4 @@
-#include "app/world/stream_feed.h"
+#include "app/streams/stream_feed.h"
 
 #include <utility>
 

@@ -1,6 +1,6 @@
-#include "app/world/cell_stream.h"
+#include "app/streams/cell_stream.h"
 
-#include "app/world/cell_regions.h"
+#include "app/streams/cell_regions.h"
 #include "net/base/schemes.h"
 
 #include <utility>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/stream_feed.h"
+#include "app/streams/stream_feed.h"
 #include "net/load/loader.h"
 
 #include <cstddef>

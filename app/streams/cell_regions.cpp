@@ -1,4 +1,4 @@
-#include "app/world/cell_regions.h"
+#include "app/streams/cell_regions.h"
 
 #include <glm/common.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/world/ranged_stream.h"
+#include "app/streams/ranged_stream.h"
 
 #include "qnv/stream/container.h"
 

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "app/world/cloud_reader.h"
+#include "app/world/world_loading_state.h"
+#include "qnv/decode/decoder.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// Makes vectors of the bytes of a QNV stream, a volume or another program's splats, as they come.
+class CloudHandler final : public ContentHandler {
+ public:
+  using World = WorldLoading::State;
+  /// Called with every better state of the cloud.
+  using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
+  /// For whom it is, for messages.
+  struct Place {
+    std::string file;
+    vrml::SourceLocation location;
+    vrml::MFString urls;
+    bool is_node = false;  // a QNV node; else the world itself
+  };
+  CloudHandler(World& world, Place place, Show show);
+  bool begin(const Found& found) override;
+  bool whole_file(const net::MappedFile& file, const std::string& path) override;
+  void receive(std::span<const std::byte> bytes) override;
+  void end(const std::optional<std::string>& problem) override;
+  void missing(const std::string& why) override;
+  bool seek(RangedStream::Place place) override;
+  void receive_cells(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> follow() override { return way_ == Way::pushed ? feed_ : nullptr; }
+
+ private:
+  enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
+  void choose_way();
+  void start_feed(std::shared_ptr<qnv::LodStream> stream);
+  void show_records(bool last);
+  void read_bytes();
+  void read_whole(std::span<const std::byte> bytes, const std::string& path);
+  void report_problems(const std::vector<qnv::StreamProblem>& problems, vrml::Severity severity);
+  /// What was refused is left out, and nothing more is taken.
+  void give_up(vrml::Resource resource);
+  bool count_decoded();
+
+  World& world_;
+  Place place_;
+  Show show_;
+  Found found_;
+  Way way_ = Way::unknown;
+  std::vector<std::byte> bytes_;
+  vrml::Share held_bytes_, decoded_;
+  std::shared_ptr<StreamFeed> feed_;
+  std::unique_ptr<qnv::StreamDecoder> decoder_;
+  std::size_t shown_ = 0;
+  std::uint64_t directory_ = 0;  // of a packed stream: where it begins; 0: unknown
+};
+
+}  // namespace gs::app

@@ -1,0 +1,127 @@
+#pragma once
+
+#include "app/base/gunzip.h"
+#include "app/formats/content_types.h"
+#include "app/world/cloud_handler.h"
+#include "app/world/outline_reader.h"
+#include "app/world/world_loading_state.h"
+#include "vrml/syntax/parser.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+
+/// Makes a scene of the bytes of a file of any type, as they come, and has what it refers to read.
+class SceneHandler final : public ContentHandler, public std::enable_shared_from_this<SceneHandler> {
+ public:
+  enum class Role : std::uint8_t { root, inlined, library };
+  using World = WorldLoading::State;
+
+  SceneHandler(World& world, Role role, SceneHandler* outer);
+  bool makes_nodes() const override { return true; }
+  bool begin(const Found& found) override;
+  bool whole_file(const net::MappedFile& file, const std::string& path) override;
+  void receive(std::span<const std::byte> bytes) override;
+  void end(const std::optional<std::string>& problem) override;
+  void missing(const std::string& why) override;
+  bool seek(RangedStream::Place place) override;
+  void receive_cells(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> follow() override;
+
+  /// Drops meshes of nodes that are still being read.
+  void forget_open(render::MeshCache& meshes);
+  /// The scene of the root, which nobody feeds any more. Null: there is nothing to show.
+  [[nodiscard]] std::unique_ptr<vrml::SceneGraph> release();
+  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
+  /// An OutlineGroup that has got more polygons.
+  void outlines_changed(vrml::NodeId id);
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  [[nodiscard]] double seconds() const { return seconds_; }
+
+  Role role;
+  SceneHandler* outer;                 // whose Inline or EXTERNPROTO this is; null: the root
+  vrml::NodeId inline_node;            // of outer's scene
+  std::string place_file;              // where outer's node is, for messages
+  vrml::SourceLocation place;          // in that file
+  std::string what;                    // "Inline", "EXTERNPROTO Name", for messages
+  vrml::MFString urls;                 // where it may be, for messages
+  std::vector<vrml::NodeType*> types;  // library: outer's types that wait for it
+  std::vector<std::string> fragments;  // of each
+  vrml::SceneGraph* scene = nullptr;
+  bool refused = false, whole = true;
+
+ private:
+  // scene_handler.cpp
+  bool choose_type(bool last);
+  void read_rest(std::span<const std::byte> bytes);
+  [[nodiscard]] CloudHandler& cloud_handler();
+  void read_mesh(std::span<const std::byte> bytes);
+  void show_outlines();
+  void end_text(bool had_problem);
+  void complete_outlines();
+  void finished_reading();
+  void show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud);
+  void attach();
+  void settle();
+  [[nodiscard]] bool leads_back(const Found& found) const;
+  // scene_references.cpp
+  /// What a url list names, and in whose name it is asked for.
+  struct Reference {
+    std::vector<net::Url> places;
+    net::Origin from;
+    std::string first;  // as the text has it
+  };
+  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SceneGraph& text) const;
+  [[nodiscard]] Reference refer(vrml::NodeId id) const;
+  void ask_for(Reference reference, vrml::NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency);
+  void look_for_references();
+  void visit(vrml::NodeId id);
+  void look_for_prototypes();
+  void visit_inline(vrml::NodeId id);
+  void visit_image(vrml::NodeId id);
+  void visit_cloud(vrml::NodeId id);
+  void visit_outlines(vrml::NodeId id);
+  void replace_fallback(vrml::NodeId id);
+  void take_library(SceneHandler& library);
+  void resolve_types();
+  void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
+    world_.report(severity, scene ? scene->file_name() : found_.path, at, std::move(message));
+  }
+  void report_at(const vrml::Node& node, std::string message) {
+    world_.report(vrml::Severity::warning, node.text->file_name(), node.location, std::move(message));
+  }
+
+  World& world_;
+  Found found_;
+  std::unique_ptr<vrml::SceneGraph> own_;                             // until it is attached or handed over
+  std::unordered_map<const vrml::SceneGraph*, net::Origin> origins_;  // of this text, and of libraries'
+  std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
+  vrml::Share waiting_share_;
+  const ContentType* type_ = nullptr;
+  std::optional<vrml::Parser> parser_;
+  std::unique_ptr<Gunzip> gunzip_;
+  std::shared_ptr<CloudHandler> cloud_handler_;
+  std::unique_ptr<OutlineReader> outlines_;  // of a file that is a stream of outlines
+  vrml::NodeId cloud_node_;
+  std::uint32_t looked_at_ = 0;
+  std::vector<vrml::NodeId> later_;  // nodes whose fields were not all read yet
+  std::vector<std::shared_ptr<SceneHandler>> libraries_, inner_;
+  std::vector<const vrml::Node*> shown_open_;  // nodes that were being read when they were shown
+  std::unordered_set<std::uint32_t> open_;     // indices of nodes that are being read
+  std::unordered_set<const vrml::NodeType*> used_types_, asked_types_;
+  std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // EXTERNPROTO, PROTO
+  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;  // by the QNV node that may take its place
+  std::size_t awaited_libraries_ = 0, bytes_ = 0, errors_before_ = 0;
+  double seconds_ = 0;
+  bool is_gzip_known_ = false, whole_file_read_ = false, text_ended_ = false, settled_ = false;
+};
+
+}  // namespace gs::app
