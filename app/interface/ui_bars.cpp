@@ -169,8 +169,8 @@ void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, 
   ImGui::BeginDisabled(model.viewpoints.empty());
   if (with_arrows) {
     ImGui::BeginDisabled(!several);
-    if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) actions.previous_viewpoint = true;
-    tooltip("Previous viewpoint (Page Up)");
+    if (ImGui::ArrowButton("##previous", ImGuiDir_Left)) actions.run = Action::previous_viewpoint;
+    tooltip(tooltip_of(Action::previous_viewpoint));
     ImGui::EndDisabled();
     ImGui::SameLine(0, 1);
   }
@@ -183,8 +183,8 @@ void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, 
   if (with_arrows) {
     ImGui::SameLine(0, 1);
     ImGui::BeginDisabled(!several);
-    if (ImGui::ArrowButton("##next", ImGuiDir_Right)) actions.next_viewpoint = true;
-    tooltip("Next viewpoint (Page Down)");
+    if (ImGui::ArrowButton("##next", ImGuiDir_Right)) actions.run = Action::next_viewpoint;
+    tooltip(tooltip_of(Action::next_viewpoint));
     ImGui::EndDisabled();
   }
   ImGui::EndDisabled();
@@ -199,13 +199,13 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
     open_panel = !open_panel;
     open_panel_appears = open_panel;
   }
-  tooltip("Open a file (Ctrl+O), or drop one on the window");
+  tooltip(tooltip_of(Action::open_file));
   if (model.files.size() > 1 && plan.files > 0) {
     ImGui::SameLine();
     const std::string preview = model.file && *model.file < model.files.size() ? model.files[*model.file] : "Files";
     if (const auto chosen = choose("##files", preview, model.files, model.file, plan.files * scale))
       actions.file = chosen;
-    tooltip("Files (Ctrl+Tab)");
+    tooltip(tooltip_of(Action::next_file));
   }
   if (plan.viewpoints > 0) {
     group_gap();
@@ -217,7 +217,7 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   if (plan.more && (model.has_surface_clouds || model.has_volumes)) {
     ImGui::SameLine();
     if (switch_button("Clouds", clouds.open, true)) clouds.open = !clouds.open;
-    tooltip("Colours of clouds; transfer function and clipping of volumes (F4)");
+    tooltip(tooltip_of(Action::clouds));
   }
   if (plan.more) {
     group_gap();
@@ -229,10 +229,10 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
   if (switch_button(label.c_str(), log, true)) log = !log;
   ImGui::PopStyleColor();
-  tooltip("What was found wrong with the file (F3)");
+  tooltip(tooltip_of(Action::log));
   ImGui::SameLine(0, 1);
   if (switch_button("?", help, true)) help = !help;
-  tooltip("Keys and mouse (F1)");
+  tooltip(tooltip_of(Action::help));
   ImGui::End();
 }
 
@@ -241,8 +241,8 @@ void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bo
   ImGui::BeginDisabled(!model.has_world);
   if (home) {
     group_gap();
-    if (ImGui::Button("Reset")) actions.reset = true;
-    tooltip("Back to the viewpoint (Home)");
+    if (ImGui::Button("Reset")) actions.run = Action::reset;
+    tooltip(tooltip_of(Action::reset));
   }
   if (with_fit) {
     if (home)
@@ -250,14 +250,14 @@ void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bo
     else
       group_gap();
     ImGui::BeginDisabled(model.mode == NavigationMode::none);
-    if (ImGui::Button("Fit")) actions.fit = true;
+    if (ImGui::Button("Fit")) actions.run = Action::fit;
     ImGui::EndDisabled();
-    tooltip("Bring everything into view (F)");
+    tooltip(tooltip_of(Action::fit));
   }
   if (home) {
     group_gap();
-    if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.toggle_headlight = true;
-    tooltip("Headlight (H)");
+    if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.run = Action::headlight;
+    tooltip(tooltip_of(Action::headlight));
   }
   ImGui::EndDisabled();
 }

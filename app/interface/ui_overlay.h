@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/view/actions.h"
 #include "app/view/navigation.h"
 #include "app/view/viewports.h"
 #include "app/window/window.h"
@@ -76,10 +77,8 @@ struct UiActions {
   std::optional<std::string> open;
   std::optional<std::size_t> file, viewpoint;
   std::optional<NavigationMode> mode;
-  bool previous_viewpoint = false, next_viewpoint = false;
-  bool reset = false, fit = false, toggle_headlight = false, reload = false;
+  std::optional<Action> run;
   std::optional<ViewportLayout> layout;
-  bool toggle_link = false;
   std::optional<bool> allow_folder;           // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
   std::optional<render::CloudLook> look;      // instead of the model's

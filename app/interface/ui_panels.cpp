@@ -24,21 +24,12 @@ constexpr KeyHelp kPointerHelp[] = {
     {"Shift or Ctrl + left drag", "Slide"},
     {"Wheel", "Towards what is under the pointer.  Fly, Walk: ahead"},
     {"Double click", "Examine: turn about this point from now on"},
+    {"Hand", "Something in the world that a click or a left drag sets in motion, or a link"},
 };
-constexpr KeyHelp kKeyHelp[] = {
+// Keys that move the viewer while they are held.
+constexpr KeyHelp kHeldKeyHelp[] = {
     {"Arrows", "Examine: turn.  Fly, Walk: ahead, back, turn"},
     {"W A S D, Q E", "Ahead, left, back, right, down, up; with Shift fast"},
-    {"+  -", "Faster, slower"},
-    {"1  2  3  4", "Examine, Fly, Walk, Pan"},
-    {"Page Down, Page Up", "Next, previous viewpoint"},
-    {"Home", "Back to the viewpoint"},
-    {"F", "Bring everything into view"},
-    {"H", "Headlight"},
-    {"Ctrl+O, Ctrl+Tab, F5", "Open, next file, read again"},
-    {"F6, Ctrl+1 2 3 4", "One, two or four viewports; the keys go to this one"},
-    {"L", "Link: what one viewport does, all do"},
-    {"F1  F2  F3  F4", "Help, statistics, log, colours of clouds and volumes"},
-    {"F11, Esc, Ctrl+Q", "Full screen, close a panel or stop loading, quit"},
 };
 
 template <std::size_t N>
@@ -53,6 +44,28 @@ void help_table(const char* id, const KeyHelp (&rows)[N]) {
     colored_text(UiColors::kAccent, row.keys);
     ImGui::TableNextColumn();
     ImGui::TextWrapped("%s", row.what);
+  }
+  ImGui::EndTable();
+}
+
+// Two columns of them: keys and what they do.
+void action_table() {
+  if (!ImGui::BeginTable("##actions", 4, ImGuiTableFlags_None)) return;
+  const float keys = ImGui::CalcTextSize("Ctrl+Shift+Tab ").x;
+  for (int side = 0; side < 2; ++side) {
+    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys);
+    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
+  }
+  const auto rows = actions();
+  const std::size_t half = (rows.size() + 1) / 2;
+  for (std::size_t line = 0; line < half; ++line) {
+    ImGui::TableNextRow();
+    for (const std::size_t i : {line, line + half}) {
+      ImGui::TableNextColumn();
+      if (i < rows.size()) colored_text(UiColors::kAccent, keys_of(rows[i]));
+      ImGui::TableNextColumn();
+      if (i < rows.size()) ImGui::TextWrapped("%s", std::string(rows[i].help).c_str());
+    }
   }
   ImGui::EndTable();
 }
@@ -163,7 +176,8 @@ void UiOverlay::State::help_panel() {
   if (ImGui::Begin("Keys and mouse", &help, kPanelFlags | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove)) {
     help_table("##pointer", kPointerHelp);
     ImGui::Separator();
-    help_table("##keys", kKeyHelp);
+    help_table("##held", kHeldKeyHelp);
+    action_table();
   }
   ImGui::End();
 }

@@ -78,7 +78,7 @@ void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, 
   }
   if (!with_link || model.layout == ViewportLayout::one) return;
   ImGui::SameLine(0, 1);
-  if (switch_button("Link", model.linked)) actions.toggle_link = true;
+  if (switch_button("Link", model.linked)) actions.run = Action::link;
   tooltip("All viewports move as one (L)");
 }
 

@@ -15,8 +15,7 @@ void Viewer::handle(const WindowEvent& event) {
   using Kind = WindowEvent::Kind;
   switch (event.kind) {
     case Kind::key_down: {
-      if (handle_command(event) || ui_.wants_keys()) return;
-      if (!event.control && !event.alt && handle_view_key(event.key)) return;
+      if (handle_key(event) || ui_.wants_keys()) return;
       Pane& pane = panes_.at(panes_.active());
       if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
       return;
@@ -57,82 +56,100 @@ void Viewer::handle_pointer(const WindowEvent& event) {
   if (event.kind == Kind::drop) open_files(event.paths);
 }
 
-bool Viewer::handle_command(const WindowEvent& event) {
-  switch (event.key) {
-    case Key::f1:
-      ui_.toggle_help();
+// False: the key is for navigation.
+bool Viewer::handle_key(const WindowEvent& event) {
+  const ActionRow* row = action_of(event);
+  if (!row || (row->of_world && ui_.wants_keys())) return false;
+  return run(row->action);
+}
+
+bool Viewer::run(Action action) {
+  View* seen = view();
+  switch (action) {
+    case Action::open_file:
+      ui_.show_open_panel();
       return true;
-    case Key::f2:
-      ui_.toggle_statistics();
-      return true;
-    case Key::f3:
-      ui_.toggle_log();
-      return true;
-    case Key::f4:
-      ui_.toggle_clouds();
-      return true;
-    case Key::f5:
-      panes_.reload();
-      return true;
-    case Key::f6:
-      choose_layout(next_layout(panes_.layout()));
-      return true;
-    case Key::f11:
-      window_->toggle_full_screen();
-      return true;
-    case Key::escape:
-      close_or_cancel();
-      return true;
-    case Key::tab: {
+    case Action::next_file:
+    case Action::previous_file: {
       const std::size_t count = panes_.documents().entries().size();
-      if (!event.control || count == 0) return false;
-      select_file((panes_.selected().value_or(0) + (event.shift ? count - 1 : 1)) % count);
+      if (count == 0) return false;
+      const std::size_t step = action == Action::next_file ? 1 : count - 1;
+      select_file((panes_.selected().value_or(0) + step) % count);
       return true;
     }
+    case Action::reload:
+      panes_.reload();
+      return true;
+    case Action::next_layout:
+      choose_layout(next_layout(panes_.layout()));
+      return true;
+    case Action::viewport_1:
+    case Action::viewport_2:
+    case Action::viewport_3:
+    case Action::viewport_4:
+      activate(static_cast<std::size_t>(action) - static_cast<std::size_t>(Action::viewport_1));
+      return true;
+    case Action::link:
+      toggle_link();
+      return true;
+    case Action::help:
+      ui_.toggle_help();
+      return true;
+    case Action::statistics:
+      ui_.toggle_statistics();
+      return true;
+    case Action::log:
+      ui_.toggle_log();
+      return true;
+    case Action::clouds:
+      ui_.toggle_clouds();
+      return true;
+    case Action::full_screen:
+      window_->toggle_full_screen();
+      return true;
+    case Action::close:
+      close_or_cancel();
+      return true;
+    case Action::quit:
+      window_->close();
+      return true;
     default:
-      break;
+      return seen && run_in(*seen, action);
   }
-  return event.control && !event.alt && handle_control_key(event.key);
 }
 
-bool Viewer::handle_control_key(Key key) {
-  if (key == letter_key('Q')) return window_->close(), true;
-  if (key == letter_key('O')) return ui_.show_open_panel(), true;
-  const int digit = static_cast<int>(key) - '0';
-  if (digit < 1 || digit > static_cast<int>(kMostViewports)) return false;
-  activate(static_cast<std::size_t>(digit - 1));
-  return true;
-}
-
-bool Viewer::handle_view_key(Key key) {
-  if (key == letter_key('L')) return toggle_link(), true;
-  View* seen = view();
-  if (!seen) return false;
-  switch (key) {
-    case Key::page_down:
+bool Viewer::run_in(View& seen, Action action) {
+  switch (action) {
+    case Action::next_viewpoint:
       step_viewpoint(1);
       return true;
-    case Key::page_up:
+    case Action::previous_viewpoint:
       step_viewpoint(-1);
       return true;
-    case Key::home:
+    case Action::reset:
       reset();
       return true;
-    case Key::plus:
+    case Action::fit:
+      fit();
+      return true;
+    case Action::headlight:
+      seen.headlight = !seen.headlight;
+      return true;
+    case Action::examine:
+    case Action::fly:
+    case Action::walk:
+    case Action::pan:
+      choose_mode(static_cast<NavigationMode>(1 + static_cast<int>(action) - static_cast<int>(Action::examine)));
+      return true;
+    case Action::faster:
       change_speed(std::sqrt(2.0f));
       return true;
-    case Key::minus:
+    case Action::slower:
       change_speed(std::sqrt(0.5f));
       return true;
     default:
-      break;
+      return false;
   }
-  if (key == letter_key('F')) return fit(), true;
-  if (key == letter_key('H')) return seen->headlight = !seen->headlight, true;
-  const int digit = static_cast<int>(key) - '0';
-  if (digit < 1 || digit >= kNavigationModeCount) return false;
-  choose_mode(static_cast<NavigationMode>(digit));
-  return true;
 }
 
 void Viewer::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {

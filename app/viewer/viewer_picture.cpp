@@ -167,7 +167,7 @@ void Viewer::apply(const UiActions& actions) {
   if (actions.open) open_files({*actions.open});
   if (actions.file) select_file(*actions.file);
   if (actions.layout) choose_layout(*actions.layout);
-  if (actions.toggle_link) toggle_link();
+  if (actions.run) (void)run(*actions.run);
   if (actions.allow_folder) answer_question(*actions.allow_folder);
   const std::vector<std::size_t> sight = panes_.visible();
   if (actions.cancel_loading && *actions.cancel_loading < sight.size())
@@ -178,12 +178,7 @@ void Viewer::apply(const UiActions& actions) {
     const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
     if (*actions.viewpoint < listed.size()) bind_viewpoint(listed[*actions.viewpoint]);
   }
-  if (actions.previous_viewpoint) step_viewpoint(-1);
-  if (actions.next_viewpoint) step_viewpoint(1);
   if (actions.mode) choose_mode(*actions.mode);
-  if (actions.reset) reset();
-  if (actions.fit) fit();
-  if (actions.toggle_headlight) seen->headlight = !seen->headlight;
   if (actions.look) seen->look = *actions.look;
 }
 

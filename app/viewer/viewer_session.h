@@ -2,6 +2,7 @@
 
 #include "app/interface/ui_overlay.h"
 #include "app/session/world_reader.h"
+#include "app/view/actions.h"
 #include "app/view/picking.h"
 #include "app/view/viewports.h"
 #include "app/viewer/folder_questions.h"
@@ -63,9 +64,9 @@ class Viewer {
 
   void handle(const WindowEvent& event);
   void handle_pointer(const WindowEvent& event);
-  bool handle_command(const WindowEvent& event);
-  bool handle_control_key(Key key);
-  bool handle_view_key(Key key);
+  bool handle_key(const WindowEvent& event);
+  bool run(Action action);
+  bool run_in(View& view, Action action);
   void point_at(std::size_t pane, const InputTracker::Gesture& gesture);
   [[nodiscard]] static PickOptions pick_options(const View& view, const glm::vec2& size);
   bool point_world(std::size_t pane, bool down);

@@ -1,0 +1,97 @@
+#include "app/view/actions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace gs::app {
+namespace {
+
+constexpr Key operator""_key(char letter) { return letter_key(letter); }
+
+constexpr ActionRow kActions[] = {
+    {Action::next_viewpoint, Key::page_down, false, false, true, "", "Next viewpoint"},
+    {Action::previous_viewpoint, Key::page_up, false, false, true, "", "Previous viewpoint"},
+    {Action::reset, Key::home, false, false, true, "Reset", "Back to the viewpoint"},
+    {Action::fit, 'F'_key, false, false, true, "Fit", "Bring everything into view"},
+    {Action::headlight, 'H'_key, false, false, true, "Headlight", "Headlight on or off"},
+    {Action::examine, '1'_key, false, false, true, "Examine", "Turn the world about a point"},
+    {Action::fly, '2'_key, false, false, true, "Fly", "Fly freely"},
+    {Action::walk, '3'_key, false, false, true, "Walk", "Walk on level ground"},
+    {Action::pan, '4'_key, false, false, true, "Pan", "Slide sideways"},
+    {Action::faster, Key::plus, false, false, true, "", "Move faster"},
+    {Action::slower, Key::minus, false, false, true, "", "Move slower"},
+    {Action::open_file, 'O'_key, true, false, false, "Open", "Open a file, or drop one on the window"},
+    {Action::next_file, Key::tab, true, false, false, "", "Next file"},
+    {Action::previous_file, Key::tab, true, true, false, "", "Previous file"},
+    {Action::reload, Key::f5, false, false, false, "", "Read the file again"},
+    {Action::next_layout, Key::f6, false, false, false, "", "One, two or four viewports"},
+    {Action::viewport_1, '1'_key, true, false, false, "", "Keys go to the first viewport"},
+    {Action::viewport_2, '2'_key, true, false, false, "", "Keys go to the second viewport"},
+    {Action::viewport_3, '3'_key, true, false, false, "", "Keys go to the third viewport"},
+    {Action::viewport_4, '4'_key, true, false, false, "", "Keys go to the fourth viewport"},
+    {Action::link, 'L'_key, false, false, true, "Link", "Link: what one viewport does, all do"},
+    {Action::help, Key::f1, false, false, false, "?", "Keys and mouse"},
+    {Action::statistics, Key::f2, false, false, false, "", "Statistics of the picture"},
+    {Action::log, Key::f3, false, false, false, "Log", "What was found wrong with the file"},
+    {Action::clouds, Key::f4, false, false, false, "Clouds",
+     "Colours of clouds; transfer function and clipping of volumes"},
+    {Action::full_screen, Key::f11, false, false, false, "", "Full screen"},
+    {Action::close, Key::escape, false, false, false, "", "Close a panel, or stop loading"},
+    {Action::quit, 'Q'_key, true, false, false, "", "Quit"},
+};
+
+struct KeyName {
+  Key key;
+  std::string_view name;
+};
+constexpr KeyName kKeyNames[] = {
+    {Key::page_down, "Page Down"},
+    {Key::page_up, "Page Up"},
+    {Key::home, "Home"},
+    {Key::plus, "+"},
+    {Key::minus, "-"},
+    {Key::tab, "Tab"},
+    {Key::f1, "F1"},
+    {Key::f2, "F2"},
+    {Key::f3, "F3"},
+    {Key::f4, "F4"},
+    {Key::f5, "F5"},
+    {Key::f6, "F6"},
+    {Key::f11, "F11"},
+    {Key::escape, "Esc"},
+};
+
+}  // namespace
+
+std::span<const ActionRow> actions() { return kActions; }
+
+const ActionRow& row_of(Action action) {
+  return *std::find_if(std::begin(kActions), std::end(kActions),
+                       [&](const ActionRow& row) { return row.action == action; });
+}
+
+const ActionRow* action_of(const WindowEvent& event) {
+  if (event.alt) return nullptr;
+  for (const ActionRow& row : kActions) {
+    // Shift counts where two rows differ in it only; + needs it on many keyboards.
+    const bool shift_counts = row.key == Key::tab;
+    if (row.key == event.key && row.control == event.control && (!shift_counts || row.shift == event.shift))
+      return &row;
+  }
+  return nullptr;
+}
+
+std::string keys_of(const ActionRow& row) {
+  std::string text = row.control ? "Ctrl+" : "";
+  if (row.shift) text += "Shift+";
+  for (const KeyName& name : kKeyNames)
+    if (name.key == row.key) return text.append(name.name);
+  return text += static_cast<char>(row.key);
+}
+
+std::string tooltip_of(Action action) {
+  const ActionRow& row = row_of(action);
+  return std::string(row.help) + " (" + keys_of(row) + ")";
+}
+
+}  // namespace gs::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "app/window/window.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// What the user can have done: by a key, by a button.
+enum class Action : std::uint8_t {
+  next_viewpoint,
+  previous_viewpoint,
+  reset,
+  fit,
+  headlight,
+  examine,
+  fly,
+  walk,
+  pan,
+  faster,
+  slower,
+  open_file,
+  next_file,
+  previous_file,
+  reload,
+  next_layout,
+  viewport_1,
+  viewport_2,
+  viewport_3,
+  viewport_4,
+  link,
+  help,
+  statistics,
+  log,
+  clouds,
+  full_screen,
+  close,
+  quit,
+};
+
+/// A row of the table of actions: keys, tooltips and the list of keys are made of it.
+struct ActionRow {
+  Action action;
+  Key key;
+  bool control = false, shift = false;
+  bool of_world = false;   // of what the active viewport shows: a key that text fields and panels take first
+  std::string_view label;  // on a button
+  std::string_view help;   // what it does, in one line
+};
+[[nodiscard]] std::span<const ActionRow> actions();
+[[nodiscard]] const ActionRow& row_of(Action action);
+/// The action of a key that went down, with what was held.
+[[nodiscard]] const ActionRow* action_of(const WindowEvent& event);
+/// "Ctrl+O", "Page Down".
+[[nodiscard]] std::string keys_of(const ActionRow& row);
+/// "Open a file, or drop one on the window (Ctrl+O)".
+[[nodiscard]] std::string tooltip_of(Action action);
+
+}  // namespace gs::app

@@ -1,0 +1,51 @@
+#include "app/view/actions.h"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+#include <string>
+
+namespace gs::app::actions_test {
+namespace {
+
+WindowEvent pressed(Key key, bool control = false, bool shift = false, bool alt = false) {
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::key_down;
+  event.key = key;
+  event.control = control;
+  event.shift = shift;
+  event.alt = alt;
+  return event;
+}
+
+}  // namespace
+
+TEST_CASE("each action has a row, keys of its own, and a line that says what it does") {
+  std::set<std::string> keys;
+  std::set<Action> seen;
+  for (const ActionRow& row : actions()) {
+    INFO(keys_of(row));
+    CHECK(keys.insert(keys_of(row)).second);
+    CHECK(seen.insert(row.action).second);
+    CHECK_FALSE(row.help.empty());
+    CHECK(&row_of(row.action) == &row);
+    const ActionRow* found = action_of(pressed(row.key, row.control, row.shift));
+    REQUIRE(found);
+    CHECK(found->action == row.action);
+  }
+  CHECK(seen.size() == static_cast<std::size_t>(Action::quit) + 1);
+}
+
+TEST_CASE("what is held with a key tells actions apart") {
+  CHECK(action_of(pressed(letter_key('1')))->action == Action::examine);
+  CHECK(action_of(pressed(letter_key('1'), true))->action == Action::viewport_1);
+  CHECK(action_of(pressed(Key::tab, true, true))->action == Action::previous_file);
+  CHECK(action_of(pressed(Key::plus, false, true))->action == Action::faster);  // where + needs Shift
+  CHECK_FALSE(action_of(pressed(Key::tab)));
+  CHECK_FALSE(action_of(pressed(letter_key('W'))));
+  CHECK_FALSE(action_of(pressed(letter_key('F'), false, false, true)));
+  CHECK(keys_of(row_of(Action::previous_file)) == "Ctrl+Shift+Tab");
+  CHECK(tooltip_of(Action::reset) == "Back to the viewpoint (Home)");
+}
+
+}  // namespace gs::app::actions_test
