@@ -146,9 +146,8 @@ void Simulation::act(double time) {
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   living_.start(kSimulatedStart);
-  // The whole of a world without a Viewpoint is framed as it is when it begins.
-  if (std::any_of(actions_.begin(), actions_.end(), [](const Action& action) { return action.pointer.has_value(); }))
-    (void)look();
+  // The whole of a world without a Viewpoint is framed as it is when it begins: what moves then is seen to move.
+  if (seconds > 0 || !actions_.empty()) (void)look();
   act(0);
   // The grid's times are multiples, not sums: errors of rounding do not add up.
   double time = 0;
