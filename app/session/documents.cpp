@@ -19,10 +19,7 @@ void inspect(Document& document) {
     for (std::uint32_t index = 1; index <= scene.node_count(); ++index) {
       const vrml::Node& node = scene.node(scene.id_at(index));
       if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
-      const std::string& type = node.type->name;
-      document.viewer_dependent |= type == "LOD" || type == "Billboard";
-      // Bindable nodes of Inlines are not bound at start (VRML97 4.6.10).
-      document.has_navigation_info |= type == "NavigationInfo" && &scene == document.world.scene.get();
+      document.viewer_dependent |= vrml::has(node.type->role, vrml::Role::viewer_dependent);
     }
     for (const auto& [node, content] : scene.inlines())
       if (content) scenes.push_back(content.get());
@@ -61,6 +58,7 @@ std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache mes
   inspect(*document);
   document->living = std::make_unique<LivingWorld>(document->world, document->meshes);
   document->living->start(world_time());
+  document->has_navigation_info = document->living->bound().navigation_info != nullptr;
   document->first_scene = document->living->look({0, 0, 10}, document->viewer_dependent);
   document->list = document->first_scene->scene.shared_list();
   if (document->viewer_dependent) {

@@ -1,7 +1,6 @@
 #include "app/world/importance.h"
 
-#include "render/scene/collect_nodes.h"
-#include "render/scene/collect_schema.h"
+#include "vrml/events/behaviour.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
@@ -52,7 +51,9 @@ class Surveyor {
     const vrml::Node& node = place.scene->node(id);
     glm::dmat4 matrix = place.world_from_local;
     if (node.type->kind != vrml::NodeType::Kind::built_in) return;
-    if (node.type->name == "Transform") matrix *= render::transform_matrix({&node, &schemas_.of(*node.type)});
+    if (const vrml::Behaviour* behaviour = node.type->behaviour;
+        behaviour && behaviour->parent_from_local && vrml::has(node.type->role, vrml::Role::grouping))
+      matrix *= behaviour->parent_from_local(node);
     if (wanted_.contains(&node)) keep(&node, size_of(*place.scene, id, matrix));
     if (const vrml::SceneGraph* inlined = place.scene->inlined(id))
       push_all(*inlined, inlined->roots(), matrix, place.depth + 1);
@@ -86,7 +87,6 @@ class Surveyor {
 
   const std::unordered_set<const vrml::Node*>& wanted_;
   glm::vec3 viewer_;
-  render::Schemas schemas_;
   std::vector<Place> open_;
   std::size_t visits_ = 0;
   std::unordered_map<const vrml::Node*, float> found_;

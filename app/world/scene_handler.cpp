@@ -208,7 +208,7 @@ void SceneHandler::complete_outlines() {
   for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
     const vrml::NodeId id = scene->id_at(i);
     const vrml::Node& node = scene->node(id);
-    if (node.type != vrml::built_in_node_type("OutlineGroup")) continue;
+    if (node.type->url_content != vrml::UrlContent::outlines) continue;
     scene->set<vrml::SFBool>(id, "complete", true);
     shown_open_.push_back(&node);
   }
@@ -278,7 +278,7 @@ void SceneHandler::forget_open(render::MeshCache& meshes) {
       shown_open_.push_back(&scene->node(id));
       meshes.forget(shown_open_.back());
       // What it refines changes with it.
-      if (shown_open_.back()->type != vrml::built_in_node_type("OutlineGroup")) continue;
+      if (shown_open_.back()->type->url_content != vrml::UrlContent::outlines) continue;
       const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
       if (!refined) continue;
       shown_open_.push_back(&scene->node(refined));

@@ -89,7 +89,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void visit_image(vrml::NodeId id);
   void visit_cloud(vrml::NodeId id);
   void visit_outlines(vrml::NodeId id);
-  void replace_fallback(vrml::NodeId id);
+  void replace_fallback(vrml::NodeId id, const vrml::NodeType& native);
   void take_library(SceneHandler& library);
   void resolve_types();
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {

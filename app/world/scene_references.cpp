@@ -164,14 +164,23 @@ void SceneHandler::visit(NodeId id) {
   }
   if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
     used_types_.insert(node.type);
-    if (node.type->name == "QNV") replace_fallback(id);
+    // A PROTO of the name of our own node.
+    const vrml::NodeType* native = vrml::built_in_node_type(node.type->name);
+    if (native && native->url_content == vrml::UrlContent::vectors) replace_fallback(id, *native);
     return;
   }
-  if (node.type->kind != vrml::NodeType::Kind::built_in) return;
-  if (node.type->name == "Inline") visit_inline(id);
-  if (node.type->name == "ImageTexture") visit_image(id);
-  if (node.type->name == "QNV") visit_cloud(id);
-  if (node.type->name == "OutlineGroup") visit_outlines(id);
+  switch (node.type->url_content) {
+    case vrml::UrlContent::none:
+      return;
+    case vrml::UrlContent::scene:
+      return visit_inline(id);
+    case vrml::UrlContent::image:
+      return visit_image(id);
+    case vrml::UrlContent::vectors:
+      return visit_cloud(id);
+    case vrml::UrlContent::outlines:
+      return visit_outlines(id);
+  }
 }
 
 void SceneHandler::look_for_prototypes() {
@@ -360,8 +369,7 @@ void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>&
 
 // A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are
 // there, they are shown in the place of its body.
-void SceneHandler::replace_fallback(NodeId id) {
-  const vrml::NodeType& native = *vrml::built_in_node_type("QNV");
+void SceneHandler::replace_fallback(NodeId id, const vrml::NodeType& native) {
   const NodeId made = scene->create(native, scene->node(id).location);
   if (!made) return;
   const vrml::Node& instance = scene->node(id);

@@ -25,7 +25,8 @@ constexpr NodeRow kAppearanceRows[] = {
   exposedField MFString   url              []
   field        SFBool     repeatS          TRUE
   field        SFBool     repeatT          TRUE
-)"},
+)",
+     nullptr, nullptr, UrlContent::image},
     {"Material", "6.27", Role::material, R"(
   exposedField SFFloat    ambientIntensity 0.2              # [0,1]
   exposedField SFColor    diffuseColor     0.8 0.8 0.8      # [0,1]

@@ -107,7 +107,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFInt32    coordIndex       []               # [-1,inf)
   field        MFVec2f    texCoord         []               # (-inf,inf)
 )",
-     tessellate_outline_group},
+     tessellate_outline_group, nullptr, UrlContent::outlines},
     {"PointSet", "6.36", Role::geometry, R"(
   exposedField SFNode     color            NULL
   exposedField SFNode     coord            NULL
@@ -123,7 +123,8 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
   eventOut     SFFloat    progress_changed
   eventOut     SFTime     loadTime
-)"},
+)",
+     nullptr, nullptr, UrlContent::vectors},
     {"Sphere", "6.43", Role::geometry, R"(
   field        SFFloat    radius           1                # (0,inf)
 )",

@@ -17,7 +17,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
      nullptr, &kAnchorBehaviour},
-    {"Billboard", "6.6", Role::child | Role::grouping, R"(
+    {"Billboard", "6.6", Role::child | Role::grouping | Role::viewer_dependent, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField SFVec3f    axisOfRotation   0 1 0            # (-inf,inf)
@@ -49,8 +49,9 @@ constexpr NodeRow kGroupingRows[] = {
   exposedField MFString   url              []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
-)"},
-    {"LOD", "6.26", Role::child | Role::grouping, R"(
+)",
+     nullptr, nullptr, UrlContent::scene},
+    {"LOD", "6.26", Role::child | Role::grouping | Role::viewer_dependent, R"(
   exposedField MFNode     level            []
   field        SFVec3f    center           0 0 0            # (-inf,inf)
   field        MFFloat    range            []               # (0,inf)

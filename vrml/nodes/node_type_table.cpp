@@ -31,6 +31,7 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   type->role = row.role;
   type->tessellate = row.tessellate;
   type->behaviour = row.behaviour;
+  type->url_content = row.url_content;
   const bool good = parse_interface(row.interface_text, *type);
   assert(good && "a row of the node table does not parse");
   (void)good;

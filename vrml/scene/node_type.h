@@ -51,6 +51,7 @@ enum class Role : std::uint32_t {
   time_dependent = 1 << 13,  // 4.6.9
   sound_source = 1 << 14,
   script = 1 << 15,
+  viewer_dependent = 1 << 16,  // what it shows depends on where the viewer is
 };
 [[nodiscard]] constexpr Role operator|(Role a, Role b) {
   return static_cast<Role>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -58,6 +59,9 @@ enum class Role : std::uint32_t {
 [[nodiscard]] constexpr bool has(Role set, Role bit) {
   return (static_cast<std::uint32_t>(set) & static_cast<std::uint32_t>(bit)) != 0;
 }
+
+/// What the file holds that a node's `url` names, and so what is fetched for it.
+enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines };
 
 /// Makes the mesh of a geometry node. `geometry` is a node of `scene` of the row's own type.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
@@ -71,6 +75,7 @@ struct NodeRow {
   std::string_view interface_text;       // one declaration a line, the range in a comment behind it
   Tessellate tessellate = nullptr;       // geometry only
   const Behaviour* behaviour = nullptr;  // where events and time do more than set fields (vrml/events/behaviour.h)
+  UrlContent url_content = UrlContent::none;
 };
 
 /// The type of a node: built in, declared by PROTO or EXTERNPROTO, or one Script's own.
@@ -86,6 +91,7 @@ struct NodeType {
   std::vector<FieldValue> defaults;             // by slot
   Tessellate tessellate = nullptr;
   const Behaviour* behaviour = nullptr;
+  UrlContent url_content = UrlContent::none;
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
 
