@@ -81,6 +81,8 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   };
   [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SceneGraph& text) const;
   [[nodiscard]] Reference refer(vrml::NodeId id) const;
+  [[nodiscard]] std::vector<net::Url> below_folders(const net::Url& base, const net::Url& rooted,
+                                                    const net::Origin& from) const;
   void ask_for(Reference reference, vrml::NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency);
   void look_for_references();
   void visit(vrml::NodeId id);

@@ -117,13 +117,35 @@ SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list, const vr
   if (&text != scene) bases.push_back(net::parse_url(reference.from.url));
   std::unordered_set<std::string> seen;
   for (const vrml::SFString& url : list) {
-    const net::Url parsed = net::parse_url(net::tidy_url(url.view()));
+    const std::string tidy = net::tidy_url(url.view());
+    if (tidy.empty()) continue;  // names nothing
+    const net::Url parsed = net::parse_url(tidy);
+    const auto add = [&](net::Url candidate) {
+      if (seen.insert(candidate.text()).second) reference.places.push_back(std::move(candidate));
+    };
     for (const net::Url& base : bases) {
-      net::Url resolved = net::resolve(base, parsed);
-      if (seen.insert(resolved.text()).second) reference.places.push_back(std::move(resolved));
+      const bool rooted = parsed.scheme.empty() && parsed.authority.empty() && parsed.path.starts_with('/');
+      if (rooted && base.scheme == "file")
+        for (net::Url& candidate : below_folders(base, parsed, reference.from)) add(std::move(candidate));
+      add(net::resolve(base, parsed));
     }
   }
   return reference;
+}
+
+// "/pictures/a.png" was meant for the root of a server: of files, any folder above may have been that, as far as the
+// text may look there.
+std::vector<net::Url> SceneHandler::below_folders(const net::Url& base, const net::Url& rooted,
+                                                  const net::Origin& from) const {
+  constexpr int kMostFolders = 32;
+  std::vector<net::Url> places;
+  net::Url folder = base;
+  for (int i = 0; i < kMostFolders && folder.path.size() > 1; ++i) {
+    folder.path.resize(std::max<std::size_t>(1, folder.path.rfind('/', folder.path.size() - 2) + 1));
+    net::Url candidate = net::resolve(folder, net::parse_url("." + rooted.path));
+    if (!world_.policy.refuse(from, candidate)) places.push_back(std::move(candidate));
+  }
+  return places;
 }
 
 SceneHandler::Reference SceneHandler::refer(NodeId id) const {
@@ -251,6 +273,8 @@ void SceneHandler::resolve_types() {
 void SceneHandler::visit_inline(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (scene->inlined(id) || list.empty()) return;
+  Reference reference = refer(id);
+  if (reference.places.empty()) return;
   auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);
   inner->what = "Inline";
   inner->urls = list;
@@ -258,13 +282,14 @@ void SceneHandler::visit_inline(NodeId id) {
   inner->place_file = scene->node(id).text->file_name();
   inner->place = scene->node(id).location;
   inner_.push_back(inner);
-  ask_for(refer(id), id, std::move(inner), Urgency::inline_scene);
+  ask_for(std::move(reference), id, std::move(inner), Urgency::inline_scene);
 }
 
 void SceneHandler::visit_image(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
   Reference reference = refer(id);
+  if (reference.places.empty()) return;
   auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
   const bool fresh = !shared;
   if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), list);
@@ -290,6 +315,7 @@ void SceneHandler::visit_cloud(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
   Reference reference = refer(id);
+  if (reference.places.empty()) return;
   auto& shared = world_.shared_clouds[key_of(reference.places, reference.from)];
   if (shared) {
     shared->nodes.emplace_back(shared_from_this(), id);

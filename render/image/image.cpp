@@ -13,11 +13,15 @@ namespace gs::render {
 namespace {
 
 using namespace std::string_view_literals;
-constexpr std::array<ImageFormat, 4> kImageFormats = {{
+constexpr std::array<ImageFormat, 8> kImageFormats = {{
     {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
     {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
     {"GIF87a"sv, "GIF87a"sv, decode_gif},
     {"GIF89a"sv, "GIF89a"sv, decode_gif},
+    {"BMP"sv, "BM"sv, decode_stb},
+    {"PPM"sv, "P6"sv, decode_stb},
+    {"PGM"sv, "P5"sv, decode_stb},
+    {"Targa"sv, ""sv, decode_targa},  // has no mark, so it is the last one
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -121,10 +125,12 @@ void RowReducer::flush() {
 std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, const ImageLimits& limits) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const ImageFormat& format : kImageFormats)
-    if (text.starts_with(format.magic)) return format.decode(bytes, limits);
+    if (!format.magic.empty() && text.starts_with(format.magic)) return format.decode(bytes, limits);
+  if (is_targa(bytes)) return decode_targa(bytes, limits);
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
-  return ImageError{"not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found " + start};
+  return ImageError{
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found " + start};
 }
 
 std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b) {

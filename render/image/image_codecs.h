@@ -18,6 +18,11 @@ using DecodedImage = std::variant<Image, ImageError>;
 [[nodiscard]] DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& limits);
 [[nodiscard]] DecodedImage decode_jpeg(std::span<const std::byte> bytes, const ImageLimits& limits);
 [[nodiscard]] DecodedImage decode_gif(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// BMP and binary PPM and PGM.
+[[nodiscard]] DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits);
+[[nodiscard]] DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// Whether the bytes may be a Targa file, which nothing marks as one.
+[[nodiscard]] bool is_targa(std::span<const std::byte> bytes);
 
 /// A kind of image, known by its first bytes.
 struct ImageFormat {

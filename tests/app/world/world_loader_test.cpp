@@ -195,6 +195,24 @@ TEST_CASE("references that lead nowhere or back are left out, and said") {
   CHECK(world.images.empty());
 }
 
+TEST_CASE("an empty url names nothing, and one from a server's root is looked for in the folders above") {
+  const ScratchFolder folder;
+  const auto texture = [](const std::string& url) {
+    return "#VRML V2.0 utf8\nShape { geometry Box { } appearance Appearance { texture ImageTexture { url \"" + url +
+           "\" } } }\nInline { url \"\" }\n";
+  };
+  CHECK(said(load_world(folder.write("empty.wrl", texture("")))).empty());
+  (void)folder.write("pictures/red.gif", kGif);
+  const OpenedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
+  CHECK(said(rooted).empty());
+  CHECK(rooted.images.size() == 1);
+  // Not in folders that the world may not look into.
+  (void)folder.write("inner/outer.gif", kGif);
+  const OpenedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
+  CHECK(outside.images.empty());
+  CHECK(outside.diagnostics.warnings() == 1);
+}
+
 TEST_CASE("only the first bytes, where that is asked for, and no complaint about the rest") {
   const ScratchFolder folder;
   LoadOptions options;

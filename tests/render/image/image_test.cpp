@@ -7,6 +7,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -281,10 +284,12 @@ TEST_CASE("a header that claims a huge picture costs nothing") {
 }
 
 TEST_CASE("what is not an image is said so") {
-  CHECK(message_of({}) ==
-        "not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found nothing");
-  CHECK(message_of(bytes_of({'#', 'V', 'R'})) ==
-        "not an image that can be read: expected the first bytes of a PNG, JPEG or GIF, found 23 56 52");
+  CHECK(
+      message_of({}) ==
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found nothing");
+  CHECK(
+      message_of(bytes_of({'#', 'V', 'R'})) ==
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found 23 56 52");
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 
@@ -318,3 +323,47 @@ TEST_CASE("compare takes different kinds as RGBA and refuses different sizes") {
 }
 
 }  // namespace
+
+TEST_CASE("bitmaps, pixmaps and Targa files of other programs are read") {
+  const auto read = [](const std::string& name) {
+    std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/" + name, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    REQUIRE_FALSE(text.empty());
+    const auto decoded = gs::render::decode_image(std::as_bytes(std::span(text)));
+    REQUIRE(std::holds_alternative<gs::render::Image>(decoded));
+    return std::get<gs::render::Image>(decoded);
+  };
+  const gs::render::Image first = read("ppm/rgb.ppm");
+  CHECK(first.width == 7);
+  CHECK(first.height == 5);
+  CHECK(first.components == 3);
+  CHECK(first.pixels[0] == 255);                        // from red at the top
+  CHECK(first.pixels[first.pixels.size() - 1] == 252);  // to blue
+  for (const char* other : {"bmp/rgb.bmp", "bmp/old.bmp", "targa/rgb.tga", "targa/packed.tga"}) {
+    INFO(other);
+    const gs::render::Image image = read(other);
+    const auto difference = gs::render::compare(first, image);
+    REQUIRE(std::holds_alternative<gs::render::ImageDifference>(difference));
+    CHECK(std::get<gs::render::ImageDifference>(difference).maximum == 0);
+  }
+  const gs::render::Image glass = read("targa/alpha.tga");
+  REQUIRE(glass.components == 4);
+  CHECK(glass.pixels[0] == 10);
+  CHECK(glass.pixels[3] >= 127);
+  CHECK(glass.pixels[3] <= 128);
+  CHECK(read("pgm/grey.pgm").components == 1);
+  CHECK(read("bmp/palette.bmp").width == 9);
+}
+
+TEST_CASE("a bitmap that ends early or says it is huge is refused in one line") {
+  std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/bmp/old.bmp", std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  std::string huge = text;
+  huge[18] = huge[19] = huge[22] = huge[23] = '\x7f';
+  huge[20] = huge[24] = '\x0f';
+  for (const std::string& bad : {text.substr(0, 20), text.substr(0, 2), huge}) {
+    const auto decoded = gs::render::decode_image(std::as_bytes(std::span(bad)));
+    REQUIRE(std::holds_alternative<gs::render::ImageError>(decoded));
+    CHECK_FALSE(std::get<gs::render::ImageError>(decoded).message.empty());
+  }
+}

@@ -1,0 +1,82 @@
+// Pictures of the kinds that VRML97 does not ask for and real worlds name: Windows bitmaps, portable pixmaps, Targa.
+#include "render/image/image_codecs.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+
+// Compiled in here, with these decoders only and without files.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_BMP
+#define STBI_ONLY_PNM
+#define STBI_ONLY_TGA
+#define STBI_NO_STDIO
+#define STBI_NO_LINEAR
+#define STBI_NO_HDR
+#define STBI_MAX_DIMENSIONS (1 << 20)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wextra"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace gs::render {
+namespace {
+
+struct Freer {
+  void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
+};
+
+}  // namespace
+
+DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits) {
+  constexpr const char* kName = "picture";
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return ImageError{"it is too long"};
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(bytes.size());
+  int width = 0, height = 0, components = 0;
+  if (!stbi_info_from_memory(data, size, &width, &height, &components) || width <= 0 || height <= 0 || components < 1 ||
+      components > 4)
+    return ImageError{std::string("it cannot be decoded: ") + stbi_failure_reason()};
+  const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
+  if (auto refused = refuse_size(kName, columns, rows, limits)) return std::move(*refused);
+  // The decoder holds all of it, and for some kinds a second time while it changes the order of the rows.
+  const std::uint64_t all = std::uint64_t{columns} * rows * static_cast<unsigned>(components);
+  if (all > limits.working_bytes / 2) return ImageError{"it is too large to be decoded"};
+  const std::unique_ptr<stbi_uc, Freer> pixels(stbi_load_from_memory(data, size, &width, &height, &components, 0));
+  if (!pixels) return ImageError{std::string("it cannot be decoded: ") + stbi_failure_reason()};
+  if (static_cast<std::uint32_t>(width) != columns || static_cast<std::uint32_t>(height) != rows ||
+      std::uint64_t{columns} * rows * static_cast<unsigned>(components) > all)
+    return ImageError{"its head and its pixels do not fit together"};
+  Image image;
+  const auto kept = static_cast<std::uint32_t>(components);
+  RowReducer reducer(image, columns, rows, kept, reduction_of(columns, rows, limits));
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    if (limits.stopped && limits.stopped()) return ImageError{"given up"};
+    reducer.take(pixels.get() + std::size_t{row} * columns * kept);
+  }
+  reducer.finish();
+  return image;
+}
+
+bool is_targa(std::span<const std::byte> bytes) {
+  // Without a mark at its beginning: what its head says has to make sense.
+  if (bytes.size() < 18) return false;
+  const auto at = [&](std::size_t i) { return static_cast<unsigned>(bytes[i]); };
+  const unsigned map = at(1), kind = at(2), bits = at(16);
+  const bool known = kind == 1 || kind == 2 || kind == 3 || kind == 9 || kind == 10 || kind == 11;
+  return map <= 1 && known && (bits == 8 || bits == 15 || bits == 16 || bits == 24 || bits == 32) &&
+         (at(12) | at(13) << 8) > 0 && (at(14) | at(15) << 8) > 0 && (at(17) & 0xC0) == 0;
+}
+
+DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits) {
+  if (!is_targa(bytes)) return ImageError{"it is no Targa file"};
+  return decode_stb(bytes, limits);
+}
+
+}  // namespace gs::render
