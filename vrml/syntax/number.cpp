@@ -149,6 +149,33 @@ bool parse_decimal(std::string_view text, T& value) {
 
 }  // namespace
 
+std::size_t number_length(std::string_view text) {
+  const auto digits_from = [&](std::size_t at) {
+    std::size_t end = at;
+    while (end < text.size() && is_digit(text[end])) ++end;
+    return end - at;
+  };
+  const std::size_t sign = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
+  if (text.substr(sign).starts_with("0x") || text.substr(sign).starts_with("0X")) {
+    const auto is_hexadecimal = [](char c) { return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); };
+    std::size_t end = sign + 2;
+    while (end < text.size() && is_hexadecimal(text[end])) ++end;
+    if (end > sign + 2) return end;
+  }
+  const std::size_t whole = digits_from(sign);
+  std::size_t end = sign + whole, fraction = 0;
+  if (end < text.size() && text[end] == '.') {
+    fraction = digits_from(end + 1);
+    if (whole + fraction > 0) end += 1 + fraction;
+  }
+  if (whole + fraction == 0) return 0;
+  if (end < text.size() && (text[end] == 'e' || text[end] == 'E')) {
+    const std::size_t after = end + 1 + (end + 1 < text.size() && (text[end + 1] == '+' || text[end + 1] == '-'));
+    if (const std::size_t digits = digits_from(after); digits > 0) end = after + digits;
+  }
+  return end;
+}
+
 namespace number_paths {
 
 const char* find_guard(const char* begin, const char* end) {

@@ -14,6 +14,9 @@ namespace gs::vrml {
 [[nodiscard]] bool parse_number(std::string_view text, double& value);
 [[nodiscard]] bool parse_number(std::string_view text, std::int32_t& value);
 
+/// The length of the longest number that `text` begins with; 0 where it begins with none.
+[[nodiscard]] std::size_t number_length(std::string_view text);
+
 /// Where a bulk read has come to.
 struct NumberRun {
   const char* next;        // first byte that was not used; never inside a number

@@ -15,6 +15,7 @@ Step Parser::State::image_head(FieldValue& into, Token token, std::string_view n
     const Lexer::Position before = lexer.position();
     if (i > 0) token = lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
+    if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind != TokenKind::word || !number_of(token, head[i])) {
       unexpected(token, "width, height and components of an image for " + std::string(name));
       if (i > 0) lexer.go_back(before);
@@ -55,7 +56,8 @@ Step Parser::State::image_step() {
   const std::uint32_t mask = components == 4 ? 0xffffffffu : (1u << (8 * components)) - 1;
   for (; frame.pixels_left > 0; --frame.pixels_left) {
     const Lexer::Position before = lexer.position();
-    const Token token = lexer.next();
+    Token token = lexer.next();
+    if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind == TokenKind::need_more) {
       charge_growth(frame, false);
       // Whole pixels have been taken: the next window begins behind them.

@@ -131,6 +131,7 @@ struct Parser::State {
   void bulk_floats(Frame& frame, Array<T>& array);
   void bulk_integers(MFInt32& array);
   bool number_of(const Token& token, double& number);
+  void cut_number(Token& token);
   String string_of(const Token& token);
 
   SceneGraph& scene;

@@ -100,6 +100,20 @@ bool Parser::State::number_of(const Token& token, double& number) {
   return true;
 }
 
+// Annex A asks for no blank between a number and what cannot belong to it: "80level", "10-1", "-.5.75". A token that is
+// not a number as a whole ends behind the one that it begins with, where a name or another number follows.
+void Parser::State::cut_number(Token& token) {
+  const std::size_t length = number_length(token.text);
+  if (length == 0 || length >= token.text.size()) return;
+  const char next = token.text[length];
+  const bool name = (next >= 'a' && next <= 'z') || (next >= 'A' && next <= 'Z') || next == '_';
+  if (!name && next != '+' && next != '-' && next != '.') return;
+  token.text = token.text.substr(0, length);
+  Lexer::Position place = lexer.position();
+  place.next = token.text.data() + length;
+  lexer.go_back(place);
+}
+
 String Parser::State::string_of(const Token& token) {
   bool latin1 = false;
   if (token.text.size() > scene.limits().string_bytes) {
@@ -230,8 +244,9 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
   const int wanted = arity(type);
   int count = 0;
   for (;;) {
-    tokens[count] = token;
     if (!is_number_like(token)) return refuse_token(token, before);
+    cut_number(token);
+    tokens[count] = token;
     if (++count == wanted) break;
     before = lexer.position();
     token = lexer.next();
@@ -380,12 +395,13 @@ Step Parser::State::values_step() {
   }
   charge_growth(frame, false);
   const Lexer::Position before = lexer.position();
-  const Token token = lexer.next();
+  Token token = lexer.next();
   if (token.kind == TokenKind::need_more) {
     lexer.go_back(before);
     return Step::need_more_kept;
   }
   if (token.kind == TokenKind::end) return Step::finished;
+  if (token.kind == TokenKind::word) cut_number(token);
   return value_token(frame, token, before);
 }
 

@@ -298,3 +298,28 @@ TEST_CASE("the nodes that are still open are known") {
   parser.finish();
   CHECK(diagnostics.errors() == 0);
 }
+
+TEST_CASE("no blank is needed between a number and what cannot belong to it (Annex A)") {
+  const auto same = [](const std::string& glued, const std::string& apart) {
+    const auto read = [](const std::string& body) {
+      SceneGraph scene("text.wrl");
+      Diagnostics diagnostics;
+      (void)parse("#VRML V2.0 utf8\n" + body, scene, diagnostics);
+      INFO(body);
+      for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+      CHECK(diagnostics.entries().empty());
+      return print(scene);
+    };
+    CHECK(read(glued) == read(apart));
+  };
+  same("LOD { range 80level [ Group { } ] }", "LOD { range 80 level [ Group { } ] }");
+  same("Transform { translation 1 2 3children [ ] }", "Transform { translation 1 2 3 children [ ] }");
+  same("Coordinate { point [ 0 0 0-1 0 10-1, -.5.75+1 0 0 ] }", "Coordinate { point [ 0 0 0 -1 0 10 -1, -.5 .75 +1 0 0 ] }");
+  same("IndexedFaceSet { coordIndex [ 0 1 2-1 0x0F-1 ] }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 15 -1 ] }");
+  same("Material { shininess .27diffuseColor 1 0 0transparency 1e-1 }",
+       "Material { shininess .27 diffuseColor 1 0 0 transparency 0.1 }");
+  same("Transform { translation 1-2-3 rotation 0 1 0 1.5scale 1 1 1}",
+       "Transform { translation 1 -2 -3 rotation 0 1 0 1.5 scale 1 1 1 }");
+  same("TimeSensor { cycleInterval 2loop TRUE }", "TimeSensor { cycleInterval 2 loop TRUE }");
+  same("PixelTexture { image 1 1 1 0xFFrepeatS FALSE }", "PixelTexture { image 1 1 1 0xFF repeatS FALSE }");
+}
