@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/base/load_limit.h"
+#include "app/base/world_budget.h"
 #include "app/streams/cell_stream.h"
 #include "app/world/arrivals.h"
 #include "app/world/content_handler.h"
