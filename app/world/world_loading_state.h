@@ -289,6 +289,7 @@ class SceneTaker final : public Taker, public std::enable_shared_from_this<Scene
   void visit_outlines(vrml::NodeId id);
   void replace_fallback(vrml::NodeId id);
   void take_library(SceneTaker& library);
+  void take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file);
   void resolve_types();
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
     world_.report(severity, scene ? scene->file_name() : found_.path, at, std::move(message));
