@@ -93,6 +93,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void visit_outlines(vrml::NodeId id);
   void replace_fallback(vrml::NodeId id, const vrml::NodeType& native);
   void take_library(SceneHandler& library);
+  void take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file);
   void resolve_types();
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
     world_.report(severity, scene ? scene->file_name() : found_.path, at, std::move(message));

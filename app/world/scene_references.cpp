@@ -247,13 +247,22 @@ void SceneHandler::take_library(SceneHandler& library) {
         report(Severity::error, {},
                file + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " + type.name);
       else
-        to_resolve_.emplace_back(&type, source);
+        take_prototype(type, *source, file);
     }
   }
   --awaited_libraries_;
   resolve_types();
   look_for_references();
   settle();
+}
+
+void SceneHandler::take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file) {
+  if (const vrml::InterfaceDeclaration* odd = vrml::unlike_prototype(type, source))
+    report(Severity::warning, type.location,
+           "PROTO " + source.name + " of " + file + " has no " + std::string(name_of(odd->access)) + ' ' +
+               std::string(name_of(odd->type)) + " '" + odd->name + "', as EXTERNPROTO " + type.name +
+               " says (VRML97 4.9.2)");
+  to_resolve_.emplace_back(&type, &source);
 }
 
 // Instances whose own fields are still being read must wait for them.

@@ -1,9 +1,9 @@
 #include "render/scene/collect_nodes.h"
 
 #include "render/scene/finite.h"
+#include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -42,17 +42,6 @@ glm::vec3 color(const NodeView& view, int field, const glm::vec3& otherwise) {
 glm::vec3 vector(const NodeView& view, int field, const glm::vec3& otherwise) {
   const auto* value = view.find<vrml::SFVec3f>(field);
   return value && finite(*value) ? *value : otherwise;
-}
-
-/// Whether the rotation turns anything; an axis without length or a value that is no number does not.
-bool turns(const vrml::Rotation& r) {
-  return r.angle != 0 && std::isfinite(r.angle) && finite({r.x, r.y, r.z}) && (r.x != 0 || r.y != 0 || r.z != 0);
-}
-
-dmat3 rotation_matrix(const vrml::Rotation& r) {
-  if (!turns(r)) return dmat3(1);
-  const dvec3 axis = glm::normalize(dvec3(r.x, r.y, r.z));
-  return dmat3(glm::rotate(dmat4(1), double{r.angle}, axis));
 }
 
 /// The rotation nearest to a transformation: scale and shear dropped, a mirror undone.
@@ -102,41 +91,13 @@ void rings(const NodeView& view, int color_field, int angle_field, float largest
 
 dmat4 transform_matrix(const NodeView& view) {
   using F = TransformFields;
-  const dvec3 translation(vector(view, F::translation, glm::vec3(0))), center(vector(view, F::center, glm::vec3(0)));
-  const glm::vec3 scale = vector(view, F::scale, glm::vec3(1));
-  const auto rotation = view.get(F::rotation, vrml::Rotation{});
-  dmat3 linear(1);
-  if (turns(rotation)) linear = rotation_matrix(rotation);
-  if (scale != glm::vec3(1)) {
-    const auto orientation = view.get(F::scale_orientation, vrml::Rotation{});
-    dmat3 scaling(1);
-    for (int i = 0; i < 3; ++i) scaling[i][i] = scale[i];
-    if (turns(orientation)) {
-      const dmat3 oriented = rotation_matrix(orientation);
-      scaling = oriented * scaling * glm::transpose(oriented);
-    }
-    linear = linear * scaling;
-  }
-  dmat4 result(linear);
-  result[3] = glm::dvec4(translation + center - linear * center, 1);
-  return result;
+  return vrml::transform_matrix(vector(view, F::translation, glm::vec3(0)), vector(view, F::center, glm::vec3(0)),
+                                view.get(F::rotation, vrml::Rotation{}), vector(view, F::scale, glm::vec3(1)),
+                                view.get(F::scale_orientation, vrml::Rotation{}));
 }
 
 dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer) {
-  const double distance = glm::length(viewer);
-  if (!(distance > kTiny) || !std::isfinite(distance)) return dmat4(1);
-  const dvec3 to_viewer = viewer / distance;
-  dvec3 axis(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)));
-  if (axis == dvec3(0)) {
-    dvec3 side = glm::cross(dvec3(0, 1, 0), to_viewer);
-    side = glm::length(side) > 1e-6 ? glm::normalize(side) : dvec3(1, 0, 0);
-    return dmat4(dmat3(side, glm::cross(to_viewer, side), to_viewer));
-  }
-  axis = glm::normalize(axis);
-  const dvec3 z(0, 0, 1);
-  const dvec3 from = z - axis * glm::dot(axis, z), to = to_viewer - axis * glm::dot(axis, to_viewer);
-  if (glm::length(from) < 1e-6 || glm::length(to) < 1e-6) return dmat4(1);  // no plane: undefined by the standard
-  return glm::rotate(dmat4(1), std::atan2(glm::dot(axis, glm::cross(from, to)), glm::dot(from, to)), axis);
+  return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer);
 }
 
 int lod_level(const NodeView& lod, const dvec3& viewer) {
@@ -185,7 +146,8 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   state.name = bounded_text(view.node->name);
   state.jump = view.get(F::jump, true);
   const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
-  const dmat3 rotation = rotation_part(world_from_node) * rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
+  const dmat3 rotation =
+      rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = glm::mat4(glm::mat3(rotation));
   if (finite(glm::vec3(position))) state.world_from_camera[3] = glm::vec4(glm::vec3(position), 1);
   const float angle = view.get(F::field_of_view, state.field_of_view);

@@ -13,10 +13,9 @@
 // clamped, values that are no finite numbers replaced by the defaults.
 namespace gs::render {
 
-/// parent_from_local of a Transform: T * C * R * SR * S * -SR * -C (VRML97 6.52).
+/// parent_from_local of a Transform (VRML97 6.52).
 [[nodiscard]] glm::dmat4 transform_matrix(const NodeView& transform);
-/// parent_from_local of a Billboard seen from `viewer`, given in its parent's space (6.6). Screen
-/// alignment (axisOfRotation 0 0 0) keeps the local Y axis as near to up as facing the viewer allows.
+/// parent_from_local of a Billboard seen from `viewer`, given in its parent's space (6.6).
 [[nodiscard]] glm::dmat4 billboard_matrix(const NodeView& billboard, const glm::dvec3& viewer);
 /// The index of the level to show, -1 for none; `viewer` in the LOD's space (6.26).
 [[nodiscard]] int lod_level(const NodeView& lod, const glm::dvec3& viewer);

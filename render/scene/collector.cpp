@@ -1,5 +1,7 @@
 #include "render/scene/collector.h"
 
+#include "vrml/scene/transformation.h"
+
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -28,11 +30,6 @@ bool fits_float(const dmat4& m) {
   double sum = 0;
   for (int i = 0; i < 4; ++i) sum += std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z);
   return sum < std::numeric_limits<float>::max();  // false for NaN too
-}
-
-dvec3 viewer_in_local(const dvec3& viewer, const dmat4& world_from_local) {
-  const dvec3 local(glm::inverse(world_from_local) * glm::dvec4(viewer, 1));
-  return std::isfinite(local.x + local.y + local.z) ? local : dvec3(0);
 }
 
 vrml::Bounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
@@ -206,7 +203,9 @@ void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
   enter(frame);
 }
 
-dvec3 Collector::viewer_in(const dmat4& world_from_local) const { return viewer_in_local(viewer_, world_from_local); }
+dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
+  return vrml::viewer_in_local(viewer_, world_from_local);
+}
 
 void Collector::visit(const Frame& parent, vrml::NodeId id) {
   id = parent.scene->resolve(id);

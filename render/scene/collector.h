@@ -132,8 +132,6 @@ class Collector {
   std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
 };
 
-/// The viewer's place in a local coordinate system; its origin where that is no finite number.
-[[nodiscard]] glm::dvec3 viewer_in_local(const glm::dvec3& viewer, const glm::dmat4& world_from_local);
 /// Whether no number of the matrix is too large for a float, or none.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Around the transformed box; empty where that is no finite numbers.

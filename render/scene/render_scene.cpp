@@ -1,5 +1,7 @@
 #include "render/scene/render_scene.h"
 
+#include "vrml/scene/transformation.h"
+
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -271,12 +273,12 @@ void RenderScene::place_splat(std::uint32_t i) {
 bool RenderScene::follow_viewer(const glm::vec3& viewer) {
   for (const RenderSources::Lod& lod : sources_.lods) {
     const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
-    if (lod_level(view, viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;
+    if (lod_level(view, vrml::viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;
   }
   for (const std::uint32_t frame : sources_.billboards) {
     const RenderSources::Frame& source = sources_.frames[frame];
     const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
-    const dmat4 matrix = billboard_matrix(view, viewer_in_local(viewer, list_->world_from_frame[source.parent]));
+    const dmat4 matrix = billboard_matrix(view, vrml::viewer_in_local(viewer, list_->world_from_frame[source.parent]));
     if (matrix != source.parent_from_local) mark_frame(frame, matrix);
   }
   return true;

@@ -3,6 +3,7 @@
 #include "vrml/scene/field_value.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 
 #include <array>
 #include <cstdint>
@@ -33,6 +34,8 @@ struct Behaviour {
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
   /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
   glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
+  /// The same of a grouping node that faces the viewer, who is given in its parent's space (6.6).
+  glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer) = nullptr;
   /// Of a pointing-device sensor (4.6.7.3, vrml/events/pointing.h); null for all others.
   const PointingSensor* pointing = nullptr;
   /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
@@ -46,7 +49,7 @@ extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
-extern const Behaviour kAnchorBehaviour, kCollisionBehaviour;
+extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
 extern const Behaviour kBindableBehaviour;  // 4.6.10
 inline constexpr int kSetBind = 0;          // of its events
 inline constexpr int kFieldOfView = 3;      // of those of Viewpoint

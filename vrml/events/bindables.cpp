@@ -1,5 +1,5 @@
 #include "vrml/events/execution.h"
-#include "vrml/events/placement.h"
+#include "vrml/scene/transformation.h"
 
 namespace gs::vrml {
 namespace {

@@ -1,6 +1,7 @@
 #include "vrml/events/execution.h"
 
 #include "vrml/events/states.h"
+#include "vrml/scene/transformation.h"
 
 #include <algorithm>
 #include <cassert>
@@ -188,6 +189,8 @@ void Execution::unbind_what_left() {
 }
 
 void Execution::viewer_jumped() {
+  ++jumps_;
+  jump_ahead_ = told_viewer_.has_value();
   for (const EventNode node : running_)
     if (nodes_[node].running) look_again(node);
 }
@@ -197,10 +200,20 @@ glm::dmat4 Execution::viewer() {
   for (const Stack& stack : stacks_) {
     if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
     glm::dmat4 matrix = stack.type->behaviour->parent_from_local(node_of(stack.top));
-    if (const auto places = places_of(stack.top); !places.empty()) matrix = places.front() * matrix;
+    // A Billboard above the Viewpoint would face itself; it counts as if it did not turn.
+    const Member& top = nodes_[stack.top];
+    if (const auto places = placement_.places_of(*top.scene, top.id); !places.empty()) matrix = places.front() * matrix;
     return matrix;
   }
   return viewer_matrix({0, 0, 10}, {});
+}
+
+std::span<const glm::dmat4> Execution::places_of(EventNode node) {
+  const Member& at = nodes_[node];
+  const std::span<const glm::dmat4> unturned = placement_.places_of(*at.scene, at.id);
+  if (!placement_.below_billboard()) return unturned;
+  const glm::dvec3 from(viewer()[3]);
+  return placement_.places_of(*at.scene, at.id, from);
 }
 
 Frustum Execution::frustum() const {
@@ -244,6 +257,51 @@ bool Execution::collide(std::span<const PathStep> path) {
   }
   drain();
   return true;
+}
+
+// ---- What the browser does
+
+bool Execution::progress(const SceneGraph& scene, NodeId id, double fraction) {
+  constexpr float kLeast = 0.00999f;  // 1/100, but for rounding
+  if (std::isnan(fraction) || !scene.contains(id)) return true;
+  const NodeType& type = *scene.node(id).type;
+  const InterfaceDeclaration* progress = type.find("progress_changed");
+  const InterfaceDeclaration* load_time = type.find("loadTime");
+  const auto is = [](const InterfaceDeclaration* event, FieldType of) {
+    return event && event->access == AccessType::eventOut && event->type == of;
+  };
+  const bool tells = is(progress, FieldType::SFFloat), tells_time = is(load_time, FieldType::SFTime);
+  const EventNode node = tells || tells_time ? event_node(scene, id) : 0;
+  if (node == 0) return true;
+  Member& at = nodes_[node];
+  const auto value = static_cast<float>(std::clamp(fraction, 0.0, 1.0));
+  const auto unsent = [&](std::uint32_t place) { return slots_[at.first_slot + place].sent != stamp_; };
+  bool all = true;
+  if (tells) {
+    const std::uint32_t place = at.schema->find(*progress);
+    auto& last = std::get<SFFloat>(stored(at, at.schema->interfaces[place]));
+    if (std::abs(value - last) >= kLeast || (value == 1 && last != 1)) {
+      if (unsent(place)) {
+        last = value;
+        queue(node, place);
+      } else {
+        all = false;
+      }
+    }
+  }
+  if (value == 0) at.state = 0;
+  if (tells_time && value == 1 && at.state == 0) {
+    const std::uint32_t place = at.schema->find(*load_time);
+    if (all && unsent(place)) {
+      std::get<SFTime>(stored(at, at.schema->interfaces[place])) = now_;
+      at.state = 1;
+      queue(node, place);
+    } else {
+      all = false;
+    }
+  }
+  drain();
+  return all;
 }
 
 // ---- Cascades (4.10.3, 4.10.4)

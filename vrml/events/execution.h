@@ -85,6 +85,7 @@ class Execution {
   /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
   /// `sees`: empty for the fieldOfView of the bound Viewpoint, and the aspect.
   void set_viewer(const glm::dmat4& world_from_viewer, const std::optional<Frustum>& sees = {}) {
+    if (!told_viewer_ || std::exchange(jump_ahead_, false)) ++jumps_;
     told_viewer_ = world_from_viewer;
     told_frustum_ = sees;
   }
@@ -102,6 +103,10 @@ class Execution {
   /// The avatar has met the geometry at the end of the path: collideTime of the Collision nodes on it (6.8), with the
   /// present timestamp, unless one of them turns collisions off. False: one does.
   bool collide(std::span<const PathStep> path);
+  /// How much of what a QNV node needs has come, 0 to 1, or a PROTO instance with its eventOuts: progress_changed where
+  /// that differs by 1/100 from what was sent last, or is all, and loadTime when it is all for the first time since it
+  /// was 0, with the present timestamp. False: something was sent with it before; call again after the next step.
+  bool progress(const SceneGraph& scene, NodeId node, double fraction);
   /// What limits kept out; empty: nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
@@ -146,17 +151,18 @@ class Execution {
   /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
   /// go off their stacks (4.6.10).
   void nodes_leave();
-  /// The viewer has jumped: nodes that run look once more before this timestamp is over (6.53).
+  /// The viewer jumps, now and, where he is told, with the next set_viewer: he does not come by what lies between, and
+  /// nodes that run look once more before this timestamp is over (6.53).
   void viewer_jumped();
+  /// How often he has jumped.
+  [[nodiscard]] std::uint32_t jumps() const { return jumps_; }
   /// The bound node of a type; 0: none.
   [[nodiscard]] EventNode top_of(const NodeType& type) const;
 
   /// world_from_viewer: as it was told, else of the bound Viewpoint, else 10 units from the origin along z.
   [[nodiscard]] glm::dmat4 viewer();
-  /// See Placement. Valid until this or viewer() is called again.
-  [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node) {
-    return placement_.places_of(*nodes_[node].scene, nodes_[node].id);
-  }
+  /// See Placement. Billboards face the viewer. Valid until this or viewer() is called again.
+  [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node);
 
   /// What the viewer sees: as it was told, else by the bound Viewpoint, whose fieldOfView is the smaller angle (6.53).
   [[nodiscard]] Frustum frustum() const;
@@ -283,6 +289,8 @@ class Execution {
   Placement placement_;
   std::optional<glm::dmat4> told_viewer_;
   std::optional<Frustum> told_frustum_;
+  std::uint32_t jumps_ = 0;
+  bool jump_ahead_ = false;
   double aspect_ = 4.0 / 3;
   std::unique_ptr<Pointing> pointing_;
   std::vector<NodePlace> requests_;

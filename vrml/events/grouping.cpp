@@ -1,6 +1,6 @@
 #include "vrml/events/execution.h"
-#include "vrml/events/placement.h"
 #include "vrml/events/pointing.h"
+#include "vrml/scene/transformation.h"
 
 #include <unordered_set>
 
@@ -52,6 +52,11 @@ glm::dmat4 transform_of(const Node& node) {
       std::get<SFRotation>(node.values[slots.scale_orientation]));
 }
 
+glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer) {
+  static const int axis = node.type->find_field("axisOfRotation")->slot;
+  return billboard_matrix(std::get<SFVec3f>(node.values[axis]), viewer);
+}
+
 // An Anchor is activated by a click on what is below it (6.2).
 constexpr PointingSensor kAnchorSensor = {
     .description = GroupingEvents::description,
@@ -72,6 +77,11 @@ bool collision_of(Execution& execution, EventNode node, bool met) {
 
 const Behaviour kTransformBehaviour = {
     {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};
+const Behaviour kBillboardBehaviour = {
+    .events = {"addChildren", "removeChildren", "children"},
+    .on_event = change_children,
+    .parent_from_facing = billboard_of,
+};
 const Behaviour kAnchorBehaviour = {
     .events = {"addChildren", "removeChildren", "children", "description"},
     .on_event = change_children,

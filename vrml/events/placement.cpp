@@ -1,43 +1,16 @@
 #include "vrml/events/placement.h"
 
 #include "vrml/events/behaviour.h"
+#include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
-#include <glm/gtc/matrix_transform.hpp>
-
-#include <cmath>
 
 namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kDeepest = 100'000;
 
-SFVec3f usable(const SFVec3f& v, float otherwise) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? v : SFVec3f(otherwise);
-}
-
-glm::dmat4 rotation_about(const SFRotation& r) {
-  const glm::dvec3 axis(r.x, r.y, r.z);
-  const double length = glm::length(axis);
-  if (r.angle == 0 || !std::isfinite(r.angle) || !std::isfinite(length) || length == 0) return glm::dmat4(1);
-  return glm::rotate(glm::dmat4(1), double{r.angle}, axis / length);
-}
-
 }  // namespace
-
-glm::dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation) {
-  return glm::translate(glm::dmat4(1), glm::dvec3(usable(position, 0))) * rotation_about(orientation);
-}
-
-glm::dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const SFRotation& rotation,
-                            const SFVec3f& scale, const SFRotation& scale_orientation) {
-  const glm::dvec3 middle(usable(center, 0));
-  const glm::dmat4 turned = rotation_about(scale_orientation);
-  glm::dmat4 matrix = glm::translate(glm::dmat4(1), glm::dvec3(usable(translation, 0)) + middle);
-  matrix = matrix * rotation_about(rotation) * turned;
-  matrix = glm::scale(matrix, glm::dvec3(usable(scale, 1)));
-  return glm::translate(matrix * glm::transpose(turned), -middle);
-}
 
 // Through all children, also those that are not shown: what is inside a Switch or LOD goes on sending events
 // (6.26, 6.46).
@@ -91,7 +64,8 @@ void Placement::search() {
     if (const auto wanted = paths_.find(&node); wanted != paths_.end() && wanted->second.size() < kMostPlaces)
       wanted->second.push_back(movers);
     if (!has(node.type->role, Role::grouping)) continue;
-    const bool mover = node.type->behaviour && node.type->behaviour->parent_from_local;
+    const Behaviour* behaviour = node.type->behaviour;
+    const bool mover = behaviour && (behaviour->parent_from_local || behaviour->parent_from_facing);
     if (mover) movers.push_back({&scene, id});
     std::vector<bool>* const on_path = top.on_path;
     (*on_path)[id.index] = true;
@@ -102,15 +76,23 @@ void Placement::search() {
   whole_ = path.empty();
 }
 
-std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node) {
+std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node,
+                                                 const std::optional<glm::dvec3>& viewer) {
   const auto [paths, fresh] = paths_.try_emplace(&scene.node(node));
   if (fresh || !known_) search();
   places_.clear();
+  below_billboard_ = false;
   for (const Path& path : paths->second) {
     glm::dmat4 matrix(1);
     for (const NodePlace& mover : path) {
       const Node& moving = mover.scene->node(mover.node);
-      matrix *= moving.type->behaviour->parent_from_local(moving);
+      const Behaviour& behaviour = *moving.type->behaviour;
+      if (behaviour.parent_from_local) {
+        matrix *= behaviour.parent_from_local(moving);
+        continue;
+      }
+      below_billboard_ = true;
+      if (viewer) matrix *= behaviour.parent_from_facing(moving, viewer_in_local(*viewer, matrix));
     }
     places_.push_back(matrix);
   }

@@ -3,8 +3,10 @@
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -19,7 +21,7 @@ struct NodePlace {
 
 /// Where single nodes stand in the transformation hierarchy (VRML97 4.4.4) of a world and its Inlines: for sensors and
 /// for the bound Viewpoint. The hierarchy is searched when somebody asks after it has changed; what that visits is
-/// bounded by Limits::visits. Billboards count as if they did not turn. One thread.
+/// bounded by Limits::visits. One thread.
 class Placement {
  public:
   explicit Placement(const SceneGraph& root) : root_(root) {}
@@ -27,8 +29,12 @@ class Placement {
   /// The hierarchy has changed.
   void forget() { known_ = false; }
   /// world_from_local of each place of the node, one for each USE that leads to it, at most kMostPlaces; none for a
-  /// node that is not in the hierarchy. Valid until the next call.
-  [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node);
+  /// node that is not in the hierarchy. Billboards above it face `viewer`, a place in the world (6.6); without one they
+  /// count as if they did not turn. Valid until the next call.
+  [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node,
+                                                      const std::optional<glm::dvec3>& viewer = {});
+  /// Whether there is a Billboard above a place that the last call gave.
+  [[nodiscard]] bool below_billboard() const { return below_billboard_; }
 
   /// The next search looks for this node, too: so that one search serves many.
   void look_for(const SceneGraph& scene, NodeId node) {
@@ -46,18 +52,10 @@ class Placement {
   void search();
 
   const SceneGraph& root_;
-  bool known_ = false, whole_ = false;
+  bool known_ = false, whole_ = false, below_billboard_ = false;
   std::size_t visits_ = 0;
   std::unordered_map<const Node*, std::vector<Path>> paths_;  // of the nodes that were asked for
   std::vector<glm::dmat4> places_;
 };
-
-/// parent_from_local of a Transform: T * C * R * SR * S * -SR * -C (VRML97 6.52). Values that are no finite numbers
-/// count as the defaults.
-[[nodiscard]] glm::dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const SFRotation& rotation,
-                                          const SFVec3f& scale, const SFRotation& scale_orientation);
-
-/// parent_from_viewer of a Viewpoint (6.53).
-[[nodiscard]] glm::dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation);
 
 }  // namespace gs::vrml

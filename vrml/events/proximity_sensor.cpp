@@ -1,9 +1,12 @@
 #include "vrml/events/execution.h"
 #include "vrml/events/rotations.h"
+#include "vrml/events/states.h"
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace gs::vrml {
 namespace {
@@ -24,53 +27,152 @@ bool orthonormal(glm::dmat3& m) {
   return true;
 }
 
-// The first place of the sensor whose box the viewer is in (6.38): viewer in the sensor's space.
-bool viewer_inside(Execution& execution, EventNode node, glm::dmat4& sensor_from_viewer) {
-  const auto& size = execution.get<SFVec3f>(node, Proximity::size);
-  const auto& center = execution.get<SFVec3f>(node, Proximity::center);
-  const glm::dmat4 viewer = execution.viewer();
-  for (const glm::dmat4& world_from_sensor : execution.places_of(node)) {
-    sensor_from_viewer = glm::inverse(world_from_sensor) * viewer;
-    const glm::dvec3 offset = glm::dvec3(sensor_from_viewer[3]) - glm::dvec3(center);
-    bool inside = true;  // false for what is no number
-    for (int i = 0; i < 3; ++i) inside = inside && std::abs(offset[i]) <= double{size[i]} / 2;
-    if (inside) return true;
+// What the viewer has done since the last look. Between two looks he goes in a straight line.
+struct Look {
+  bool inside = false;    // he is in the box of one of the sensor's places
+  bool passed = false;    // he is not, and went through one of them on his way
+  double entered_at = 0;  // inside: maybe before the last look; passed
+  double left_at = 0;     // not inside: he left the box that he was in; passed
+  glm::dmat4 sensor_from_viewer{1.0}, sensor_from_entered{1.0}, sensor_from_left{1.0};
+};
+
+// The part of the way that is within the box, 0 to 1; false where there is none.
+bool clip(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& center, const glm::dvec3& size, double& first,
+          double& last) {
+  first = 0, last = 1;
+  for (int i = 0; i < 3; ++i) {
+    const double start = from[i] - center[i], way = to[i] - from[i], half = size[i] / 2;
+    if (!std::isfinite(start) || !std::isfinite(way)) return false;
+    if (way == 0) {
+      if (std::abs(start) > half) return false;
+      continue;
+    }
+    const double one = (-half - start) / way, other = (half - start) / way;
+    first = std::max(first, std::min(one, other));
+    last = std::min(last, std::max(one, other));
   }
-  return false;
+  return first <= last;
 }
 
-void leave(Execution& execution, EventNode node) {
+glm::dmat4 moved_to(glm::dmat4 matrix, const glm::dvec3& place) {
+  matrix[3] = glm::dvec4(place, 1);
+  return matrix;
+}
+
+// Times are those at which the viewer crossed the box (6.38). Who jumps has no way (6.53), and where the sensor itself
+// came over him the time is the present one.
+Look look_at(Execution& execution, EventNode node, ProximityState& state) {
+  const glm::dvec3 size(execution.get<SFVec3f>(node, Proximity::size));
+  const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
+  const glm::dmat4 viewer = execution.viewer();
+  const double now = execution.now();
+  const bool way_known =
+      state.looked && state.jumps == execution.jumps() && state.time < now && std::isfinite(state.time);
+  const bool was_inside = execution.get<SFBool>(node, Proximity::is_active);
+  const auto time_at = [&](double part) { return state.time + (now - state.time) * part; };
+  Look look;
+  look.left_at = now;
+  const auto places = execution.places_of(node);
+  double best = -1;
+  for (std::uint32_t i = 0; i < places.size() && !look.inside; ++i) {
+    const glm::dmat4 sensor_from_world = glm::inverse(places[i]);
+    const glm::dmat4 sensor_from_viewer = sensor_from_world * viewer;
+    const glm::dvec3 to(sensor_from_viewer[3]), from(sensor_from_world * glm::dvec4(state.viewer, 1));
+    look.inside = true;  // false for what is no number
+    for (int k = 0; k < 3; ++k) look.inside = look.inside && std::abs(to[k] - center[k]) <= size[k] / 2;
+    double first = 0, last = 0;
+    const bool met = way_known && clip(from, to, center, size, first, last);
+    if (look.inside) {
+      state.place = i;
+      look.sensor_from_viewer = sensor_from_viewer;
+      look.entered_at = met && first > 0 ? time_at(first) : now;
+    } else if (was_inside ? met && last > best : met && first > 0 && first < last && !look.passed) {
+      best = last;
+      look.passed = !was_inside;
+      look.entered_at = time_at(first);
+      look.left_at = time_at(last);
+      look.sensor_from_entered = moved_to(sensor_from_viewer, from + (to - from) * first);
+      look.sensor_from_left = moved_to(sensor_from_viewer, from + (to - from) * last);
+    } else if (best < 0 && (i == 0 || i == state.place)) {
+      look.sensor_from_left = sensor_from_viewer;
+    }
+  }
+  state.viewer = viewer[3];
+  state.time = now;
+  state.jumps = execution.jumps();
+  state.looked = true;
+  return look;
+}
+
+// Values that have not changed are not sent, but on entry and exit.
+void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_from_viewer, bool always) {
+  const SFVec3f position(sensor_from_viewer[3]);
+  if (always || position != execution.get<SFVec3f>(node, Proximity::position))
+    execution.send(node, Proximity::position, position);
+  glm::dmat3 turned(sensor_from_viewer);
+  const SFRotation orientation = orthonormal(turned) ? rotation_of(glm::quat_cast(turned)) : SFRotation{};
+  if (always || orientation != execution.get<SFRotation>(node, Proximity::orientation))
+    execution.send(node, Proximity::orientation, orientation);
+}
+
+void enter(Execution& execution, EventNode node, double time, const glm::dmat4& sensor_from_viewer) {
+  execution.send(node, Proximity::is_active, SFBool{true});
+  execution.send(node, Proximity::enter_time, SFTime{time});
+  send_place(execution, node, sensor_from_viewer, true);
+}
+
+void leave(Execution& execution, EventNode node, double time) {
   execution.send(node, Proximity::is_active, SFBool{false});
-  execution.send(node, Proximity::exit_time, SFTime{execution.now()});
+  execution.send(node, Proximity::exit_time, SFTime{time});
 }
 
 void proximity_time(Execution& execution, EventNode node) {
+  const std::uint32_t place = execution.state_of(node);
+  if (place == 0) return;  // it found no room
+  ProximityState& state = execution.states().proximities[place];
   const auto& size = execution.get<SFVec3f>(node, Proximity::size);
   // A box without volume is never entered.
   const bool on = execution.get<SFBool>(node, Proximity::enabled) && size.x > 0 && size.y > 0 && size.z > 0;
   const bool active = execution.get<SFBool>(node, Proximity::is_active);
-  execution.run(node, on);
-  glm::dmat4 sensor_from_viewer(1);
-  if (!on || !viewer_inside(execution, node, sensor_from_viewer)) {
-    if (active && !execution.has_sent(node, Proximity::is_active)) {
-      leave(execution, node);
-    } else if (active) {
-      execution.run(node, true);
-    }
+  // isActive sends once with a timestamp (4.10.4): what else it has to say comes with the next one.
+  const bool said = execution.has_sent(node, Proximity::is_active);
+  execution.run(node, on || (active && said));
+  if (!on) {
+    state.looked = false;
+    if (!active || said) return;
+    leave(execution, node, execution.now());
+    state.passed = false;
     return;
   }
-  if (!active && execution.has_sent(node, Proximity::is_active)) return;
-  if (!active) {
-    execution.send(node, Proximity::is_active, SFBool{true});
-    execution.send(node, Proximity::enter_time, SFTime{execution.now()});
+  if (state.passed && said) return;
+  const Look look = look_at(execution, node, state);
+  if (look.inside) {
+    state.passed = false;
+    if (active) {
+      send_place(execution, node, look.sensor_from_viewer, false);
+    } else if (!said) {
+      enter(execution, node, look.entered_at, look.sensor_from_viewer);
+    }
+  } else if (said) {
+    return;
+  } else if (active) {
+    const bool passed = std::exchange(state.passed, false);
+    leave(execution, node, passed ? state.left_at : look.left_at);
+    send_place(execution, node, passed ? state.sensor_from_left : look.sensor_from_left, true);
+  } else if (look.passed) {
+    enter(execution, node, look.entered_at, look.sensor_from_entered);
+    state.passed = true;
+    state.left_at = look.left_at;
+    state.sensor_from_left = look.sensor_from_left;
   }
-  const SFVec3f position(sensor_from_viewer[3]);
-  if (!active || position != execution.get<SFVec3f>(node, Proximity::position))
-    execution.send(node, Proximity::position, position);
-  glm::dmat3 turned(sensor_from_viewer);
-  const SFRotation orientation = orthonormal(turned) ? rotation_of(glm::quat_cast(turned)) : SFRotation{};
-  if (!active || orientation != execution.get<SFRotation>(node, Proximity::orientation))
-    execution.send(node, Proximity::orientation, orientation);
+}
+
+void proximity_begins(Execution& execution, EventNode node) {
+  auto& states = execution.states().proximities;
+  if (!execution.afford(2 * sizeof(ProximityState))) return;
+  execution.state_of(node) = static_cast<std::uint32_t>(states.size());
+  states.emplace_back();
+  execution.look_again(node);
 }
 
 bool proximity_event(Execution& execution, EventNode node, int, const FieldValue&) {
@@ -82,7 +184,7 @@ bool proximity_event(Execution& execution, EventNode node, int, const FieldValue
 
 const Behaviour kProximitySensorBehaviour = {
     {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime", "exitTime"},
-    [](Execution& execution, EventNode node) { execution.look_again(node); },
+    proximity_begins,
     proximity_event,
     proximity_time};
 

@@ -22,6 +22,18 @@ struct TimeState {
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };
 
+/// A ProximitySensor (6.38), since it looked last.
+struct ProximityState {
+  glm::dvec3 viewer{0};              // in the world
+  double time = 0;                   // when he was there
+  std::uint32_t jumps = 0;           // of his, until then
+  std::uint32_t place = 0;           // the last one of the sensor's in whose box he was
+  bool looked = false;               // and was on
+  bool passed = false;               // he has gone through the box between two steps, and its end is to be told
+  double left_at = 0;                // then
+  glm::dmat4 sensor_from_left{1.0};  // then
+};
+
 /// A pointing-device sensor (4.6.7.3) that the pointer has been over.
 struct PointingState {
   bool over = false, active = false;
@@ -41,6 +53,7 @@ struct PointingState {
 /// What behaviours keep of their nodes, by state_of; [0] is unused.
 struct Execution::States {
   std::deque<TimeState> times{1};
+  std::deque<ProximityState> proximities{1};
   std::deque<MFVec3f> spares{1};  // the array that an interpolator writes next
   std::deque<PointingState> pointing{1};
 };

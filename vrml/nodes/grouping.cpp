@@ -25,7 +25,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
-     nullptr, &kGroupBehaviour},
+     nullptr, &kBillboardBehaviour},
     {"Collision", "6.8", Role::child | Role::grouping, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/scene/diagnostic.h"
 #include "vrml/scene/field_value.h"
 
 #include <cstdint>
@@ -66,11 +67,14 @@ enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines };
 /// Makes the mesh of a geometry node. `geometry` is a node of `scene` of the row's own type.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
+/// The clause of the nodes that are our own (docs/formats.md).
+inline constexpr std::string_view kOwnClause = "GhostSpace";
+
 /// One built-in node type, as the standard prints it: the row from which everything else (parsing,
 /// defaults, IS and ROUTE checks, printing, documentation) is derived.
 struct NodeRow {
   std::string_view name;
-  std::string_view clause;  // "6.7"; "GhostSpace" for our own nodes
+  std::string_view clause;  // "6.7"; kOwnClause for our own nodes
   Role role;
   std::string_view interface_text;       // one declaration a line, the range in a comment behind it
   Tessellate tessellate = nullptr;       // geometry only
@@ -94,6 +98,7 @@ struct NodeType {
   UrlContent url_content = UrlContent::none;
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
+  SourceLocation location;               // of the name in a PROTO or EXTERNPROTO
 
   NodeType();
   ~NodeType();

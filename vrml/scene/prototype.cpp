@@ -210,6 +210,16 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
   return true;
 }
 
+const InterfaceDeclaration* unlike_prototype(const NodeType& external, const NodeType& source) {
+  for (const InterfaceDeclaration& declaration : external.interfaces) {
+    const InterfaceDeclaration* given = source.find(declaration.name);
+    const bool same = given && given->type == declaration.type &&
+                      (given->access == declaration.access || given->access == AccessType::exposedField);
+    if (!same) return &declaration;
+  }
+  return nullptr;
+}
+
 const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
   for (const Statement& statement : scene.statements())
     if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name))

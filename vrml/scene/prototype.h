@@ -21,6 +21,10 @@ bool instantiate(SceneGraph& scene, NodeId instance);
 /// and all instances that the scene has are instantiated. False when limits stopped it.
 bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& source);
 
+/// The first declaration of an EXTERNPROTO that PROTO `source` lacks, or has of another type or for other use, which
+/// 4.9.2 forbids; null: there is none. What is an exposedField of the PROTO may be declared as each part of it.
+[[nodiscard]] const InterfaceDeclaration* unlike_prototype(const NodeType& external, const NodeType& source);
+
 /// Counts what one instance of a PROTO, whose body is complete, makes with all the instances in it.
 void count_instance_nodes(const SceneGraph& scene, Prototype& prototype);
 

@@ -1,7 +1,9 @@
 #include "vrml/syntax/lexer.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 
 namespace gs::vrml {
 namespace {
@@ -208,6 +210,13 @@ bool is_id(std::string_view word) {
   for (const char c : word)
     if (lexical_class(c) != word_byte || c == '.') return false;
   return true;
+}
+
+int reserved_word(std::string_view word) {
+  constexpr std::string_view kWords[] = {"DEF", "EXTERNPROTO", "FALSE", "IS",      "NULL",     "PROTO",        "ROUTE",
+                                         "TO",  "TRUE",        "USE",   "eventIn", "eventOut", "exposedField", "field"};
+  const auto* const found = std::find(std::begin(kWords), std::end(kWords), word);
+  return found == std::end(kWords) ? -1 : static_cast<int>(found - std::begin(kWords));
 }
 
 }  // namespace gs::vrml

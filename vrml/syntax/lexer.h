@@ -87,4 +87,7 @@ class Lexer {
 /// True for an Id of Annex A.2: its first character and the rest are legal.
 [[nodiscard]] bool is_id(std::string_view word);
 
+/// Which of the reserved words of 4.3.1 it is, which are no names: from 0; -1 for none.
+[[nodiscard]] int reserved_word(std::string_view word);
+
 }  // namespace gs::vrml

@@ -191,6 +191,7 @@ Step Parser::State::interface_declaration(AccessType access, NodeType& type, boo
     return Step::done;
   }
   const bool stored = access == AccessType::field || access == AccessType::exposedField;
+  check_reserved(name);
   const bool script = type.kind == NodeType::Kind::script;
   const InterfaceDeclaration* known = type.find(name.text);
   auto pending = std::make_unique<InterfaceDeclaration>();

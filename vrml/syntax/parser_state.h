@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace gs::vrml {
@@ -104,7 +105,10 @@ struct Parser::State {
   Step external_url_step();
   void finish_pending();
   void end_scope();
+  void add_type(NodeType& type);
   void add_type_statement(const NodeType& type);
+  void check_name(const Token& name);
+  void check_reserved(const Token& name);
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
   [[nodiscard]] bool in_prototype_body() const { return scopes.back().prototype && interfaces_open == 0; }
 
@@ -149,6 +153,8 @@ struct Parser::State {
   bool rubbish = false;     // the last token was rubbish and has been complained about
   bool end_reported = false;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // of declarations that don't count
+  std::unordered_set<std::string_view> said_types;                 // names that were declared twice
+  std::uint32_t said_reserved = 0;                                 // a bit for each of reserved_word()
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,

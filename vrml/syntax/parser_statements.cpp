@@ -101,8 +101,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
       lexer.go_back(before);
       return Step::done;
     }
-    if (!is_id(id.text))
-      warn_once(said_bad_id, id.location, describe(id) + " is no legal name (VRML97 Annex A.2); taken as one");
+    check_name(id);
     if (!define) {
       const auto found = scopes.back().names.find(id.text);
       if (found == scopes.back().names.end()) {
@@ -320,10 +319,10 @@ Step Parser::State::prototype_head(bool external) {
     lexer.go_back(before);
     return Step::done;
   }
-  if (!is_id(name.text))
-    warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
+  check_name(name);
   auto type = std::make_unique<NodeType>();
   type->name = name.text;
+  type->location = name.location;
   type->kind = external ? NodeType::Kind::external_prototype : NodeType::Kind::prototype;
   if (!external) {
     type->prototype = std::make_unique<Prototype>();
@@ -409,9 +408,8 @@ Step Parser::State::external_url_step() {
   if (frame.into) {  // the url list has been read
     NodeType& type = *frame.declaring;
     type.url = std::get<MFString>(frame.pending->initial);
-    scopes.back().types[type.name] = &type;
     frames.pop_back();
-    add_type_statement(type);
+    add_type(type);
     return Step::done;
   }
   auto pending = std::make_unique<InterfaceDeclaration>();
@@ -441,9 +439,35 @@ void Parser::State::end_scope() {
     type->role = scene.node(statement.node).type->role;
     break;
   }
-  scopes.back().types[type->name] = type;
   frames.pop_back();
-  add_type_statement(*type);
+  add_type(*type);
+}
+
+// The declaration is complete: nodes of its name are of this type from here on. Names of types are one of a kind (4.8);
+// our own nodes have fallbacks of their names for other browsers.
+void Parser::State::add_type(NodeType& type) {
+  const NodeType* built_in = built_in_node_type(type.name);
+  const NodeType*& known = scopes.back().types[type.name];
+  const bool taken = known || (built_in && built_in->clause != kOwnClause);
+  if (taken && said_types.insert(type.name).second)
+    warn(type.location,
+         (known ? "a second declaration of '" + type.name + '\'' : '\'' + type.name + "' is a built-in node") +
+             " (VRML97 4.8); this PROTO counts from here on");
+  known = &type;
+  add_type_statement(type);
+}
+
+void Parser::State::check_name(const Token& name) {
+  if (!is_id(name.text))
+    warn_once(said_bad_id, name.location, describe(name) + " is no legal name (VRML97 Annex A.2); taken as one");
+  check_reserved(name);
+}
+
+void Parser::State::check_reserved(const Token& name) {
+  const int word = reserved_word(name.text);
+  if (word < 0 || (said_reserved >> word & 1)) return;
+  said_reserved |= std::uint32_t{1} << word;
+  warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); taken as a name");
 }
 
 // A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.

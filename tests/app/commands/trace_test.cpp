@@ -156,6 +156,17 @@ TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
         std::string::npos);
 }
 
+TEST_CASE("only the geometry nearest to the viewer has the pointer (4.6.7.3)") {
+  // The sensor's box lies behind another one, and beside it on the right.
+  const std::string world = R"(#VRML V2.0 utf8
+Viewpoint { }
+Group { children [ Transform { translation 2 0 -2 children Shape { geometry Box { size 6 2 2 } } } DEF T TouchSensor { } ] }
+Shape { geometry Box { } })";
+  CHECK(pointed(world, "--size 100x100",
+                "{\"t\":0.1,\"press\":[50,50]}\n{\"t\":0.2,\"release\":[50,50]}\n{\"t\":0.3,\"move\":[70,50]}")
+            .starts_with("946684800.3 T.isOver TRUE\n"));
+}
+
 TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.7.4, 6.2)") {
   CHECK(pointed(kSensors, "--size 100x100",
                 "{\"t\":0.1,\"press\":[30,50]}\n{\"t\":0.2,\"move\":[70,20]}\n{\"t\":0.3,\"release\":[70,20]}") ==

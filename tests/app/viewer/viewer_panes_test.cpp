@@ -316,62 +316,6 @@ TEST_CASE("Levels of detail are each viewer's own") {
   CHECK_FALSE(follow_world(third));
 }
 
-TEST_CASE("Views follow what lives in their world, whoever looked last") {
-  const auto shared = make_document(world_of("DEF T Transform { children Shape { geometry Box { } } }"));
-  View one = view_of(shared, kSize, {}), two = view_of(shared, kSize, {});
-  const vrml::SceneGraph& scene = *shared->world.scene;
-  const auto move = [&](float x) {
-    CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
-  };
-  move(3);
-  CHECK(follow_world(one));
-  CHECK(one.list->items.at(0).world_from_node[3].x == 3);
-  CHECK(two.list == one.list);
-  for (int i = 0; i < 20; ++i) {
-    move(static_cast<float>(i));
-    (void)shared->living->step(world_time());
-  }
-  CHECK(follow_world(two));
-  CHECK(one.list->items.at(0).world_from_node[3].x == 19);
-}
-
-TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind another (VRML97 6.53)") {
-  const auto shared = make_document(
-      world_of("DEF Ship Transform { children [ DEF A Viewpoint { position 0 0 5 } DEF B Viewpoint { position 0 0 9 } "
-               "DEF C Viewpoint { position 0 0 -9 jump FALSE } ] }"));
-  View view = view_of(shared, kSize, {});
-  REQUIRE(view.list->viewpoints.size() == 3);
-  CHECK(view.navigation.pose.position == glm::vec3(0, 0, 5));
-  view.navigation.pose.position += glm::vec3(0, 1, 0);  // he has walked
-  const vrml::SceneGraph& scene = *shared->world.scene;
-  CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{2, 0, 0}));
-  CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, glm::vec3(2, 1, 5)) < 1e-5f);
-  CHECK(shared->living->send(scene, scene.roots()[0], "rotation", vrml::SFRotation{0, 1, 0, 3.14159265f}));
-  CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, glm::vec3(2, 1, -5)) < 1e-4f);
-  const auto bind = [&](std::size_t index) {
-    const render::ViewpointState& viewpoint = view.list->viewpoints[index];
-    CHECK(shared->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true}));
-    (void)follow_world(view);
-    return follow_bound_viewpoint(view);
-  };
-  CHECK(bind(1));
-  CHECK(view.viewpoint == 1u);
-  REQUIRE(view.navigation.transition);
-  CHECK(glm::distance(view.navigation.transition->to.position, glm::vec3(2, 0, -9)) < 1e-4f);
-  CHECK_FALSE(follow_bound_viewpoint(view));
-  view.navigation.transition.reset();
-  const glm::vec3 stays = view.navigation.pose.position;
-  CHECK(bind(2));
-  CHECK_FALSE(view.navigation.transition);
-  CHECK(view.navigation.pose.position == stays);
-  // From then on he moves with that one.
-  CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
-  CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, stays + glm::vec3(5, 0, 0)) < 1e-4f);
-}
-
 TEST_CASE("The first view of the whole follows the shape of the viewport until somebody moves") {
   const glm::vec2 wide(800, 400), narrow(400, 800);
   View view = view_of(document_of({-10, -1, -1}, {10, 1, 1}), wide, {});

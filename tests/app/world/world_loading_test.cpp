@@ -152,6 +152,22 @@ TEST_CASE("Inlines, libraries, textures and importers' files come from beside th
                     [](const auto& item) { return item.material.diffuse == glm::vec3(0, 1, 0); }));
 }
 
+TEST_CASE("an EXTERNPROTO that says other things than its PROTO is warned about, once (VRML97 4.9.2)") {
+  Web web;
+  web.put("memory://a/main.wrl",
+          "#VRML V2.0 utf8\nEXTERNPROTO Good [ eventIn SFFloat r ] \"lib.wrl#Ball\"\n"
+          "EXTERNPROTO Bad [ field SFTime r eventOut SFBool gone ] \"lib.wrl#Ball\"\n"
+          "EXTERNPROTO Unused [ field SFTime r ] \"lib.wrl#Ball\"\n"
+          "Shape { geometry Good { } } Shape { geometry Bad { } } Shape { geometry Bad { } }");
+  web.put("memory://a/lib.wrl", "#VRML V2.0 utf8\nPROTO Ball [ exposedField SFFloat r 2 ] { Sphere { } }\n");
+  WorldLoading loading("memory://a/main.wrl", web.options);
+  while (!loading.done()) (void)loading.step(kLoadingWait);
+  const OpenedWorld world = loading.take();
+  CHECK(said(world) ==
+        "memory://a/main.wrl:3:13: warning: PROTO Ball of memory://a/lib.wrl has no field SFTime 'r', as EXTERNPROTO "
+        "Bad says (VRML97 4.9.2)\n");
+}
+
 TEST_CASE("what fails on the way is said, and the rest shows") {
   const std::string text = boxes(400);
   const std::string half = text.substr(0, text.size() / 2);

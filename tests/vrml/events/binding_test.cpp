@@ -165,9 +165,9 @@ DEF There ProximitySensor { center 50 0 0 size 4 4 4 } DEF T TimeSensor { loop T
   (void)world.take();
   world.send("B.set_bind", true);
   CHECK(world.take() == Lines{"1 A.isBound FALSE", "1 A.bindTime 1001", "1 B.isBound TRUE", "1 B.bindTime 1001",
-                              "1 Here.isActive FALSE", "1 Here.exitTime 1001", "1 There.isActive TRUE",
-                              "1 There.enterTime 1001", "1 There.position_changed 50 0 0",
-                              "1 There.orientation_changed 0 0 1 0"});
+                              "1 Here.isActive FALSE", "1 Here.exitTime 1001", "1 Here.position_changed 50 0 0",
+                              "1 Here.orientation_changed 0 0 1 0", "1 There.isActive TRUE", "1 There.enterTime 1001",
+                              "1 There.position_changed 50 0 0", "1 There.orientation_changed 0 0 1 0"});
   world.step(2);
   CHECK(world.take() == Lines{"2 T.fraction_changed 0.25", "2 T.time 1002"});
 }

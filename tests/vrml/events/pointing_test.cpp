@@ -78,6 +78,16 @@ TEST_CASE("an Anchor is activated where the button is released over it, and not 
   CHECK(world.execution().take_requests().size() == Execution::kMostRequests);
 }
 
+TEST_CASE("nested Anchors: the innermost one is activated (6.2)") {
+  World world("DEF A Anchor { url \"a\" children [ DEF S Shape { } DEF B Anchor { children DEF R Shape { } } ] }");
+  world.start();
+  PointingDevice device(world);
+  (void)clicked(world, device, "R", 1);
+  CHECK(anchors(world) == "B ");
+  (void)clicked(world, device, "S", 2);
+  CHECK(anchors(world) == "A ");
+}
+
 TEST_CASE("sensors at top level, in PROTO instances and in Inlines are those of what is beside them (4.6.7.3)") {
   World world(R"(PROTO Touched [ eventOut SFBool isOver exposedField MFNode children [ ] ]
     { Transform { translation 1 0 0 children [ Group { children IS children } TouchSensor { isOver IS isOver } ] }

@@ -29,7 +29,9 @@ TEST_CASE("a ProximitySensor tells when the viewer enters, moves and leaves (6.3
   CHECK(world.take() == Lines{"3 P.position_changed 1 0.5 0"});
   world.execution().set_viewer(viewer_at(103, 0, 0));
   world.step(4);
-  CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1004"});
+  // Along a straight way, which leads out at once.
+  CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1003", "4 P.position_changed 1 0.5 0",
+                              "4 P.orientation_changed 0 0 1 0"});
 }
 
 TEST_CASE("the viewer goes with the bound Viewpoint, into a ProximitySensor and with its Transform") {
@@ -101,7 +103,7 @@ TEST_CASE(
   CHECK(world.take("isActive") == Lines{"2 P.isActive TRUE"});
   world.execution().set_viewer(viewer_at(9, 0, 0));
   world.step(3);
-  CHECK(world.take() == Lines{"3 P.isActive FALSE", "3 P.exitTime 1003", "3 Q.isActive FALSE", "3 Q.exitTime 1003"});
+  CHECK(world.take("Time") == Lines{"3 P.exitTime 1002.125", "3 Q.exitTime 1002.375"});
 }
 
 TEST_CASE("a ProximitySensor that moves over a viewer who stands tells as if he moved (6.38)") {
@@ -145,6 +147,98 @@ TEST_CASE("a ProximitySensor sends positions and orientations only when they cha
   world.execution().set_viewer(glm::rotate(viewer_at(2, 0, 0), 0.5, glm::dvec3(0, 1, 0)));
   world.step(3);
   CHECK(world.take() == Lines{"3 P.position_changed 2 0 0"});
+}
+
+TEST_CASE("a ProximitySensor tells the times at which the viewer crossed its box, and where (6.38)") {
+  World world("DEF P ProximitySensor { size 2 2 2 }");
+  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.start();
+  // Through the whole box in one step: what has to be told takes two timestamps.
+  world.execution().set_viewer(viewer_at(-3, 0, 0));
+  world.step(1);
+  CHECK(world.take() == Lines{"1 P.isActive TRUE", "1 P.enterTime 1000.5", "1 P.position_changed 1 0 0",
+                              "1 P.orientation_changed 0 0 1 0"});
+  world.step(2);
+  CHECK(world.take() == Lines{"2 P.isActive FALSE", "2 P.exitTime 1000.75", "2 P.position_changed -1 0 0",
+                              "2 P.orientation_changed 0 0 1 0"});
+  world.step(3);
+  CHECK(world.take().empty());
+  world.execution().set_viewer(viewer_at(1, 0, 0));
+  world.step(4);
+  CHECK(world.take() == Lines{"4 P.isActive TRUE", "4 P.enterTime 1003.5", "4 P.position_changed 1 0 0",
+                              "4 P.orientation_changed 0 0 1 0"});
+  world.execution().set_viewer(viewer_at(-7, 0, 0));
+  world.step(5);
+  CHECK(world.take() == Lines{"5 P.isActive FALSE", "5 P.exitTime 1004.25", "5 P.position_changed -1 0 0",
+                              "5 P.orientation_changed 0 0 1 0"});
+  // Past its corner, and from no place of sense.
+  world.execution().set_viewer(viewer_at(0, 7.5, 0));
+  world.step(6);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  world.execution().set_viewer(viewer_at(nan, 0, 0));
+  world.step(7);
+  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.step(8);
+  CHECK(world.take().empty());
+  // Back again before it was told that he has left: he is in the box.
+  world.execution().set_viewer(viewer_at(-9, 0, 0));
+  world.step(9);
+  world.execution().set_viewer(viewer_at(0, 0, 0));
+  world.step(10);
+  CHECK(world.take("isActive") == Lines{"9 P.isActive TRUE"});
+  world.execution().set_viewer(viewer_at(9, 0, 0));
+  world.step(11);
+  world.execution().set_viewer(viewer_at(-9, 0, 0));
+  world.step(12);
+  (void)world.take();
+  world.send("P.enabled", false);
+  world.step(13);
+  CHECK(world.take("exitTime") == Lines{"13 P.exitTime 1013"});
+}
+
+TEST_CASE("who jumps to another Viewpoint does not come through the boxes between (6.53)") {
+  World world(
+      "DEF P ProximitySensor { size 2 2 2 } DEF V Viewpoint { position 5 0 0 } DEF M Transform { children DEF W "
+      "Viewpoint { position -5 0 0 } }");
+  world.start();
+  world.step(1);
+  world.send("W.set_bind", true);
+  world.step(2);
+  CHECK(world.take("P.").empty());
+  // A Viewpoint that is moved takes the viewer along.
+  world.send("M.translation", SFVec3f(10, 0, 0));
+  world.step(3);
+  CHECK(world.take("P.isActive") == Lines{"3 P.isActive TRUE"});
+  world.step(4);
+  CHECK(world.take("P.exitTime") == Lines{"4 P.exitTime 1002.6"});
+  // The window tells of his new place in the step after the jump.
+  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.step(5);
+  world.send("V.set_bind", true);
+  world.execution().set_viewer(viewer_at(-5, 0, 0));
+  world.step(6);
+  CHECK(world.take("P.").empty());
+  world.execution().set_viewer(viewer_at(5, 0, 0));
+  world.step(7);
+  CHECK(world.take("P.enterTime") == Lines{"7 P.enterTime 1006.4"});
+}
+
+TEST_CASE("a ProximitySensor below a Billboard turns with it to the viewer (6.6, 6.38)") {
+  World world(R"(Transform { translation 1 0 0 children Billboard { children
+      Transform { translation 0 0 5 children DEF P ProximitySensor { size 2 2 2 } } } }
+    DEF Still Transform { translation 0 0 5 children ProximitySensor { size 2 2 2 } }
+    Billboard { children [ DEF V Viewpoint { position 0 0 50 } DEF Q ProximitySensor { center 0 0 50 size 1 1 1 } ] })");
+  world.start();
+  CHECK(world.take("isActive") == Lines{"0 Q.isActive TRUE"});
+  world.execution().set_viewer(viewer_at(6, 0, 0));
+  world.step(1);
+  CHECK(world.take("isActive") == Lines{"1 P.isActive TRUE", "1 Q.isActive FALSE"});
+  world.execution().set_viewer(viewer_at(1, 0, -5.5));
+  world.step(2);
+  CHECK(world.take("isActive").empty());
+  world.execution().set_viewer(viewer_at(1, 0, -7));
+  world.step(3);
+  CHECK(world.take("isActive") == Lines{"3 P.isActive FALSE"});
 }
 
 }  // namespace gs::vrml::traces

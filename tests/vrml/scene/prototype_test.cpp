@@ -67,6 +67,23 @@ TEST_CASE("the first node of an instance stands for it, through instances inside
   CHECK_FALSE(scene->resolve_as(geometry, "Box"));
 }
 
+TEST_CASE("an EXTERNPROTO declares a part of its PROTO's interface, and nothing else (4.9.2)") {
+  const auto library =
+      scene_of("PROTO P [ eventIn SFBool a eventOut SFBool b field SFBool c TRUE exposedField SFBool d TRUE ] { }");
+  const auto odd = [&](const std::string& declarations) {
+    const auto scene = scene_of("EXTERNPROTO P [ " + declarations + " ] \"lib.wrl\"");
+    const InterfaceDeclaration* found = unlike_prototype(*scene->types().front(), *find_prototype(*library, "P"));
+    return found ? found->name : std::string();
+  };
+  CHECK(odd("").empty());
+  CHECK(odd("exposedField SFBool d field SFBool c eventOut SFBool b eventIn SFBool a").empty());
+  CHECK(odd("field SFBool d").empty());
+  CHECK(odd("eventIn SFBool a eventIn SFBool set_d") == "set_d");
+  CHECK(odd("eventIn SFTime a") == "a");
+  CHECK(odd("eventIn SFBool b") == "b");
+  CHECK(odd("exposedField SFBool c") == "c");
+}
+
 TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scene") {
   auto library = scene_of(kBall);
   const auto scene = scene_of(R"(EXTERNPROTO Ball [ field SFFloat size field MFNode extra ] "lib.wrl#Ball"
