@@ -35,6 +35,7 @@ struct Document {
   std::shared_ptr<WorldReader> reader;  // that still reads what arrives, and of streams what views want; null: none
   LoadingState arriving;                // how far it is; nothing waits when all is there
   bool all_came = false;
+  const void* viewer = nullptr;  // the view whose place its sensors know
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };

@@ -1,6 +1,7 @@
 #include "app/session/living_world.h"
 
 #include <chrono>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -23,11 +24,14 @@ LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
 
 void LivingWorld::start(double now) {
   execution_.start(now);
+  progress_ = std::exchange(world_.progress, {});
+  tell_progress();
   (void)take_changes();
 }
 
 bool LivingWorld::step(double now) {
   execution_.step(now);
+  tell_progress();
   return take_changes();
 }
 
@@ -38,7 +42,15 @@ bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::st
   return event && execution_.send(scene, node, *event, value);
 }
 
+// What has no room in the present timestamp waits for the next one.
+void LivingWorld::tell_progress() {
+  std::erase_if(progress_, [&](const UrlProgress& one) {
+    return !one.scene->contains(one.node) || execution_.progress(*one.scene, one.node, one.fraction);
+  });
+}
+
 void LivingWorld::arrive(Arrivals&& arrivals) {
+  progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
   std::vector<vrml::NodeChange> changes;
   for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
     changes.push_back({place.scene, place.node, 0});

@@ -42,7 +42,9 @@ class LivingWorld {
   /// Takes in what has come.
   void arrive(Arrivals&& arrivals);
   /// When there is something to do next; see Execution::next_time.
-  [[nodiscard]] std::optional<double> next_time() const { return execution_.next_time(); }
+  [[nodiscard]] std::optional<double> next_time() const {
+    return progress_.empty() ? execution_.next_time() : execution_.now();
+  }
 
   /// A list for one who looks from `viewer`. `own`: not shared.
   [[nodiscard]] std::shared_ptr<LivingScene> look(const glm::vec3& viewer, bool own);
@@ -55,6 +57,7 @@ class LivingWorld {
 
  private:
   bool take_changes();
+  void tell_progress();
   void add_changes(std::vector<vrml::NodeChange> changes);
 
   OpenedWorld& world_;
@@ -62,6 +65,7 @@ class LivingWorld {
   vrml::Execution execution_;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // those that led to the last versions, the newest behind
   std::uint64_t version_ = 0;
+  std::vector<UrlProgress> progress_;  // that is to be told
   std::weak_ptr<LivingScene> shared_;
 };
 

@@ -110,6 +110,8 @@ bool Viewer::let_live() {
     for (const std::size_t i : panes_.visible())
       if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
     if (!leader) leader = views.front();
+    // Another viewport is another place: nobody has walked there.
+    if (std::exchange(document->viewer, leader) != leader) document->living->execution().viewer_jumped();
     document->living->execution().set_viewer(world_from_viewer(leader->navigation.pose));
     const bool moved = document->living->step(time);
     if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();

@@ -14,6 +14,7 @@ void Arrivals::append(Arrivals&& later) {
   move(images, later.images);
   move(clouds, later.clouds);
   move(feeds, later.feeds);
+  move(progress, later.progress);
   move(outside, later.outside);
   diagnostics.append(later.diagnostics);
 }

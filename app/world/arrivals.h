@@ -28,11 +28,13 @@ struct Arrivals {
   std::vector<Image> images;
   std::vector<Cloud> clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
+  std::vector<UrlProgress> progress;
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
 
   [[nodiscard]] bool empty() const {
-    return images.empty() && clouds.empty() && feeds.empty() && diagnostics.entries().empty() && outside.empty();
+    return images.empty() && clouds.empty() && feeds.empty() && progress.empty() && diagnostics.entries().empty() &&
+           outside.empty();
   }
   /// Puts what has come later behind.
   void append(Arrivals&& later);
@@ -40,7 +42,7 @@ struct Arrivals {
 
 /// Gives a QNV node its vectors; a transfer function of its own goes before that of the stream.
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
-/// Gives all to the world. The nodes that look otherwise from then on.
+/// Gives all to the world but `progress`, which is its events'. The nodes that look otherwise from then on.
 [[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
 
 }  // namespace gs::app

@@ -21,10 +21,11 @@ std::string file_name_of(const Found& found) {
 
 }  // namespace
 
-CloudHandler::CloudHandler(World& world, Place place, Show show)
+CloudHandler::CloudHandler(World& world, Place place, Show show, Progress progress)
     : world_(world),
       place_(std::move(place)),
       show_(std::move(show)),
+      progress_(std::move(progress)),
       held_bytes_(world.budget, vrml::Resource::files),
       decoded_(world.budget, vrml::Resource::vectors) {}
 

@@ -21,6 +21,7 @@ class CloudHandler final : public ContentHandler {
   using World = WorldLoading::State;
   /// Called with every better state of the cloud.
   using Show = std::function<void(const std::shared_ptr<const qnv::Cloud>&)>;
+  using Progress = std::function<void(double)>;
   /// For whom it is, for messages.
   struct Place {
     std::string file;
@@ -28,7 +29,10 @@ class CloudHandler final : public ContentHandler {
     vrml::MFString urls;
     bool is_node = false;  // a QNV node; else the world itself
   };
-  CloudHandler(World& world, Place place, Show show);
+  CloudHandler(World& world, Place place, Show show, Progress progress = {});
+  void tell_progress(double fraction) override {
+    if (progress_) progress_(fraction);
+  }
   bool begin(const Found& found) override;
   bool whole_file(const net::MappedFile& file, const std::string& path) override;
   void receive(std::span<const std::byte> bytes) override;
@@ -53,6 +57,7 @@ class CloudHandler final : public ContentHandler {
   World& world_;
   Place place_;
   Show show_;
+  Progress progress_;
   Found found_;
   Way way_ = Way::unknown;
   std::vector<std::byte> bytes_;

@@ -57,6 +57,9 @@ class ContentHandler {
   /// Whether what is there is enough, and views see to the rest by a feed. Null: no; else neither more nor an end come.
   virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
 
+  /// So much of it has come, 0 to 1.
+  virtual void tell_progress(double) {}
+
   bool cut = false;   // bytes are left out that nobody misses (`--max-bytes`)
   bool told = false;  // why it is missing has been said already
 };

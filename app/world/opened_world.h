@@ -21,6 +21,13 @@ struct OutsideFolder {
   friend bool operator==(const OutsideFolder&, const OutsideFolder&) = default;
 };
 
+/// How much of what a node's url names has come: 0 to 1.
+struct UrlProgress {
+  vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;
+  double fraction = 0;
+};
+
 /// A world that was read, with everything a picture of it needs.
 struct OpenedWorld {
   std::string title;                        // WorldInfo.title or the file's name
@@ -29,6 +36,7 @@ struct OpenedWorld {
   render::Images images;
   render::Clouds clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
+  std::vector<UrlProgress> progress;               // of QNV nodes
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
   bool truncated = false;    // the file ends before the world does

@@ -333,13 +333,16 @@ void SceneHandler::visit_cloud(NodeId id) {
   }
   shared = std::make_shared<WorldLoading::State::SharedCloud>();
   shared->nodes.emplace_back(shared_from_this(), id);
-  auto handler =
-      std::make_shared<CloudHandler>(world_, CloudHandler::Place{node.text->file_name(), node.location, list, true},
-                                     [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
-                                       shared->cloud = cloud;
-                                       for (const auto& [scene_handler, of] : shared->nodes)
-                                         scene_handler->set_cloud(of, cloud);
-                                     });
+  auto handler = std::make_shared<CloudHandler>(
+      world_, CloudHandler::Place{node.text->file_name(), node.location, list, true},
+      [shared = shared](const std::shared_ptr<const qnv::Cloud>& cloud) {
+        shared->cloud = cloud;
+        for (const auto& [scene_handler, of] : shared->nodes) scene_handler->set_cloud(of, cloud);
+      },
+      [this, shared = shared](double fraction) {
+        for (const auto& [scene_handler, of] : shared->nodes)
+          world_.note_progress({scene_handler->scene, of, fraction});
+      });
   ask_for(std::move(reference), id, std::move(handler), Urgency::vectors);
 }
 

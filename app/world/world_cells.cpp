@@ -85,6 +85,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     at->feed = at->fetch->handler->follow();
     if (!at->feed) return;
     at->stream->follow(at->feed);
+    at->fetch->handler->tell_progress(1);  // views see to the rest
     ended.push_back(std::exchange(at->fetch, nullptr));
   };
   sink.piece = [this, at](const net::CellEvent& event) {

@@ -201,12 +201,17 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
   received += bytes.size();
   fetch.handler->cut = fetch.cut;
   if (!bytes.empty()) fetch.handler->receive(bytes);
+  if (fetch.total && *fetch.total > 0)
+    fetch.handler->tell_progress(static_cast<double>(std::min(fetch.received, *fetch.total)) /
+                                 static_cast<double>(*fetch.total));
 }
 
 void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   ended.push_back(&fetch);
   fetch.handler->cut = fetch.cut;
-  if (!fetch.refused) fetch.handler->end(problem);
+  if (fetch.refused) return;
+  fetch.handler->end(problem);
+  if (!problem) fetch.handler->tell_progress(1);
 }
 
 void WorldLoading::State::stop(const std::string& why) {
@@ -264,6 +269,16 @@ void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
       return;
     }
   arrivals.clouds.push_back(std::move(cloud));
+}
+
+void WorldLoading::State::note_progress(const UrlProgress& progress) {
+  std::vector<UrlProgress>& all = taken ? arrivals.progress : world.progress;
+  for (UrlProgress& earlier : all)
+    if (earlier.scene == progress.scene && earlier.node == progress.node) {
+      earlier.fraction = progress.fraction;
+      return;
+    }
+  all.push_back(progress);
 }
 
 void WorldLoading::State::image_arrived(Arrivals::Image image) {

@@ -71,6 +71,7 @@ struct WorldLoading::State {
   /// A QNV node has got (better) vectors.
   void cloud_arrived(Arrivals::Cloud cloud);
   void image_arrived(Arrivals::Image image);
+  void note_progress(const UrlProgress& progress);
   net::Loader* network();
   // world_cells.cpp
   bool begin_cells(Fetch& fetch, const net::Url& url);

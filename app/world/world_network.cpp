@@ -141,9 +141,10 @@ void WorldLoading::State::take_rest(Fetch& fetch) {
   place.validator = fetch.validator;
   place.front = fetch.received;
   place.total = *fetch.total;
-  if (fetch.handler->seek(std::move(place)))
+  if (fetch.handler->seek(std::move(place))) {
     ended.push_back(&fetch);
-  else
+    fetch.handler->tell_progress(1);  // views see to the rest
+  } else
     ask(fetch, {{fetch.received, *fetch.total}});
 }
 

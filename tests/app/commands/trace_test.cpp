@@ -275,4 +275,20 @@ TEST_CASE("the demo world moves, and its gate and lantern do their part after a 
   ends("PierLight.intensity_changed ", "0.8");
 }
 
+TEST_CASE("a QNV node tells how much of its stream has come, and when it was all") {
+  const ScratchFolder folder;
+  const std::string box = folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  REQUIRE(run("encode " + quoted(box) + " " + quoted(folder.path("box.qnv")) + " --vectors 500").status == kDone);
+  const std::string world =
+      folder.write("world.wrl",
+                   "#VRML V2.0 utf8\nShape { geometry DEF Q QNV { url \"box.qnv\" } }\nDEF T Transform { }\n"
+                   "DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 5 0 0 ] }\n"
+                   "ROUTE Q.progress_changed TO I.set_fraction ROUTE I.value_changed TO T.translation\n");
+  const auto traced = run("trace " + quoted(world) + " --until 0.1");
+  CHECK(traced.status == kDone);
+  CHECK(traced.output ==
+        "946684800 Q.progress_changed 1\n946684800 Q.loadTime 946684800\n946684800 I.value_changed 5 0 0\n"
+        "946684800 T.translation_changed 5 0 0\n");
+}
+
 }  // namespace gs::app::trace_test
