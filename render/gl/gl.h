@@ -99,6 +99,7 @@
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                                       \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                                       \
   X(USEPROGRAM, UseProgram)                                                   \
+  X(VERTEXATTRIB4F, VertexAttrib4f)                                           \
   X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)                                 \
   X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)                               \
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                                 \

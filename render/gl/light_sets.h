@@ -6,8 +6,10 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -17,8 +19,15 @@ namespace gs::render {
 /// uniform buffer, so that items with the same lights can be drawn together.
 class LightSets {
  public:
-  static constexpr std::size_t kMaxLights = 16;  // of one item; shaders.h has the same number
-  static constexpr GLuint kBinding = 0;          // of the uniform block
+  static constexpr std::size_t kMaxLights = kMaxLightsOfAnItem;
+  static constexpr GLuint kBinding = 0;  // of the uniform block
+  /// The variant of the lighting shader that takes any number of lights.
+  static constexpr unsigned kLoop = 3;
+
+  /// The variant of the lighting shader for a number of lights.
+  static unsigned variant(std::size_t count) { return static_cast<unsigned>(std::min<std::size_t>(count, kLoop)); }
+  /// What kLightingShader wants to be defined for a variant.
+  static std::string defines(unsigned variant);
 
   explicit LightSets(const Gl& gl);
 
@@ -37,35 +46,41 @@ class LightSets {
   void bind(std::uint32_t set);
 
  private:
-  /// One light in the layout of the uniform block (std140). All zero: a light that adds nothing.
+  /// One light in the layout of the uniform block (std140).
   struct ShaderLight {
     glm::vec3 location;  // directional: towards the light
-    float kind;          // 0 directional, 1 point, 2 spot
+    float local;         // 0 directional, 1 point or spot
     glm::vec3 color;
     float intensity;
     glm::vec3 direction;
     float ambient_intensity;
     glm::vec3 attenuation;
     float radius;
-    float beam_width, cut_off_angle, padding[2];
+    float cut_off_angle, fading;  // 1 / (cutOffAngle - beamWidth)
+    float padding[2];
   };
   static_assert(sizeof(ShaderLight) == 80);
   struct ShaderSet {
+    std::int32_t count, padding[3];
     ShaderLight lights[kMaxLights];
   };
+  static_assert(sizeof(ShaderSet) <= 16 * 1024);             // what OpenGL promises at least
   using Choice = std::array<std::uint16_t, kMaxLights + 1>;  // count, then indices into lights_
   struct ChoiceHash {
     std::size_t operator()(const Choice& choice) const;
   };
 
+  static ShaderLight directional_light(const glm::vec3& to_light);
+
   static constexpr std::uint16_t kHeadlight = 0xFFFF;
 
-  void choose_local(const glm::vec3& center, float radius, Choice& choice);
+  /// Bytes of a set of so many lights in the buffer.
+  [[nodiscard]] std::size_t stride(std::size_t count) const;
+  void choose_local(const glm::vec3& center, float radius, std::size_t most, Choice& choice);
   static ShaderLight to_camera(const Light& light, const glm::dmat4& camera_from_world);
 
   const Gl& gl_;
   Buffer buffer_;
-  std::size_t stride_;               // bytes from set to set
   std::vector<ShaderLight> lights_;  // camera space, in the order of the list
   std::vector<bool> directional_;
   std::vector<std::uint16_t> local_;  // point and spot lights
@@ -73,6 +88,8 @@ class LightSets {
   std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
   std::vector<Choice> sets_;
   std::vector<bool> directional_only_;  // by set
+  std::vector<std::size_t> offsets_;    // in the buffer, by set
+  std::size_t bytes_ = 0;               // of all sets
   Choice last_choice_{};
   std::uint32_t last_number_ = 0;
 };

@@ -4,45 +4,43 @@
 namespace gs::render {
 
 /// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
-/// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and ALL_LIGHTS: "ADD(0)
-/// ADD(1) ..." for each light. What an item does not need is left out, and lights have constant numbers, because a
-/// software driver takes long to compile the one and to look the other up for every pixel.
+/// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets:
+/// MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set tells it. A software
+/// driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to compile each of them: a
+/// loop over any number of lights compiles as fast as two.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
-  vec4 location_kind;
+  vec4 location_local;
   vec4 color_intensity;
   vec4 direction_ambient;
   vec4 attenuation_radius;
-  vec4 angles;
+  vec4 cone;
 };
 layout(std140) uniform Lights {
-  Light lights[16];
+  int light_count;
+  Light lights[MOST_LIGHTS];
 };
 
 // What one light adds.
-vec3 reflected(Light light, vec3 n, vec3 place, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
-  vec3 l = light.location_kind.xyz;
+vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
+  vec3 l = light.location_local.xyz;
   float strength = 1.0;
 #ifdef LOCAL_LIGHTS
-  if (light.location_kind.w > 0.5) {
-    l -= place;
-    float distance = length(l);
-    if (distance > light.attenuation_radius.w) return vec3(0.0);
-    l /= max(distance, 1e-30);
-    vec3 c = light.attenuation_radius.xyz;
-    strength = 1.0 / max(c.x + distance * (c.y + distance * c.z), 1.0);
-    if (light.location_kind.w > 1.5) {
-      float angle = acos(clamp(dot(-l, light.direction_ambient.xyz), -1.0, 1.0));
-      float beam_width = light.angles.x, cut_off = light.angles.y;
-      if (angle >= cut_off) return vec3(0.0);
-      if (angle > beam_width) strength *= (angle - cut_off) / (beam_width - cut_off);
-    }
-  }
+  // Without branches, which cost software drivers more than the work: directional lights come with numbers that change
+  // nothing, and point lights with those of a cone that is wider than a sphere.
+  l -= light.location_local.w * place;
+  float distance = length(l);
+  l /= max(distance, 1e-30);
+  vec3 c = light.attenuation_radius.xyz;
+  strength = 1.0 / max(c.x + distance * (c.y + distance * c.z), 1.0);
+  float angle = acos(clamp(dot(-l, light.direction_ambient.xyz), -1.0, 1.0));
+  strength *= clamp((light.cone.x - angle) * light.cone.y, 0.0, 1.0);
+  strength = distance > light.attenuation_radius.w ? 0.0 : strength;
 #endif
   float intensity = light.color_intensity.w;
   vec3 sum = light.direction_ambient.w * ambient + intensity * max(dot(n, l), 0.0) * diffuse;
 #ifdef SPECULAR
-  vec3 h = l + normalize(-place);
+  vec3 h = l + to_viewer;
   float cosine = max(dot(n, h) * inversesqrt(max(dot(h, h), 1e-30)), 0.0);
   // 0 to the power 0 is undefined in GLSL and 1 in the equation.
   float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
@@ -53,23 +51,29 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 diffuse, vec3 ambient, vec4
 
 vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
   vec3 ambient = diffuse * emissive_ambient.w;
-  vec3 sum = emissive_ambient.rgb;
-#define ADD(i) sum += reflected(lights[i], n, place, diffuse, ambient, specular_exponent);
+  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(-place);  // once: drivers leave it in the loop
+#define ADD(i) sum += reflected(lights[i], n, place, to_viewer, diffuse, ambient, specular_exponent);
+#ifdef ALL_LIGHTS
   ALL_LIGHTS
+#else
+  // At least one light, and the test behind it: llvmpipe would go through a loop of n lights n + 1 times.
+  int i = 0;
+  do {
+    ADD(i)
+  } while (++i < light_count);
+#endif
   return sum;
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, COLORS, TEXTURE; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
+/// Defines: LIT, NORMALS, TEXTURE; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
 /// use is passed on: software drivers keep all of it for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
 layout(location = 1) in vec3 normal;
 #endif
-#ifdef COLORS
-layout(location = 2) in vec3 color;
-#endif
+layout(location = 2) in vec4 color;  // w: 1, or 0 where the mesh has none
 #ifdef TEXTURE
 layout(location = 3) in vec2 texture_coordinate;
 #endif
@@ -86,7 +90,7 @@ layout(location = 9) in vec4 specular;
 uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
-flat out vec4 base_color;
+out vec4 surface_color;
 #ifdef LIT
 #ifdef POSITION
 out vec3 camera_position;
@@ -100,9 +104,6 @@ flat out vec4 specular_exponent;
 #ifdef NORMALS
 out vec3 camera_normal;
 #endif
-#endif
-#ifdef COLORS
-out vec3 vertex_color;
 #endif
 #ifdef TEXTURE
 out vec2 texture_place;
@@ -128,7 +129,7 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-  base_color = base;
+  surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
 #ifdef LIT
 #ifdef POSITION
   camera_position = place;
@@ -143,9 +144,6 @@ void main() {
   camera_normal = normal_in_camera();
 #endif
 #endif
-#ifdef COLORS
-  vertex_color = color;
-#endif
 #ifdef TEXTURE
   texture_place = (texture_transform * vec3(texture_coordinate, 1.0)).xy;
   texture_place.y = 1.0 - texture_place.y;  // rows of images come from the top, t = 0 is the bottom
@@ -153,19 +151,17 @@ void main() {
 }
 )glsl";
 
-/// Defines: those of the vertex shader, and with TEXTURE: INTENSITY, TEXTURE_ALPHA, CUT_OUT.
+/// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first.
 /// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)
 #define POSITION
 #endif
-flat in vec4 base_color;
-#ifdef COLORS
-in vec3 vertex_color;
-#endif
+in vec4 surface_color;
 #ifdef TEXTURE
 in vec2 texture_place;
 uniform sampler2D image;
+uniform ivec2 replaces;  // 1 where the texture replaces the colour, the alpha
 #endif
 out vec4 result;
 
@@ -202,20 +198,11 @@ vec3 surface_normal() {
 #endif
 
 void main() {
-  vec4 color = base_color;
-#ifdef COLORS
-  color.rgb = vertex_color;
-#endif
+  vec4 color = surface_color;
 #ifdef TEXTURE
   vec4 texel = texture(image, texture_place);
-#ifdef INTENSITY
-  color.rgb *= texel.rgb;
-#else
-  color.rgb = texel.rgb;
-#endif
-#ifdef TEXTURE_ALPHA
-  color.a = texel.a;
-#endif
+  color.rgb = replaces.x != 0 ? texel.rgb : color.rgb * texel.rgb;
+  if (replaces.y != 0) color.a = texel.a;
 #ifdef CUT_OUT
   if (texel.a < 0.5) discard;
   color.a = 1.0;

@@ -17,18 +17,7 @@ namespace {
 // One frame draws no more than this: USE can ask for more than any driver ends in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2;
-constexpr const char* kDefines[] = {"LIT",           "NORMALS", "COLORS",       "TEXTURE",  "INTENSITY",
-                                    "TEXTURE_ALPHA", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
-
-// Numbers of lights for which there are shaders; sets are filled up with black lights.
-constexpr std::size_t kLightCounts[] = {0, 1, 2, 3, 4, 6, 8, 12, 16};
-static_assert(kLightCounts[std::size(kLightCounts) - 1] == LightSets::kMaxLights);
-
-unsigned light_count_class(std::size_t count) {
-  unsigned number = 0;
-  while (kLightCounts[number] < count) ++number;
-  return number;
-}
+constexpr const char* kDefines[] = {"LIT", "NORMALS", "TEXTURE", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
 
 /// The affine product in double: the difference of two large coordinates must survive.
 void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
@@ -82,7 +71,7 @@ std::uint64_t MeshPass::DrawState::packed() const {
 std::variant<std::unique_ptr<MeshPass>, ContextError> MeshPass::create(const Gl& gl) {
   std::unique_ptr<MeshPass> pass(new MeshPass(gl));
   // The variant that nearly every world needs; the others come from the same source when they are needed.
-  if (!pass->program(kLit | kNormals | kFirstLightBit * light_count_class(1))) return ContextError{pass->last_error_};
+  if (!pass->program(kLit | kNormals | kFirstLightBit * LightSets::variant(1))) return ContextError{pass->last_error_};
   return pass;
 }
 
@@ -96,11 +85,12 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
     std::string text;
     for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
       if (variant >> bit & 1) text.append("#define ").append(kDefines[bit]).append("\n");
-    text += "#define ALL_LIGHTS";
-    for (std::size_t i = 0; i < kLightCounts[variant / kFirstLightBit]; ++i) text += " ADD(" + std::to_string(i) + ")";
-    text += "\n";
-    if (variant & kLit) text += kLightingShader;
-    auto made = make_program(gl_, text, kMeshVertexShader, kMeshFragmentShader);
+    std::string fragment;
+    if (variant & kLit) {
+      text += LightSets::defines(variant / kFirstLightBit);
+      fragment = kLightingShader;
+    }
+    auto made = make_program(gl_, text, kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
     } else {
@@ -108,6 +98,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       const GLuint name = entry.program.name();
       entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
       entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
+      entry.replaces = gl_.GetUniformLocation(name, "replaces");
       const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
       if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
     }
@@ -165,7 +156,6 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   DrawState& state = prepared.state;
   set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
   instance.alpha = material.lit ? 1 - material.transparency : 1;
-  if (last_slice_->colors) state.variant |= kColors;
   if (shaded && material.lit) {
     state.variant |= kLit | (last_slice_->normals ? kNormals : 0u);
     state.lights = lights_.choose(item.directional_lights, sphere.center, sphere.radius);
@@ -173,18 +163,19 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     instance.ambient_intensity = material.ambient_intensity;
     set(instance.specular, material.specular);
     state.variant |= frame_variant_;
-    if (!lights_.directional_only(state.lights)) state.variant |= kLocalLights;
-    state.variant |= kFirstLightBit * light_count_class(lights_.count(state.lights));
+    const unsigned lights = LightSets::variant(lights_.count(state.lights));
+    state.variant |= kFirstLightBit * lights;
+    // Few sets of many lights have no local ones: one program less.
+    if (lights == LightSets::kLoop || !lights_.directional_only(state.lights)) state.variant |= kLocalLights;
     instance.shininess = material.shininess * kShininessScale;
   }
   bool transparent = instance.alpha < 1;
   if (texture) {
-    state.variant |= kTexture | (texture->intensity ? kIntensity : 0u);
+    state.variant |= kTexture;
     state.texture = texture_number(item.texture, *texture);
     if (item.texture.image->has_alpha()) {
       instance.alpha = 1;
       transparent = texture->alpha == TextureStore::Alpha::blended;
-      if (transparent) state.variant |= kTextureAlpha;
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }
@@ -244,6 +235,8 @@ void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) 
     const TextureBinding& binding = texture_bindings_[state.texture];
     textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
     gl_.UniformMatrix3fv(shader.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
+    const TextureStore::Entry& texture = *binding.entry;
+    gl_.Uniform2i(shader.replaces, texture.intensity ? 0 : 1, texture.alpha == TextureStore::Alpha::blended ? 1 : 0);
   }
   if (all || state.mirrored != applied_.mirrored) gl_.FrontFace(state.mirrored ? GL_CW : GL_CCW);
   if (all || state.cull != applied_.cull) (state.cull ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);

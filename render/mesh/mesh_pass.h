@@ -35,24 +35,22 @@ class MeshPass {
             FrameStatistics& statistics, const std::function<void()>& between);
 
  private:
-  /// Bits that select a shader variant; each is one #define.
+  /// Bits that select a shader variant; each is one #define. What costs little where it is not needed is no variant:
+  /// a software driver takes 0.1 to 0.3 s to compile each.
   enum Variant : unsigned {
     kLit = 1,
     kNormals = 2,
-    kColors = 4,
-    kTexture = 8,
-    kIntensity = 16,
-    kTextureAlpha = 32,
-    kCutOut = 64,
-    kLocalLights = 128,
-    kSpecular = 256,
-    kEmissive = 512,
-    kFirstLightBit = 1024,  // from here on: the number of lights, as an index of kLightCounts
+    kTexture = 4,
+    kCutOut = 8,
+    kLocalLights = 16,
+    kSpecular = 32,
+    kEmissive = 64,
+    kFirstLightBit = 128,  // from here on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
     std::uint64_t frame = 0;  // for which the projection was set last
-    GLint clip_from_camera = -1, texture_transform = -1;
+    GLint clip_from_camera = -1, texture_transform = -1, replaces = -1;
   };
   /// A texture as some items of this frame use it. Number 0 stands for none.
   struct TextureBinding {

@@ -63,7 +63,10 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 
 }  // namespace
 
-MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)) {}
+MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)) {
+  // What meshes without colours have for them: w = 0, where an array of three components has 1.
+  gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
+}
 
 const MeshStore::Slice* MeshStore::find(const std::shared_ptr<const vrml::Mesh>& mesh) {
   Entry& entry = entries_[mesh.get()];

@@ -16,7 +16,6 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
-constexpr std::size_t kMaxLightsOfAnItem = 16;
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
 constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // and coordinate systems; what is behind them has no path

@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -34,6 +35,9 @@ struct Light {
   glm::vec3 color{1.0f}, location{0.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};  // world space
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
 };
+
+/// An item is lit by no more than this; of more, the strongest ones count.
+inline constexpr std::size_t kMaxLightsOfAnItem = 64;
 
 /// A texture as a Shape uses it.
 struct TextureUse {

@@ -70,16 +70,14 @@ SplatPass::SplatPass(const Gl& gl)
   }
 }
 
-const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, std::size_t lights) {
-  const auto [found, fresh] = shaders_.try_emplace(lights * 4 + (closing ? 2 : 0) + (colored ? 1 : 0));
+const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, unsigned lights) {
+  const auto [found, fresh] = shaders_.try_emplace(lights * 4u + (closing ? 2u : 0u) + (colored ? 1u : 0u));
   Shader& entry = found->second;
   if (fresh) {
     std::string text = "#define LOCAL_LIGHTS\n#define SPECULAR\n";
     if (colored) text += "#define COLORS\n";
     if (closing) text += "#define CLOSING\n";
-    text += "#define ALL_LIGHTS";
-    for (std::size_t i = 0; i < lights; ++i) text += " ADD(" + std::to_string(i) + ")";
-    text += "\n";
+    text += LightSets::defines(lights);
     auto made = make_program(gl_, text, kSplatVertexShader, std::string(kLightingShader) + kSplatFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
@@ -144,7 +142,7 @@ SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, 
 void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
                       const glm::mat4& clip_from_camera, const DrawOptions& options) {
   const bool colored = textures.colors != 0;
-  const Shader* s = shader(colored, closing > 0, lights_.count(light_set));
+  const Shader* s = shader(colored, closing > 0, LightSets::variant(lights_.count(light_set)));
   if (!s) return;
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x + textures.x, options.y + textures.y, textures.width, textures.height);

@@ -33,7 +33,8 @@ class SplatPass {
           pixel = -1, tangents = -1, depth_row = -1, base = -1, emissive_ambient = -1, specular_exponent = -1;
   };
   /// Null when the driver refused it.
-  const Shader* shader(bool colored, bool closing, std::size_t lights);
+  /// `lights`: LightSets::variant.
+  const Shader* shader(bool colored, bool closing, unsigned lights);
   /// `closing`: how wide the holes are that are still to be closed, in pixels.
   void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
              const glm::mat4& clip_from_camera, const DrawOptions& options);
@@ -49,7 +50,7 @@ class SplatPass {
   SplatGl splat_gl_;
   VertexArray no_attributes_;
   Texture normals_, depths_, colors_;
-  std::unordered_map<std::size_t, Shader> shaders_;
+  std::unordered_map<unsigned, Shader> shaders_;
 };
 
 }  // namespace gs::render

@@ -158,11 +158,11 @@ TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)
   check_color(pixel(image, 48, 32), glm::vec3(0));
 }
 
-TEST_CASE("Sixteen lights reach an item, the strongest of more", "[optimised]") {
+TEST_CASE("Sixty-four lights reach an item, the strongest of more", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < 100; ++i) {
     Light light;
     light.kind = Light::Kind::point;
     light.location = {0, 0, 5};
@@ -176,11 +176,42 @@ TEST_CASE("Sixteen lights reach an item, the strongest of more", "[optimised]") 
   check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.5f), 1.5f);
   for (Light& light : list.lights) {
     light.radius = 100;
-    light.intensity = 0.01f;
+    light.intensity = 0.005f;
   }
-  list.lights[39].intensity = 0.6f;
-  // 0.6 and 15 times 0.01, each times diffuse 0.5
-  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.375f), 2.0f);
+  list.lights[99].intensity = 0.6f;
+  // 0.6 and 63 times 0.005, each times diffuse 0.5
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.4575f), 2.0f);
+}
+
+TEST_CASE("Items of one frame have any number of lights, with and without colours", "[optimised]") {
+  Drawing drawing;
+  drawing.options.headlight = false;
+  RenderList list;
+  for (int i = 0; i < 64; ++i) {
+    Light light;
+    light.intensity = 1.0f / 64;
+    list.lights.push_back(light);
+  }
+  constexpr int kCounts[] = {0, 1, 2, 3, 5, 17, 63, 64};
+  const auto colored = std::make_shared<vrml::Mesh>(*square(0.4f));
+  for (std::size_t i = 0; i < colored->positions.size(); ++i) colored->colors.push_back({0.2f, 0.4f, 0.8f});
+  for (int i = 0; i < 8; ++i)
+    for (int row = 0; row < 2; ++row) {
+      DrawItem item;
+      item.mesh = row == 0 ? square(0.4f) : colored;
+      item.world_from_node[3] = {i - 3.5f, row == 0 ? -1 : 1, 0, 1};
+      item.material.diffuse = {0.9f, 0.6f, 0.3f};
+      for (int light = 0; light < kCounts[i]; ++light)
+        item.directional_lights.push_back(static_cast<std::uint16_t>(light));
+      add(list, item);
+    }
+  const Image image = drawing.draw(list);
+  for (int i = 0; i < 8; ++i) {
+    const auto pixel_of = [](double at) { return static_cast<std::uint32_t>((at / 10 / kTangent + 1) * 32); };
+    const float light = static_cast<float>(kCounts[i]) / 64;
+    check_color(pixel(image, pixel_of(i - 3.5), pixel_of(1)), light * glm::vec3(0.9f, 0.6f, 0.3f));
+    check_color(pixel(image, pixel_of(i - 3.5), pixel_of(-1)), light * glm::vec3(0.2f, 0.4f, 0.8f));
+  }
 }
 
 TEST_CASE("The back of a two-sided face is lit with the turned normal") {
