@@ -25,9 +25,12 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
+  /// Writes a new file in the place of one that may have been there: a file that is cut and written again is flushed to the
+  /// disk by ext4 at each round, milliseconds in a test of every prefix.
   std::string write(const std::string& name, std::string_view bytes) const {
     const std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());
+    std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary) << bytes;
     return path.string();
   }
