@@ -162,14 +162,14 @@ Clock::time_point fetch_http(const TransferSpec& spec, Recording& recording) {
 // One event of a client of cells; true when there is no more to wait for.
 bool take_cells(net::CellEvent event, double seconds, const TransferSpec& spec, std::uint64_t& bytes,
                 Recording& recording) {
-  using Kind = net::CellEvent::Kind;
-  if (event.kind == Kind::base || event.kind == Kind::piece) {
+  using EventKind = net::CellEvent::Kind;
+  if (event.kind == EventKind::base || event.kind == EventKind::piece) {
     bytes += event.bytes.size();
     recording.cells.push_back({seconds, std::move(event)});
     recording.complete = spec.enough > 0 && bytes >= spec.enough;
-  } else if (event.kind == Kind::ended) {
+  } else if (event.kind == EventKind::ended) {
     recording.complete = true;
-  } else if (event.kind == Kind::failed || event.kind == Kind::refused) {
+  } else if (event.kind == EventKind::failed || event.kind == EventKind::refused) {
     recording.failure = event.text;
   }
   return recording.complete || !recording.failure.empty();

@@ -183,7 +183,7 @@ TEST_CASE("too little memory gives a line and a status, never a crash, however l
        {"check " + world, "info " + world, "encode --vectors 20000 " + world + " " + stream,
         "encode --dims 64x64x64 --fraction 0.5 " + volume + " " + stream,
         "export --dims 64x64x64 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
-    for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 5) {
+    for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 3) {
       const Run result =
           run_shell("ulimit -v " + std::to_string(megabytes) + "000; " GHOSTSPACE_BINARY " " + arguments);
       // The loader of libraries has its own words.
