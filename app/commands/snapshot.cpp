@@ -86,8 +86,9 @@ int run_snapshot(const Options& options, const std::string& file) {
   OpenedWorld world = load_world(file, load_options(options));
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
+  const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
-  Simulation simulation(world, {options.width, options.height});
+  Simulation simulation(std::move(world), {options.width, options.height});
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;
@@ -109,8 +110,8 @@ int run_snapshot(const Options& options, const std::string& file) {
   simulation.run(options.time);
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())
     complain("%s: warning: %s", file.c_str(), problem.c_str());
-  const render::RenderList& first = simulation.look();
-  const render::Camera camera = options.orbit ? orbiting(options, first.bounds) : simulation.camera();
+  const render::Camera camera =
+      options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.
   const render::RenderList& list = simulation.look_from(glm::vec3(camera.world_from_camera[3]));
   vrml::Diagnostics left_out;
@@ -138,7 +139,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   if (!options.stats.empty()) {
     const Clock::time_point again = Clock::now();
     (void)renderer.draw_to_image(list, camera, draw);
-    const nlohmann::json stats = {{"bytes", world.bytes},
+    const nlohmann::json stats = {{"bytes", simulation.world().bytes},
                                   {"load_s", load_seconds},
                                   {"first_image_s", first_image_seconds},
                                   {"frame_s", seconds_since(again)},
@@ -151,11 +152,11 @@ int run_snapshot(const Options& options, const std::string& file) {
                                   {"backend", std::string(context.backend())},
                                   {"renderer", renderer.gl_renderer()},
                                   {"splats", statistics.splats},
-                                  {"errors", world.diagnostics.errors() + left_out.errors()},
-                                  {"warnings", world.diagnostics.warnings()}};
+                                  {"errors", errors + left_out.errors()},
+                                  {"warnings", warnings}};
     if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }
-  return world.truncated ? kFailed : kDone;
+  return simulation.world().truncated ? kFailed : kDone;
 }
 
 }  // namespace gs::app

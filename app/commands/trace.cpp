@@ -6,6 +6,7 @@
 #include "vrml/syntax/printer.h"
 
 #include <charconv>
+#include <utility>
 
 namespace gs::app {
 
@@ -33,9 +34,9 @@ int run_trace(const Options& options) {
   OpenedWorld world = load_world(options.files.front(), load_options(options));
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
-  Simulation simulation(world, {options.width, options.height});
+  Simulation simulation(std::move(world), {options.width, options.height});
   if (!plan_input(options, simulation)) return kFailed;
-  vrml::NodeNames names(*world.scene);
+  vrml::NodeNames names(*simulation.world().scene);
   std::string line;
   simulation.execution().observe([&](const vrml::SentEvent& event) {
     char digits[64];
@@ -50,7 +51,7 @@ int run_trace(const Options& options) {
   simulation.run(*options.until, [] { return !output_failed(); });
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())
     complain("%s: warning: %s", options.files.front().c_str(), problem.c_str());
-  return world.truncated ? kFailed : kDone;
+  return simulation.world().truncated ? kFailed : kDone;
 }
 
 }  // namespace gs::app

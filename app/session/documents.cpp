@@ -49,7 +49,7 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   return document;
 }
 
-std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
+std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes) {
   auto document = std::make_shared<Document>();
   document->world = std::move(world);
   document->meshes = std::move(meshes);
@@ -57,19 +57,29 @@ std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache mes
   if (!document->world.scene) return document;
   inspect(*document);
   document->living = std::make_unique<LivingWorld>(document->world, document->meshes);
-  document->living->start(world_time());
-  document->has_navigation_info = document->living->bound().navigation_info != nullptr;
-  document->first_scene = document->living->look({0, 0, 10}, document->viewer_dependent);
-  document->list = document->first_scene->scene.shared_list();
-  if (document->viewer_dependent) {
-    const auto& viewpoints = document->list->viewpoints;
+  return document;
+}
+
+void begin_world(Document& document, double now) {
+  if (!document.living) return;
+  document.living->start(now);
+  document.has_navigation_info = document.living->bound().navigation_info != nullptr;
+  document.first_scene = document.living->look({0, 0, 10}, document.viewer_dependent);
+  document.list = document.first_scene->scene.shared_list();
+  if (document.viewer_dependent) {
+    const auto& viewpoints = document.list->viewpoints;
     const glm::vec3 viewer = viewpoints.empty()
-                                 ? first_pose(document->list->bounds, {4, 3}).position
+                                 ? first_pose(document.list->bounds, {4, 3}).position
                                  : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
-    (void)document->living->show(*document->first_scene, viewer);
+    (void)document.living->show(*document.first_scene, viewer);
   }
-  report_left_out(*document->list, document->world.diagnostics);
-  inspect_clouds(*document);
+  report_left_out(*document.list, document.world.diagnostics);
+  inspect_clouds(document);
+}
+
+std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
+  auto document = hold_world(std::move(world), std::move(meshes));
+  begin_world(*document, world_time());
   return document;
 }
 

@@ -40,8 +40,12 @@ struct Document {
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
-/// Brings a world that was opened to life, at the present time, and gathers what is visible. `meshes`: what was made of
-/// its nodes before. Any thread that owns it.
+/// A world that was opened and has not begun to live. `meshes`: what was made of its nodes before. Any thread that owns
+/// it.
+[[nodiscard]] std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes = {});
+/// Brings it to life at `now`, in seconds since 1970, and gathers what is visible. Once.
+void begin_world(Document& document, double now);
+/// Both at once, at the present time.
 [[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
 /// A world that is still being read: what there is to see, without its scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,

@@ -1,5 +1,7 @@
 #include "app/session/input_rows.h"
 
+#include "app/view/actions.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -36,12 +38,23 @@ struct PointerRow {
 constexpr std::array<PointerRow, 3> kPointerRows = {
     {{"move", InputRow::Kind::move}, {"press", InputRow::Kind::press}, {"release", InputRow::Kind::release}}};
 
-// What is wrong with a row of a key, which would walk; that waits.
-std::string key_problem(const Json& row) {
+std::optional<InputRow> read_key(const LineReader& in, const Json& row, double time) {
+  InputRow result;
+  result.kind = InputRow::Kind::key;
+  result.time = time;
+  result.location = in.place_of("key");
   const auto down = row.find("down");
-  if (!row.at("key").is_string()) return "expected \"key\": the name of a key";
-  if (down == row.end() || !down->is_boolean()) return "expected \"down\": true or false";
-  return "\"key\" is not supported yet: nobody walks in simulated time";
+  const auto key = row.at("key").is_string() ? find_key(row.at("key").get<std::string>()) : std::nullopt;
+  if (!key) {
+    in.error(result.location, "expected \"key\": the name of a key");
+  } else if (down == row.end() || !down->is_boolean()) {
+    in.error(result.location, "expected \"down\": true or false");
+  } else {
+    result.key = *key;
+    result.down = down->get<bool>();
+    return result;
+  }
+  return std::nullopt;
 }
 
 std::optional<InputRow> read_pointer(const LineReader& in, const Json& row, const PointerRow& kind, double time) {
@@ -94,10 +107,7 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
     in.error({in.number, 1}, "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\" and \"key\"");
     return std::nullopt;
   }
-  if (row.contains("key")) {
-    in.error(in.place_of("key"), key_problem(row));
-    return std::nullopt;
-  }
+  if (row.contains("key")) return read_key(in, row, result.time);
   for (const PointerRow& kind : kPointerRows)
     if (row.contains(kind.name)) return read_pointer(in, row, kind, result.time);
   const auto set = row.find("set"), viewpoint = row.find("viewpoint");

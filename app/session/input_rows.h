@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/window/window.h"
 #include "vrml/scene/diagnostic.h"
 
 #include <glm/vec2.hpp>
@@ -19,11 +20,14 @@ struct InputRow {
     move,       // the pointing device points at `pointer`
     press,      // its button goes down there
     release,    // and up there
+    key,        // `key` goes down or up
   };
   Kind kind = Kind::set;
   double time = 0;  // seconds since the world began
   std::string name, event, value;
   glm::dvec2 pointer{0};                // pixels from the upper left of the picture
+  Key key = Key::unknown;
+  bool down = false;
   vrml::SourceLocation location;        // of the row's subject in the file
   vrml::SourceLocation value_location;  // of `value`
 };

@@ -4,7 +4,7 @@
 #include "vrml/syntax/parser.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace gs::app {
@@ -45,26 +45,37 @@ std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldT
   return std::move(holder.interfaces[0].initial);
 }
 
-Simulation::Simulation(OpenedWorld& world, const glm::ivec2& size)
-    : world_(world), size_(size), living_(world, meshes_), names_(std::make_unique<vrml::NodeNames>(*world.scene)) {
-  execution().set_aspect(size_.x / size_.y);
+namespace {
+
+SessionOptions simulated() {
+  SessionOptions options;
+  options.simulated = true;
+  return options;
+}
+
+}  // namespace
+
+Simulation::Simulation(OpenedWorld world, const glm::ivec2& size)
+    : document_(hold_world(std::move(world))),
+      session_(simulated(), {}, [] {}),
+      names_(std::make_unique<vrml::NodeNames>(*document_->world.scene)) {
+  input_.area = Viewport{0, 0, size.x, size.y};
+  execution().set_aspect(static_cast<double>(size.x) / size.y);
 }
 
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
   if (viewpoints_.empty())
-    viewpoints_ = render::collect(*world_.scene, world_.images, meshes_, {0, 0, 10}, world_.clouds).viewpoints;
+    viewpoints_ = render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().clouds).viewpoints;
   const auto found = find_viewpoint(viewpoints_, viewpoint);
   if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
   action.scene = viewpoints_[*found].scene;
   action.node = viewpoints_[*found].node;
-  action.event = action.scene->node(action.node).type->find_event_in("set_bind");
-  action.value = vrml::SFBool{true};
   return std::nullopt;
 }
 
 std::optional<std::string> Simulation::set_action(const InputRow& row, Action& action, vrml::SourceLocation& place) {
   place = row.location;
-  action.scene = world_.scene.get();
+  action.scene = world().scene.get();
   action.node = names_->find(row.name);
   if (!action.node) return "no node '" + row.name + "'; expected a DEF name or Type#number";
   const vrml::NodeType& type = *action.scene->node(action.node).type;
@@ -89,7 +100,7 @@ bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file
     } else if (row.kind == InputRow::Kind::viewpoint) {
       problem = bind_action(row.name, action);
     } else {
-      action.pointer = row;
+      input_action(row, action);
     }
     good = good && !problem;
     if (problem) {
@@ -108,46 +119,77 @@ std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
   return std::nullopt;
 }
 
-const render::RenderList& Simulation::look() {
-  if (!seen_) seen_ = living_.look(pose_.position, true);
-  (void)living_.show(*seen_, pose_.position);
-  const render::RenderList& list = seen_->scene.list();
-  // A picture that shows the whole is not framed anew when something moves.
-  if (!list.viewpoints.empty() || !camera_)
-    camera_ = viewpoint_camera(list, living_.bound().viewpoint, glm::vec2(size_));
-  pose_ = pose_of(camera_->world_from_camera, camera_->field_of_view);
-  return look_from(pose_.position);
+void Simulation::input_action(const InputRow& row, Action& action) {
+  using Kind = WindowEvent::Kind;
+  WindowEvent& event = action.input;
+  event.time = row.time;
+  if (row.kind == InputRow::Kind::key) {
+    event.kind = row.down ? Kind::key_down : Kind::key_up;
+    event.key = row.key;
+    if (row.key == Key::shift) shift_ = row.down;
+    if (row.key == Key::control) control_ = row.down;
+  } else {
+    event.kind = row.kind == InputRow::Kind::move    ? Kind::pointer
+                 : row.kind == InputRow::Kind::press ? Kind::button_down
+                                                     : Kind::button_up;
+    pointer_ = row.pointer;
+  }
+  event.pointer = pointer_;
+  event.shift = shift_;
+  event.control = control_;
+}
+
+const View& Simulation::look() {
+  step(time_, true);
+  return *session_.view();
+}
+
+render::Camera Simulation::camera() {
+  const View& seen = look();
+  // The Viewpoint's own place, without what a pose leaves of it.
+  if (at_home(seen) && input_.area) return viewpoint_camera(*seen.list, seen.bound, input_.area->size());
+  return camera_of(seen.navigation.pose);
 }
 
 const render::RenderList& Simulation::look_from(const glm::vec3& viewer) {
-  if (!seen_) seen_ = living_.look(viewer, true);
-  (void)living_.show(*seen_, viewer);
-  return seen_->scene.list();
+  const View& seen = look();
+  (void)document_->living->show(*seen.scene, viewer);
+  return *seen.list;
 }
 
-void Simulation::point(const InputRow& row) {
-  if (row.kind != InputRow::Kind::move) down_ = row.kind == InputRow::Kind::press;
-  const render::RenderList& list = look();
-  PickOptions options;
-  options.pixel = static_cast<float>(2 * std::tan(pose_.field_of_view / 2) / std::min(size_.x, size_.y));
-  (void)app::point(execution(), picker_, list, sight_line(pose_, row.pointer, size_), down_, options);
+void Simulation::step(double time, bool look) {
+  time_ = time;
+  input_.look = look || session_.moving();
+  (void)session_.step(kSimulatedStart + time, input_);
+  input_.events.clear();
+}
+
+void Simulation::choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node) {
+  const std::vector<render::ViewpointState>& viewpoints = look().list->viewpoints;
+  for (std::size_t i = 0; i < viewpoints.size(); ++i)
+    if (viewpoints[i].scene == &scene && viewpoints[i].node == node) return session_.bind_viewpoint(i);
 }
 
 void Simulation::act(double time) {
   for (; next_action_ < actions_.size() && actions_[next_action_].time <= time; ++next_action_) {
     const Action& action = actions_[next_action_];
-    if (action.pointer) {
-      point(*action.pointer);
-    } else {
+    if (action.event) {
       (void)execution().send(*action.scene, action.node, *action.event, action.value);
+      continue;
     }
+    if (action.scene) {
+      choose_viewpoint(*action.scene, action.node);
+      continue;
+    }
+    input_.events.push_back({action.input, false});
+    step(time, true);
   }
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
-  living_.start(kSimulatedStart);
-  // The whole of a world without a Viewpoint is framed as it is when it begins: what moves then is seen to move.
-  if (seconds > 0 || !actions_.empty()) (void)look();
+  begin_world(*document_, kSimulatedStart);
+  session_.show(document_);
+  step(0, false);
   act(0);
   // The grid's times are multiples, not sums: errors of rounding do not add up.
   double time = 0;
@@ -157,7 +199,7 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     if (next_action_ < actions_.size()) next = std::min(next, actions_[next_action_].time);
     if (next == tick) ++steps;
     time = next;
-    (void)living_.step(kSimulatedStart + time);
+    step(time, false);
     act(time);
   }
 }

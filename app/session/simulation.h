@@ -1,15 +1,13 @@
 #pragma once
 
 #include "app/session/input_rows.h"
-#include "app/session/living_world.h"
-#include "app/view/picking.h"
-#include "app/world/opened_world.h"
-#include "render/scene/render_scene.h"
+#include "app/session/session.h"
 #include "vrml/events/execution.h"
 #include "vrml/events/node_names.h"
 
 #include <glm/vec2.hpp>
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -22,12 +20,12 @@ namespace gs::app {
 inline constexpr double kSimulatedStart = 946684800;
 inline constexpr double kSimulationStep = 1.0 / 60;
 
-/// A world that lives in simulated time, which depends on nothing else: the same input gives the same events, bit for
-/// bit. `trace` and `--snapshot` are callers. One thread; the world must outlive it.
+/// A session of one world in simulated time, which depends on nothing else: the same input gives the same events, bit
+/// for bit. `trace` and `--snapshot` are callers. One thread.
 class Simulation {
  public:
-  /// `size`: of the picture that the pointing device points at, in pixels.
-  Simulation(OpenedWorld& world, const glm::ivec2& size);
+  /// `size`: of the picture that the pointing device points at, in pixels. The world has a scene.
+  Simulation(OpenedWorld world, const glm::ivec2& size);
 
   /// Takes in what somebody does. False where rows name what the world does not have; `diagnostics` say which.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);
@@ -37,41 +35,43 @@ class Simulation {
   /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
-  [[nodiscard]] vrml::Execution& execution() { return living_.execution(); }
-  /// The world as it is now, seen as a picture of it is: from the bound Viewpoint, else so that all is in view.
-  const render::RenderList& look();
-  /// The same from somewhere else.
+  [[nodiscard]] OpenedWorld& world() { return document_->world; }
+  [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
+  /// The world as it is after `run`, and who looks at it.
+  [[nodiscard]] const View& look();
+  /// What a picture of it is drawn with: of `look`.
+  [[nodiscard]] render::Camera camera();
+  /// The same world from somewhere else.
   const render::RenderList& look_from(const glm::vec3& viewer);
-  /// Of `look`.
-  [[nodiscard]] const render::Camera& camera() const { return *camera_; }
 
  private:
+  /// What happens at a time: an event for a node, a Viewpoint that is chosen, or an event of the window.
   struct Action {
     double time = 0;
     const vrml::SceneGraph* scene = nullptr;
     vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event = nullptr;
+    const vrml::InterfaceDeclaration* event = nullptr;  // null: a Viewpoint, or without a scene `input`
     vrml::FieldValue value;
-    std::optional<InputRow> pointer;  // what the pointing device does, instead of an event
+    WindowEvent input;
   };
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
+  void input_action(const InputRow& row, Action& action);
+  void step(double time, bool look);
+  void choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node);
   void act(double time);
-  void point(const InputRow& row);
 
-  OpenedWorld& world_;
-  glm::dvec2 size_;
-  render::MeshCache meshes_;
-  LivingWorld living_;
+  std::shared_ptr<Document> document_;
+  SessionInput input_;  // of the steps
+  Session session_;
   std::unique_ptr<vrml::NodeNames> names_;
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
-  std::shared_ptr<LivingScene> seen_;  // null: nobody has looked yet
-  std::optional<render::Camera> camera_;
-  Pose pose_;
-  Picker picker_;
-  bool down_ = false;
+  double time_ = 0;
+  // As the rows have left them.
+  glm::vec2 pointer_{0};
+  bool shift_ = false, control_ = false;
 };
 
 /// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null

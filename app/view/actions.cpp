@@ -59,6 +59,16 @@ constexpr KeyName kKeyNames[] = {
     {Key::f6, "F6"},
     {Key::f11, "F11"},
     {Key::escape, "Esc"},
+    {Key::end, "End"},
+    {Key::left, "Left"},
+    {Key::right, "Right"},
+    {Key::up, "Up"},
+    {Key::down, "Down"},
+    {Key::space, "Space"},
+    {Key::enter, "Enter"},
+    {Key::shift, "Shift"},
+    {Key::control, "Ctrl"},
+    {Key::alt, "Alt"},
 };
 
 }  // namespace
@@ -79,6 +89,16 @@ const ActionRow* action_of(const WindowEvent& event) {
       return &row;
   }
   return nullptr;
+}
+
+std::optional<Key> find_key(std::string_view name) {
+  const auto upper = [](char letter) { return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 32) : letter; };
+  if (name.size() == 1 && name[0] > ' ' && name[0] <= '~') return letter_key(upper(name[0]));
+  for (const KeyName& each : kKeyNames)
+    if (std::equal(name.begin(), name.end(), each.name.begin(), each.name.end(),
+                   [&](char one, char other) { return upper(one) == upper(other); }))
+      return each.key;
+  return std::nullopt;
 }
 
 std::string keys_of(const ActionRow& row) {

@@ -1,4 +1,4 @@
-#include "app/viewer/viewer_session.h"
+#include "app/viewer/viewer_window.h"
 
 #include <algorithm>
 
@@ -21,22 +21,11 @@ Viewport Viewer::area() const {
   return result;
 }
 
-Viewport Viewer::place_of(std::size_t pane) const {
-  const std::vector<std::size_t> sight = panes_.visible();
-  const std::vector<Viewport> rectangles = places();
-  for (std::size_t i = 0; i < sight.size(); ++i)
-    if (sight[i] == pane) return rectangles[i];
-  return area();
-}
-
 void Viewer::draw_viewports() {
-  const std::vector<std::size_t> sight = panes_.visible();
-  const std::vector<Viewport> rectangles = places();
   std::vector<std::size_t> cloud_pixels, cloud_viewports;
-  for (std::size_t i = 0; i < sight.size(); ++i) {
-    const View* seen = panes_.at(sight[i]).view();
-    const bool clouds = seen && seen->document->has_clouds();
-    cloud_pixels.push_back(clouds ? rectangles[i].pixels() : 0);
+  for (const Frame::Picture& picture : frame_.pictures) {
+    const bool clouds = picture.view && picture.view->document->has_clouds();
+    cloud_pixels.push_back(clouds ? picture.place.pixels() : 0);
     cloud_viewports.push_back(clouds ? 1 : 0);
   }
   const std::vector<std::size_t> budgets =
@@ -44,29 +33,31 @@ void Viewer::draw_viewports() {
   const std::vector<std::size_t> decoded = shares_of(kMostDecoded, cloud_viewports);
   bool pending = false;
   std::size_t discs = 0;
-  for (std::size_t i = 0; i < sight.size(); ++i) {
+  for (std::size_t i = 0; i < frame_.pictures.size(); ++i) {
+    const Viewport& place = frame_.pictures[i].place;
     render::DrawOptions draw;
-    draw.x = rectangles[i].left;
-    draw.y = window_->framebuffer_size().y - rectangles[i].top - rectangles[i].height;
-    draw.width = rectangles[i].width;
-    draw.height = rectangles[i].height;
+    draw.x = place.left;
+    draw.y = window_->framebuffer_size().y - place.top - place.height;
+    draw.width = place.width;
+    draw.height = place.height;
     draw.budget = budgets[i];
     draw.most_decoded = decoded[i];
-    draw_viewport(sight[i], draw);
-    pending |= panes_.at(sight[i]).statistics.pending;
-    discs += panes_.at(sight[i]).statistics.vectors;
+    draw_viewport(frame_.pictures[i], draw);
+    const render::FrameStatistics& statistics = session_.panes().at(frame_.pictures[i].pane).statistics;
+    pending |= statistics.pending;
+    discs += statistics.vectors;
   }
-  refinement_.note(pending, discs, frames_wanted_ > 0 || moving());
+  refinement_.note(pending, discs, frames_wanted_ > 0 || frame_.moving);
 }
 
-void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
+void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions draw) {
   static const render::RenderList kNothing;
-  Pane& pane = panes_.at(index);
-  draw.viewport = static_cast<std::uint32_t>(index);
+  Pane& pane = session_.panes().at(picture.pane);
+  draw.viewport = static_cast<std::uint32_t>(picture.pane);
   draw.samples = options_.samples;
   draw.background = options_.background;
   draw.splats = options_.splats;
-  const View* seen = pane.view();
+  const View* seen = picture.view;
   if (!seen) {
     if (!draw.background) draw.background = kEmptyBackground;
     pane.statistics = renderer_->draw(kNothing, render::Camera{}, draw);
@@ -88,12 +79,7 @@ void Viewer::draw_viewport(std::size_t index, render::DrawOptions draw) {
 // "city.wrl: 3.1 of 12.0 MB, 4 files to come"
 std::string Viewer::progress_of(const std::string& path) const {
   std::string text = file_label(path);
-  std::vector<LoadingState> states;
-  for (const Reader& one : readers_)
-    if (one.reading.path == path) states.push_back(one.state);
-  if (const auto document = panes_.documents().document(path); document && states.empty())
-    states.push_back(document->arriving);
-  for (const LoadingState& state : states) {
+  for (const LoadingState& state : session_.progress_of(path)) {
     if (state.received == 0) continue;
     const auto megabytes = [](std::uint64_t bytes) {
       const std::uint64_t tenths = (bytes + 50'000) / 100'000;
@@ -106,29 +92,29 @@ std::string Viewer::progress_of(const std::string& path) const {
 }
 
 void Viewer::describe_viewports(UiModel& model) const {
-  const std::vector<std::size_t> sight = panes_.visible();
-  const std::vector<Viewport> rectangles = places();
-  for (std::size_t i = 0; i < sight.size(); ++i) {
-    const Pane& pane = panes_.at(sight[i]);
+  const Panes& panes = session_.panes();
+  for (const Frame::Picture& picture : frame_.pictures) {
+    const Pane& pane = panes.at(picture.pane);
     UiViewport viewport;
-    viewport.place = rectangles[i];
+    viewport.place = picture.place;
     if (pane.view()) viewport.label = file_label(pane.shown);
-    if (panes_.loading(sight[i])) viewport.loading = progress_of(pane.wanted);
-    viewport.active = sight[i] == panes_.active();
+    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
+    viewport.active = picture.pane == panes.active();
     model.viewports.push_back(std::move(viewport));
   }
-  model.layout = panes_.layout();
-  model.linked = linked_;
+  model.layout = panes.layout();
+  model.linked = session_.linked();
 }
 
 UiModel Viewer::model() {
   UiModel model;
-  for (const DocumentList::Entry& entry : panes_.documents().entries()) model.files.push_back(file_label(entry.path));
-  model.file = panes_.selected();
+  const Panes& panes = session_.panes();
+  for (const DocumentList::Entry& entry : panes.documents().entries()) model.files.push_back(file_label(entry.path));
+  model.file = panes.selected();
   describe_viewports(model);
-  if (const FolderQuestions::Question* question = questions_.current())
+  if (const FolderQuestions::Question* question = session_.question())
     model.question = {file_label(question->worlds.front()), question->folder, question->reference};
-  const Pane& pane = panes_.at(panes_.active());
+  const Pane& pane = panes.at(panes.active());
   model.statistics = pane.statistics;
   model.frame_ms = frame_ms_;
   model.frames_a_second = frames_a_second_;
@@ -144,7 +130,7 @@ UiModel Viewer::model() {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
     model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
   }
-  if (pointed_pane_ == panes_.active() && seen->document->living) {
+  if (session_.pointed_pane() == panes.active() && seen->document->living) {
     const vrml::PointedAt at = seen->document->living->execution().pointed_at();
     model.over_sensor = at.sensor || at.active;
     model.link = at.description;
@@ -161,25 +147,6 @@ UiModel Viewer::model() {
   for (const render::SplatItem& item : seen->list->splats)
     if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
   return model;
-}
-
-void Viewer::apply(const UiActions& actions) {
-  if (actions.open) open_files({*actions.open});
-  if (actions.file) select_file(*actions.file);
-  if (actions.layout) choose_layout(*actions.layout);
-  if (actions.run) (void)run(*actions.run);
-  if (actions.allow_folder) answer_question(*actions.allow_folder);
-  const std::vector<std::size_t> sight = panes_.visible();
-  if (actions.cancel_loading && *actions.cancel_loading < sight.size())
-    (void)panes_.cancel(sight[*actions.cancel_loading]);
-  View* seen = view();
-  if (!seen) return;
-  if (actions.viewpoint) {
-    const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
-    if (*actions.viewpoint < listed.size()) bind_viewpoint(listed[*actions.viewpoint]);
-  }
-  if (actions.mode) choose_mode(*actions.mode);
-  if (actions.look) seen->look = *actions.look;
 }
 
 }  // namespace gs::app

@@ -3,7 +3,7 @@
 #include "app/session/documents.h"
 #include "app/view/input_tracker.h"
 #include "app/view/viewports.h"
-#include "app/viewer/viewer_view.h"
+#include "app/session/view.h"
 #include "render/draw/renderer.h"
 #include "vrml/scene/diagnostic.h"
 

@@ -1,5 +1,5 @@
 // Views of worlds that live: what moves in them, their Viewpoints and their time.
-#include "app/viewer/viewer_view.h"
+#include "app/session/view.h"
 
 #include "tests/app/worlds.h"
 
@@ -10,7 +10,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace gs::app::viewer_worlds_test {
+namespace gs::app::view_test {
 namespace {
 
 constexpr glm::vec2 kSize(800, 600);
@@ -107,4 +107,4 @@ TEST_CASE("Time in a window is that of the clock (VRML97 4.11.3)") {
   CHECK(steps > 0);
 }
 
-}  // namespace gs::app::viewer_worlds_test
+}  // namespace gs::app::view_test

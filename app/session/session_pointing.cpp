@@ -1,5 +1,4 @@
-#include "app/viewer/links.h"
-#include "app/viewer/viewer_session.h"
+#include "app/session/session.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +7,7 @@
 // The pointing device in worlds that live: their sensors, and the Anchors that lead elsewhere.
 namespace gs::app {
 
-PickOptions Viewer::pick_options(const View& seen, const glm::vec2& size) {
+PickOptions pick_options(const View& seen, const glm::vec2& size) {
   PickOptions options;
   options.pixel = 2 * std::tan(seen.navigation.pose.field_of_view / 2) / std::max(1.0f, std::min(size.x, size.y));
   options.clouds = seen.look;
@@ -16,13 +15,13 @@ PickOptions Viewer::pick_options(const View& seen, const glm::vec2& size) {
 }
 
 // True when a sensor has the pointer, so that it moves nobody.
-bool Viewer::point_world(std::size_t pane, bool down) {
+bool Session::point_world(std::size_t pane, bool down) {
   View* seen = panes_.at(pane).view();
   if (!seen || !seen->document->living) return false;
   vrml::Execution& execution = seen->document->living->execution();
   if (!execution.has_pointing_sensors()) return false;
   const Viewport place = place_of(pane);
-  (void)seen->document->living->step(world_time());
+  (void)seen->document->living->step(now_);
   (void)follow_world(*seen);
   (void)point(execution, picker_, *seen->list, sight_line(seen->navigation.pose, place.inside(pointer_), place.size()),
               down, pick_options(*seen, place.size()));
@@ -32,7 +31,7 @@ bool Viewer::point_world(std::size_t pane, bool down) {
 }
 
 // The pointer is somewhere else.
-void Viewer::leave_world() {
+void Session::leave_world() {
   if (!pointed_pane_) return;
   View* seen = panes_.at(*std::exchange(pointed_pane_, std::nullopt)).view();
   if (seen && seen->document->living) seen->document->living->execution().point({});
@@ -40,7 +39,7 @@ void Viewer::leave_world() {
 }
 
 // What the pointer is over changes as the world moves below it, too.
-void Viewer::point_again() {
+void Session::point_again() {
   if (!pointed_pane_) return;
   const std::vector<std::size_t> sight = panes_.visible();
   if (std::find(sight.begin(), sight.end(), *pointed_pane_) == sight.end()) return leave_world();
@@ -48,7 +47,7 @@ void Viewer::point_again() {
 }
 
 // True when the event was for the sensors of the world.
-bool Viewer::point_with(const WindowEvent& event, std::size_t pane) {
+bool Session::point_with(const WindowEvent& event, std::size_t pane) {
   using Kind = WindowEvent::Kind;
   pointer_ = event.pointer;
   if (sensor_has_pointer_ && pointed_pane_) {
@@ -75,7 +74,7 @@ bool Viewer::point_with(const WindowEvent& event, std::size_t pane) {
 
 // Anchors ---------------------------------------------------------------------------------------------
 
-void Viewer::open_links(std::size_t pane) {
+void Session::open_links(std::size_t pane) {
   View* seen = panes_.at(pane).view();
   for (const vrml::NodePlace& anchor : seen->document->living->execution().take_requests()) {
     const Link link = link_of(*anchor.scene, anchor.node);
@@ -85,37 +84,36 @@ void Viewer::open_links(std::size_t pane) {
 }
 
 // To the Viewpoint that led here, once the world lives.
-void Viewer::enter_by_link(Pane& pane) {
+void Session::enter_by_link(Pane& pane) {
   View* seen = pane.view();
   const auto entry = entries_.find(pane.shown);
   if (entry == entries_.end() || !seen || !seen->document->living) return;
   if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second))
-    app::bind_viewpoint(*seen, *index);
+    go_to_viewpoint(*seen, *index);
   else
-    ui_.show_notice("There is no Viewpoint \"" + entry->second + "\" in this world", true);
+    tell("There is no Viewpoint \"" + entry->second + "\" in this world", true);
   entries_.erase(entry);
 }
 
-void Viewer::follow_link(std::size_t pane, const Link& link) {
+void Session::follow_link(std::size_t pane, const Link& link) {
   View* seen = panes_.at(pane).view();
   for (const Link::Place& place : link.places) {
     if (!place.problem.empty()) {
-      ui_.show_notice(place.problem, true);
+      tell(place.problem, true);
       continue;
     }
     const bool here = place.target.empty() || place.target == seen->document->world.path;
     if (here) {
       const auto index = find_viewpoint(seen->list->viewpoints, place.viewpoint);
       if (index)
-        app::bind_viewpoint(*seen, *index);
+        go_to_viewpoint(*seen, *index);
       else
-        ui_.show_notice("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
+        tell("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
       return;
     }
+    if (options_.simulated) return;  // other worlds, and pages, are another time
     if (place.for_browser) {
-      ui_.show_notice(open_in_browser(place.target) ? "Opened in the web browser: " + place.target
-                                                    : "No web browser can be started for " + place.target,
-                      false);
+      frame_.web_pages.push_back(place.target);
       return;
     }
     activate(pane);

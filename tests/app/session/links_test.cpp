@@ -1,4 +1,4 @@
-#include "app/viewer/links.h"
+#include "app/session/links.h"
 
 #include "tests/app/worlds.h"
 

@@ -1,4 +1,4 @@
-#include "app/viewer/links.h"
+#include "app/session/links.h"
 
 #include "app/formats/content_types.h"
 #include "net/base/schemes.h"

@@ -1,4 +1,4 @@
-#include "app/viewer/viewer_panes.h"
+#include "app/session/panes.h"
 
 #include "app/session/world_reader.h"
 

@@ -39,6 +39,9 @@ struct View {
 /// The view of a document that was read again: as `before`, as far as the new world allows it.
 [[nodiscard]] View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
+/// True while nobody has moved from where the document is first seen, or from the Viewpoint.
+[[nodiscard]] bool at_home(const View& view);
+
 /// For a viewport of another size, chooses the first view of the whole anew, and goes there if nobody has moved yet.
 /// Does nothing where a Viewpoint is bound.
 void fit_home(View& view, const glm::vec2& viewport);

@@ -1,4 +1,4 @@
-#include "app/viewer/viewer_view.h"
+#include "app/session/view.h"
 
 #include <glm/geometric.hpp>
 
@@ -68,10 +68,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
 }
 
 View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  const Pose& pose = before.navigation.pose;
-  const bool unmoved = pose.position == before.home.position && pose.orientation == before.home.orientation &&
-                       !before.navigation.moving();
-  if (!unmoved) return renewed(before, std::move(document), viewport);
+  if (!at_home(before)) return renewed(before, std::move(document), viewport);
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
   view.headlight = before.headlight;
@@ -84,13 +81,17 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   return view;
 }
 
+bool at_home(const View& view) {
+  const Pose& pose = view.navigation.pose;
+  return pose.position == view.home.position && pose.orientation == view.home.orientation && !view.navigation.moving();
+}
+
 void fit_home(View& view, const glm::vec2& viewport) {
   if (view.viewpoint || !view.list || view.home_size == viewport) return;
-  const Pose& pose = view.navigation.pose;
-  const bool unmoved = pose.position == view.home.position && pose.orientation == view.home.orientation;
+  const bool unmoved = at_home(view);
   view.home = first_pose(view.list->bounds, viewport);
   view.home_size = viewport;
-  if (unmoved && !view.navigation.moving()) view.navigation.pose = view.home;
+  if (unmoved) view.navigation.pose = view.home;
 }
 
 bool follow_world(View& view) {
@@ -108,6 +109,7 @@ bool follow_world(View& view) {
   const auto carry = [&](Pose& pose) {
     pose = pose_of(glm::mat4(moved * world_from_viewer(pose)), viewpoint.field_of_view);
   };
+  const bool stays = at_home(view);
   view.world_from_viewpoint = viewpoint.world_from_camera;
   carry(view.navigation.pose);
   if (view.navigation.transition) {
@@ -115,6 +117,7 @@ bool follow_world(View& view) {
     carry(view.navigation.transition->to);
   }
   view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  if (stays) view.navigation.pose = view.home;  // without what rounding adds up to
   return true;
 }
 

@@ -1,0 +1,177 @@
+#include "app/session/session.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr double kLifeStep = 1.0 / 60;  // seconds: how often time goes on in worlds
+constexpr double kLongLife = 0.05;
+
+}  // namespace
+
+// A step ------------------------------------------------------------------------------------------
+
+Session::Session(SessionOptions options, LoadOptions load, std::function<void()> wake)
+    : options_(std::move(options)), load_(std::move(load)), wake_(std::move(wake)) {
+  panes_.start(options_.files);
+}
+
+Session::~Session() {
+  // All at once, so that none is waited for while another has not been told.
+  for (const Reader& one : readers_) one.reader->cancel();
+  panes_.cancel_all();
+}
+
+Frame Session::step(double now, const SessionInput& input) {
+  const double before = std::exchange(now_, now);
+  load_next();
+  if (take_news()) frame_.news = true;
+  if (feed_streams()) frame_.changed = true;
+  prioritize();
+  if (let_live(input.look)) frame_.changed = true;
+  if (input.area) {
+    area_ = *input.area;
+    show_loaded();
+    for (const SessionInput::Event& event : input.events) handle(event);
+    move_views(was_moving_ ? static_cast<float>(now - before) : 0.0f, input.look);
+    if (std::exchange(pointer_moved_, false)) point_again();
+  }
+  was_moving_ = moving();
+  Frame frame = std::exchange(frame_, {});
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  for (std::size_t i = 0; i < sight.size(); ++i)
+    frame.pictures.push_back({sight[i], rectangles[i], panes_.at(sight[i]).view()});
+  frame.moving = was_moving_;
+  frame.loading = loading();
+  frame.next_life = next_life();
+  return frame;
+}
+
+void Session::show(std::shared_ptr<Document> document) {
+  std::string path = document->world.path;
+  if (path.empty()) path = "world";
+  panes_.open(std::vector<std::string>{path});
+  if (const auto reading = panes_.begin_loading()) panes_.deliver(reading->number, std::move(document), area_.size());
+}
+
+// Time --------------------------------------------------------------------------------------------
+
+// Of the worlds in sight, each once.
+std::vector<Document*> Session::living() const {
+  std::vector<Document*> result;
+  for (const std::size_t i : panes_.visible()) {
+    const View* seen = panes_.at(i).view();
+    if (seen && seen->document->living && std::find(result.begin(), result.end(), seen->document.get()) == result.end())
+      result.push_back(seen->document.get());
+  }
+  return result;
+}
+
+std::optional<double> Session::next_life() const {
+  std::optional<double> next;
+  for (const Document* document : living())
+    if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
+  return next ? std::optional(std::max(*next, life_due_)) : std::nullopt;
+}
+
+// Where its sensors find the viewer of a world. Who stands at the bound Viewpoint is where that is at each timestamp.
+void Session::place_viewer(vrml::Execution& execution, const View& leader) const {
+  if (const Viewport place = place_of(leader); place.height > 0)
+    execution.set_aspect(static_cast<double>(place.width) / place.height);
+  const bool at_viewpoint = at_home(leader) && (leader.viewpoint || options_.simulated);
+  if (execution.is_told_viewer() || !at_viewpoint) execution.set_viewer(world_from_viewer(leader.navigation.pose));
+}
+
+// Lets time go on in the worlds that are seen. True when there is something else to be seen.
+bool Session::let_live(bool look) {
+  if (now_ < life_due_) return false;
+  const double started = world_time();
+  bool any = false;
+  for (Document* document : living()) {
+    // The world has one viewer: who is in the active viewport, if he looks at it.
+    View* leader = view() && view()->document.get() == document ? view() : nullptr;
+    std::vector<View*> views;
+    for (const std::size_t i : panes_.visible())
+      if (View* seen = panes_.at(i).view(); seen && seen->document.get() == document) views.push_back(seen);
+    if (!leader) leader = views.front();
+    vrml::Execution& execution = document->living->execution();
+    // Another viewport is another place: nobody has walked there.
+    const void* before = std::exchange(document->viewer, leader);
+    if (before && before != leader) execution.viewer_jumped();
+    place_viewer(execution, *leader);
+    const bool moved = document->living->step(now_);
+    const bool rebound = leader->bound != document->living->bound().viewpoint;
+    if (look || rebound)
+      for (View* seen : views) any = follow_world(*seen) || any;
+    if (rebound) any = follow_bound_viewpoint(*leader) || any;
+    for (View* seen : views) seen->bound = leader->bound;
+    end_journey(*leader);
+    if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();
+  }
+  if (options_.simulated) return any;
+  // Worlds whose events take long leave time for what the user does.
+  const double took = world_time() - started;
+  life_due_ = now_ + std::max(kLifeStep, took > kLongLife ? 3 * took : 0);
+  return any;
+}
+
+void Session::end_journey(View& seen) const {
+  if (!options_.simulated || !seen.navigation.transition) return;
+  seen.navigation.pose = seen.navigation.transition->to;
+  seen.navigation.transition.reset();
+}
+
+void Session::move_views(float seconds, bool look) {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    Pane& pane = panes_.at(sight[i]);
+    View* seen = pane.view();
+    if (!seen) continue;
+    const Pose before = seen->navigation.pose;
+    const NavigationInput input = pane.input.input(seen->navigation.mode, rectangles[i]);
+    if (input.any()) leader_ = sight[i];
+    seen->navigation = app::step(seen->navigation, input, seconds);
+    const Pose& after = seen->navigation.pose;
+    if (before.position == after.position && before.orientation == after.orientation) continue;
+    moved.push_back(sight[i]);
+    frame_.changed = true;
+    // The pointer is over something else from now on.
+    if (pointed_pane_ == sight[i]) pointer_moved_ = true;
+  }
+  const auto has_moved = [&](std::size_t pane) { return std::find(moved.begin(), moved.end(), pane) != moved.end(); };
+  if (linked_ && !moved.empty())
+    panes_.link(has_moved(leader_) ? leader_ : has_moved(panes_.active()) ? panes_.active() : moved.front());
+  if (!look) return;
+  for (const std::size_t i : sight)
+    if (View* seen = panes_.at(i).view()) (void)follow_world(*seen);
+}
+
+bool Session::moving() const {
+  for (const std::size_t i : panes_.visible()) {
+    const Pane& pane = panes_.at(i);
+    const View* seen = pane.view();
+    if (seen && (seen->navigation.moving() || pane.input.holding())) return true;
+  }
+  return false;
+}
+
+Viewport Session::place_of(std::size_t pane) const {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  for (std::size_t i = 0; i < sight.size(); ++i)
+    if (sight[i] == pane) return rectangles[i];
+  return area_;
+}
+
+Viewport Session::place_of(const View& view) const {
+  for (std::size_t i = 0; i < kMostViewports; ++i)
+    if (panes_.at(i).view() == &view) return place_of(i);
+  return area_;
+}
+
+}  // namespace gs::app

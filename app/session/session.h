@@ -1,0 +1,201 @@
+#pragma once
+
+#include "app/session/documents.h"
+#include "app/session/folder_questions.h"
+#include "app/session/links.h"
+#include "app/session/panes.h"
+#include "app/session/world_reader.h"
+#include "app/view/actions.h"
+#include "app/view/picking.h"
+#include "app/view/viewports.h"
+#include "app/world/world_loader.h"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+struct SessionOptions {
+  std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
+  std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
+  std::optional<bool> headlight;   // in place of what the worlds say
+  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, and no step is left out
+  /// because the one before took long. What follows depends on the input only.
+  bool simulated = false;
+};
+
+/// What happens in a step of a session.
+struct SessionInput {
+  struct Event {
+    WindowEvent event;
+    bool over_interface = false;  // the pointer is over a panel, which comes first
+  };
+  std::vector<Event> events;
+  /// What the viewports share, in framebuffer pixels. Nothing: the window is closed to an icon, and nobody looks.
+  std::optional<Viewport> area;
+  /// False: what is to be seen is not asked for yet, and need not be brought up to date.
+  bool look = true;
+};
+
+/// What is told to the user.
+struct Notice {
+  std::string text;
+  bool is_problem = false;
+};
+
+/// What a step has led to.
+struct Frame {
+  /// A viewport in sight; null: nothing is shown there. Good until the next step.
+  struct Picture {
+    std::size_t pane = 0;
+    Viewport place;
+    const View* view = nullptr;
+  };
+  std::vector<Picture> pictures;
+  bool changed = false;                // something else is to be seen than before
+  bool news = false;                   // and something else to be told: files, progress, messages
+  bool moving = false;                 // it goes on with the next step, whenever that is
+  bool loading = false;                // what somebody waits for is still coming
+  std::optional<double> next_life;     // when time goes on in a world, in seconds since 1970; nothing: when input comes
+  bool files_chosen = false;           // what was told about others is past
+  std::vector<Notice> notices;
+  std::vector<std::string> web_pages;  // that are to be opened elsewhere
+  bool show_log = false;
+};
+
+/// How a view is picked in, in a viewport of `size` pixels.
+[[nodiscard]] PickOptions pick_options(const View& view, const glm::vec2& size);
+
+/// The worlds that are open, the viewports that show them, and time: what is read, what lives, who looks at it from
+/// where, and what the user does there. The window, `--snapshot` and `trace` are callers of `step`, and draw or print
+/// what it leads to; it draws nothing itself, and reads no clock but to measure how long it took.
+///
+/// session.cpp: the step, and time; session_files.cpp: what is read; session_input.cpp: what the user does;
+/// session_pointing.cpp: sensors and Anchors. One thread.
+class Session {
+ public:
+  /// `wake` is called on other threads when a step would find something new; it must be safe there.
+  Session(SessionOptions options, LoadOptions load, std::function<void()> wake);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Takes in what has arrived and what the user has done, and lets time go on to `now`, in seconds since 1970. Times
+  /// never go back.
+  Frame step(double now, const SessionInput& input);
+  /// After a picture was drawn: asks for what it lacked of streams.
+  void ask_for_streams();
+  /// Shows a world that was opened elsewhere, and lives, in the active viewport.
+  void show(std::shared_ptr<Document> document);
+
+  /// Has an action done. False: it is none of a session's, or there is nothing to do it with.
+  bool run(Action action);
+  void open_files(const std::vector<std::string>& paths);
+  void select_file(std::size_t index);
+  void choose_layout(ViewportLayout layout);
+  void choose_mode(NavigationMode mode);
+  /// One of the active viewport's list, which is bound in the world.
+  void bind_viewpoint(std::size_t index);
+  /// The answer to the question of the time.
+  void answer_question(bool allow);
+  /// No longer waits for the rest of what a viewport in sight reads.
+  void cancel_loading(std::size_t place);
+
+  [[nodiscard]] Panes& panes() { return panes_; }
+  [[nodiscard]] const Panes& panes() const { return panes_; }
+  [[nodiscard]] bool linked() const { return linked_; }
+  [[nodiscard]] const FolderQuestions::Question* question() const { return questions_.current(); }
+  /// How far the readings of a file are.
+  [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
+  /// Of the active viewport; null: nothing is shown there.
+  [[nodiscard]] View* view() { return panes_.at(panes_.active()).view(); }
+  /// The viewport that the pointing device's events go to, as far as sensors are concerned.
+  [[nodiscard]] std::optional<std::size_t> pointed_pane() const { return pointed_pane_; }
+  [[nodiscard]] bool moving() const;
+
+ private:
+  /// A file that is being read.
+  struct Reader {
+    DocumentList::Reading reading;
+    std::shared_ptr<WorldReader> reader;
+    LoadingState state;
+  };
+
+  [[nodiscard]] std::vector<Document*> living() const;
+  void place_viewer(vrml::Execution& execution, const View& leader) const;
+  bool let_live(bool look);
+  /// In simulated time nobody is on the way to a Viewpoint.
+  void end_journey(View& view) const;
+  [[nodiscard]] std::optional<double> next_life() const;
+  void move_views(float seconds, bool look);
+  /// Of the viewports in sight, in the order of `Panes::visible`.
+  [[nodiscard]] std::vector<Viewport> places() const { return arrange(panes_.layout(), area_); }
+  [[nodiscard]] Viewport place_of(std::size_t pane) const;
+  [[nodiscard]] Viewport place_of(const View& view) const;
+
+  void load_next();
+  bool take_news();
+  bool take_document(const Reader& from, WorldReader::News& news);
+  bool take_arrivals(Document& document, const std::string& path, WorldReader::News news);
+  void prioritize();
+  bool feed_streams();
+  void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
+  void show_loaded();
+  [[nodiscard]] bool loading() const;
+
+  void handle(const SessionInput::Event& event);
+  void handle_pointer(const SessionInput::Event& event);
+  bool run_in(View& view, Action action);
+  void point_at(std::size_t pane, const InputTracker::Gesture& gesture);
+  [[nodiscard]] std::optional<float> distance_under(const View& view, const Ray& ray, const glm::vec2& size);
+  void go_to_viewpoint(View& view, std::size_t index);
+  void step_viewpoint(int direction);
+  void fit();
+  void reset();
+  void change_speed(float factor);
+  void activate(std::size_t pane);
+  void toggle_link();
+
+  bool point_world(std::size_t pane, bool down);
+  bool point_with(const WindowEvent& event, std::size_t pane);
+  void point_again();
+  void leave_world();
+  void open_links(std::size_t pane);
+  void enter_by_link(Pane& pane);
+  void follow_link(std::size_t pane, const Link& link);
+
+  void tell(std::string text, bool is_problem) { frame_.notices.push_back({std::move(text), is_problem}); }
+
+  SessionOptions options_;
+  LoadOptions load_;  // with what the user has allowed since
+  std::function<void()> wake_;
+  Frame frame_;  // what the next one tells
+  double now_ = 0;
+  Viewport area_;
+  Panes panes_;
+  PointerRouter router_;
+  Picker picker_;
+  std::optional<std::size_t> pointed_pane_;     // in whose world the pointing device is
+  glm::vec2 pointer_{0};                        // framebuffer pixels
+  bool pointer_moved_ = false;                  // since sensors heard of it
+  bool sensor_has_pointer_ = false;             // until the button is released
+  std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
+  FolderQuestions questions_;
+  bool linked_ = false;
+  std::size_t leader_ = 0;  // the viewport that the user moved last
+  double next_priorities_ = 0;
+  double life_due_ = 0;      // when time goes on in the worlds, if it does
+  bool was_moving_ = false;  // with the step before
+  std::vector<Reader> readers_;
+  std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
+};
+
+}  // namespace gs::app

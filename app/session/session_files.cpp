@@ -1,0 +1,167 @@
+#include "app/session/session.h"
+#include "app/streams/stream_feed.h"
+#include "app/world/importance.h"
+
+#include <algorithm>
+#include <utility>
+
+// The files of a session, and what still comes for their worlds.
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMostReaders = 2;  // files that are read at a time
+constexpr double kBetweenPriorities = 0.5;
+
+}  // namespace
+
+bool Session::loading() const {
+  const std::vector<std::size_t> sight = panes_.visible();
+  return std::any_of(sight.begin(), sight.end(), [&](std::size_t i) { return panes_.loading(i); });
+}
+
+void Session::load_next() {
+  while (readers_.size() < kMostReaders) {
+    std::optional<DocumentList::Reading> reading = panes_.begin_loading();
+    if (!reading) return;
+    frame_.news = true;
+    auto reader = std::make_shared<WorldReader>(reading->path, load_, wake_);
+    readers_.push_back({std::move(*reading), std::move(reader), {}});
+  }
+}
+
+// True when something that shows has changed.
+bool Session::take_news() {
+  bool any = false;
+  for (std::size_t i = 0; i < readers_.size();) {
+    Reader& one = readers_[i];
+    if (*one.reading.cancelled) {
+      one.reader->cancel();
+      retired_.push_back(std::move(one.reader));
+    } else {
+      WorldReader::News news = one.reader->take();
+      any = any || news.document || news.streams_grew || !(news.state == one.state);
+      one.state = news.state;
+      if (!news.document || !take_document(one, news)) {
+        ++i;
+        continue;
+      }
+    }
+    readers_.erase(readers_.begin() + static_cast<std::ptrdiff_t>(i));
+    any = true;
+  }
+  std::erase_if(retired_, [](const auto& reader) { return reader->ended(); });
+  for (const DocumentList::Entry& entry : panes_.documents().entries())
+    if (entry.document && entry.document->reader)
+      any = take_arrivals(*entry.document, entry.path, entry.document->reader->take()) || any;
+  return any;
+}
+
+// True when what comes from now on is the document's own affair.
+bool Session::take_document(const Reader& from, WorldReader::News& news) {
+  if (news.document->is_preview) {
+    panes_.preview(from.reading.number, news.document);
+    return false;
+  }
+  if (!news.document->world.scene) {
+    show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
+    return true;
+  }
+  const std::shared_ptr<Document> document = news.document;
+  questions_.ask(from.reading.path, document->world.outside);
+  document->reader = from.reader;
+  panes_.deliver(from.reading.number, document, area_.size());
+  (void)take_arrivals(*document, from.reading.path, std::move(news));
+  return true;
+}
+
+// Of a world that lives already.
+bool Session::take_arrivals(Document& document, const std::string& path, WorldReader::News news) {
+  const LoadingState state = news.over ? LoadingState{} : news.state;
+  const bool any = news.streams_grew || news.over || !(state == document.arriving) || !news.arrivals.empty();
+  if (!document.all_came) document.arriving = state;
+  document.all_came = document.all_came || news.over;
+  if (news.arrivals.empty()) return any;
+  if (!news.arrivals.outside.empty()) questions_.ask(path, news.arrivals.outside);
+  const bool told = !news.arrivals.diagnostics.entries().empty();
+  document.living->arrive(std::move(news.arrivals));
+  if (told) panes_.log_changed(document);
+  return true;
+}
+
+// What is seen largest in the active viewport comes first.
+void Session::prioritize() {
+  const View* seen = view();
+  if (!seen || !seen->document->reader || seen->document->arriving.waiting == 0) return;
+  if (now_ < next_priorities_) return;
+  const double started = world_time();
+  const auto wanted = seen->document->reader->wanted();
+  if (wanted.empty()) return;
+  seen->document->reader->prioritize(
+      importance_of(*seen->document->world.scene, wanted, seen->navigation.pose.position));
+  next_priorities_ = now_ + std::max(kBetweenPriorities, 20 * (world_time() - started));
+}
+
+// What has come of streams becomes finer vectors, what views lack is asked for.
+bool Session::feed_streams() {
+  bool any = false;
+  for (const std::size_t i : panes_.visible())
+    if (const View* seen = panes_.at(i).view())
+      for (const auto& feed : seen->document->world.feeds) {
+        any = feed->apply() || any;
+        if (const std::string problem = feed->take_problem(); !problem.empty()) tell(problem, true);
+      }
+  return any;
+}
+
+void Session::ask_for_streams() {
+  for (const std::size_t i : panes_.visible())
+    if (const View* seen = panes_.at(i).view())
+      for (const auto& feed : seen->document->world.feeds) feed->ask();
+}
+
+void Session::show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics) {
+  const std::vector<std::size_t> waited = panes_.fail(reading);
+  if (waited.empty()) return;
+  std::string reason = "it could not be read";
+  for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) {
+    if (diagnostic.severity != vrml::Severity::error) continue;
+    reason = diagnostic.message;
+    break;
+  }
+  for (const std::size_t i : waited) {
+    panes_.at(i).log = diagnostics;
+    if (i == panes_.active()) frame_.show_log = true;
+  }
+  tell("Could not open " + file_label(path) + ": " + reason, true);
+}
+
+void Session::show_loaded() {
+  for (const Panes::Change& change : panes_.settle(places(), options_.viewpoint)) {
+    frame_.news = true;
+    View& seen = *panes_.at(change.pane).view();
+    if (!change.first) continue;
+    if (change.found && !options_.viewpoint.empty())
+      entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
+    if (!change.found) tell("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
+    if (options_.headlight) seen.headlight = *options_.headlight;
+    if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) frame_.show_log = true;
+    if (linked_ && change.pane != panes_.active()) panes_.link(panes_.active());
+  }
+  for (const std::size_t i : panes_.visible()) enter_by_link(panes_.at(i));
+}
+
+std::vector<LoadingState> Session::progress_of(const std::string& path) const {
+  std::vector<LoadingState> states;
+  for (const Reader& one : readers_)
+    if (one.reading.path == path) states.push_back(one.state);
+  if (const auto document = panes_.documents().document(path); document && states.empty())
+    states.push_back(document->arriving);
+  return states;
+}
+
+void Session::cancel_loading(std::size_t place) {
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (place < sight.size()) (void)panes_.cancel(sight[place]);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,249 @@
+#include "app/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+// What the user does in the viewports of a session.
+namespace gs::app {
+namespace {
+
+constexpr float kLeastSpeed = 1e-4f, kMostSpeed = 1e6f;
+
+}  // namespace
+
+void Session::handle(const SessionInput::Event& input) {
+  using Kind = WindowEvent::Kind;
+  const WindowEvent& event = input.event;
+  switch (event.kind) {
+    case Kind::key_down: {
+      // In simulated time there are no other files, and nothing is read again.
+      if (const ActionRow* row = action_of(event); row && (row->of_world || !options_.simulated) && run(row->action))
+        return;
+      Pane& pane = panes_.at(panes_.active());
+      if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
+      return;
+    }
+    case Kind::key_up:
+    case Kind::focus_lost:  // whatever was held, and wherever
+      for (std::size_t i = 0; i < kMostViewports; ++i) (void)panes_.at(i).input.take(event, NavigationMode::none);
+      if (event.kind == Kind::focus_lost) {
+        router_.release();
+        leave_world();
+      }
+      return;
+    case Kind::button_down:
+    case Kind::button_up:
+    case Kind::pointer:
+    case Kind::wheel:
+    case Kind::drop:
+      return handle_pointer(input);
+    case Kind::refresh:
+      return;
+  }
+}
+
+void Session::handle_pointer(const SessionInput::Event& input) {
+  using Kind = WindowEvent::Kind;
+  const WindowEvent& event = input.event;
+  if ((event.kind == Kind::button_down || event.kind == Kind::wheel) && input.over_interface) return;
+  if (event.kind == Kind::pointer && input.over_interface && !sensor_has_pointer_) leave_world();
+  const std::optional<std::size_t> place = router_.route(event, places());
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (place && *place < sight.size()) {
+    const std::size_t target = sight[*place];
+    if (event.kind == Kind::button_down || event.kind == Kind::drop) activate(target);
+    Pane& pane = panes_.at(target);
+    if (!input.over_interface || sensor_has_pointer_)
+      if (point_with(event, target)) return;
+    if (const View* seen = pane.view()) point_at(target, pane.input.take(event, seen->navigation.mode));
+  }
+  if (event.kind == Kind::drop) open_files(event.paths);
+}
+
+bool Session::run(Action action) {
+  View* seen = view();
+  switch (action) {
+    case Action::next_file:
+    case Action::previous_file: {
+      const std::size_t count = panes_.documents().entries().size();
+      if (count == 0) return false;
+      const std::size_t step = action == Action::next_file ? 1 : count - 1;
+      select_file((panes_.selected().value_or(0) + step) % count);
+      return true;
+    }
+    case Action::reload:
+      panes_.reload();
+      return true;
+    case Action::next_layout:
+      choose_layout(next_layout(panes_.layout()));
+      return true;
+    case Action::viewport_1:
+    case Action::viewport_2:
+    case Action::viewport_3:
+    case Action::viewport_4:
+      activate(static_cast<std::size_t>(action) - static_cast<std::size_t>(Action::viewport_1));
+      return true;
+    case Action::link:
+      toggle_link();
+      return true;
+    case Action::close:
+      return panes_.cancel(panes_.active());
+    default:
+      return seen && run_in(*seen, action);
+  }
+}
+
+bool Session::run_in(View& seen, Action action) {
+  switch (action) {
+    case Action::next_viewpoint:
+      step_viewpoint(1);
+      return true;
+    case Action::previous_viewpoint:
+      step_viewpoint(-1);
+      return true;
+    case Action::reset:
+      reset();
+      return true;
+    case Action::fit:
+      fit();
+      return true;
+    case Action::headlight:
+      seen.headlight = !seen.headlight;
+      return true;
+    case Action::examine:
+    case Action::fly:
+    case Action::walk:
+    case Action::pan:
+      choose_mode(static_cast<NavigationMode>(1 + static_cast<int>(action) - static_cast<int>(Action::examine)));
+      return true;
+    case Action::faster:
+      change_speed(std::sqrt(2.0f));
+      return true;
+    case Action::slower:
+      change_speed(std::sqrt(0.5f));
+      return true;
+    default:
+      return false;
+  }
+}
+
+void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
+  if (!gesture.needs_target && !gesture.double_click) return;
+  InputTracker& input = panes_.at(pane).input;
+  View& seen = *panes_.at(pane).view();
+  const Viewport place = place_of(pane);
+  Navigation& navigation = seen.navigation;
+  const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
+  const std::optional<float> hit = distance_under(seen, ray, place.size());
+  if (gesture.needs_target) input.set_target(target_of(navigation, ray, hit));
+  const bool turns = navigation.mode == NavigationMode::examine || navigation.mode == NavigationMode::pan;
+  if (!gesture.double_click || !turns || !hit) return;
+  navigation = look_at_point(navigation, ray.at(*hit));
+  leader_ = pane;
+}
+
+std::optional<float> Session::distance_under(const View& seen, const Ray& ray, const glm::vec2& size) {
+  const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
+
+void Session::choose_mode(NavigationMode mode) {
+  View* seen = view();
+  if (!seen) return;
+  if (!seen->rules.allows(mode)) {
+    tell("This world does not allow " + std::string(row_of(mode).label), false);
+    return;
+  }
+  seen->navigation = with_mode(seen->navigation, mode);
+  panes_.at(panes_.active()).input.release();
+}
+
+void Session::go_to_viewpoint(View& seen, std::size_t index) {
+  app::bind_viewpoint(seen, index);
+  end_journey(seen);
+}
+
+void Session::bind_viewpoint(std::size_t index) {
+  View* seen = view();
+  if (!seen) return;
+  go_to_viewpoint(*seen, index);
+  leader_ = panes_.active();
+}
+
+void Session::step_viewpoint(int direction) {
+  const View* seen = view();
+  const std::vector<std::size_t> listed = seen ? listed_viewpoints(seen->list->viewpoints) : std::vector<std::size_t>{};
+  if (listed.empty()) return;
+  const auto place = std::find(listed.begin(), listed.end(), seen->viewpoint.value_or(listed.front()));
+  const std::size_t index = place == listed.end() ? 0 : static_cast<std::size_t>(place - listed.begin());
+  const std::size_t count = listed.size();
+  const std::size_t next = listed[(index + (direction > 0 ? 1 : count - 1)) % count];
+  bind_viewpoint(next);
+  tell(viewpoint_label(seen->list->viewpoints[next], next), false);
+}
+
+void Session::fit() {
+  View* seen = view();
+  if (!seen || seen->list->bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
+  const Viewport place = place_of(panes_.active());
+  Navigation& navigation = seen->navigation;
+  navigation = travel_to(navigation, pose_that_fits(navigation.pose, seen->list->bounds, place.size()));
+  navigation.center = seen->list->bounds.center();
+  leader_ = panes_.active();
+}
+
+void Session::reset() {
+  View* seen = view();
+  if (!seen) return;
+  seen->navigation = travel_to(seen->navigation, seen->home);
+  if (!seen->list->bounds.empty()) seen->navigation.center = seen->list->bounds.center();
+  leader_ = panes_.active();
+}
+
+void Session::change_speed(float factor) {
+  Navigation& navigation = view()->navigation;
+  if (navigation.speed <= 0) return;
+  navigation.speed = std::clamp(navigation.speed * factor, kLeastSpeed, kMostSpeed);
+  std::string number = std::to_string(navigation.speed);
+  number.resize(std::min<std::size_t>(number.size(), 6));
+  tell("Speed " + number + " m/s", false);
+}
+
+void Session::open_files(const std::vector<std::string>& paths) {
+  frame_.files_chosen = true;
+  // What the user gives may be read by what he gives, as on the command line.
+  load_.allowed.insert(load_.allowed.end(), paths.begin(), paths.end());
+  panes_.open(paths);
+}
+
+void Session::answer_question(bool allow) {
+  if (!questions_.current()) return;
+  if (allow) load_.allowed.push_back(questions_.current()->folder);
+  for (const std::string& world : questions_.answer(allow)) panes_.reload(world);
+}
+
+void Session::select_file(std::size_t index) {
+  frame_.files_chosen = true;
+  panes_.select(index);
+}
+
+void Session::choose_layout(ViewportLayout layout) {
+  router_.release();
+  panes_.set_layout(layout);
+  if (linked_) panes_.link(panes_.active());
+}
+
+void Session::activate(std::size_t pane) {
+  const std::vector<std::size_t> sight = panes_.visible();
+  panes_.activate(pane);
+  if (panes_.visible() != sight) router_.release();
+}
+
+void Session::toggle_link() {
+  linked_ = !linked_;
+  if (linked_) panes_.link(panes_.active());
+  tell(linked_ ? "The viewports move as one" : "Each viewport moves by itself", false);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,60 @@
+#pragma once
+
+#include "app/interface/ui_overlay.h"
+#include "app/session/session.h"
+#include "app/view/actions.h"
+#include "app/viewer/viewer.h"
+#include "app/window/window.h"
+#include "render/draw/renderer.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// A session in a window: hands it what the user does, draws what it leads to, and lays the user interface over it. Main
+/// thread only. viewer.cpp: the loop; viewer_input.cpp: what the user does; viewer_picture.cpp: what he sees.
+class Viewer {
+ public:
+  Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
+         std::unique_ptr<render::Renderer> renderer);
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  void run();
+
+ private:
+  void wait_for_something();
+  void wait_idle();
+  void measure(double started, double now, bool continuous);
+  void tell(const Frame& frame);
+  void show_title();
+
+  /// What of the events is the session's; does what is the interface's own.
+  [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
+  bool run(Action action);
+
+  /// What the bars leave of the window.
+  [[nodiscard]] Viewport area() const;
+  [[nodiscard]] UiModel model();
+  void describe_viewports(UiModel& model) const;
+  [[nodiscard]] std::string progress_of(const std::string& path) const;
+  void apply(const UiActions& actions);
+  void draw_viewports();
+  void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
+
+  const ViewerOptions& options_;
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<render::Renderer> renderer_;
+  UiOverlay ui_;
+  Session session_;
+  Frame frame_;  // what the last step has led to
+  Refinement refinement_;
+  std::string title_;
+  double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
+  int frames_wanted_;
+  bool was_continuous_ = false;
+};
+
+}  // namespace gs::app
