@@ -25,7 +25,7 @@ struct InputRow {
   Kind kind = Kind::set;
   double time = 0;  // seconds since the world began
   std::string name, event, value;
-  glm::dvec2 pointer{0};                // pixels from the upper left of the picture
+  glm::dvec2 pointer{0};  // pixels from the upper left of the picture
   Key key = Key::unknown;
   bool down = false;
   vrml::SourceLocation location;        // of the row's subject in the file

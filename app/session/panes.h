@@ -1,9 +1,9 @@
 #pragma once
 
 #include "app/session/documents.h"
+#include "app/session/view.h"
 #include "app/view/input_tracker.h"
 #include "app/view/viewports.h"
-#include "app/session/view.h"
 #include "render/draw/renderer.h"
 #include "vrml/scene/diagnostic.h"
 

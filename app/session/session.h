@@ -27,8 +27,8 @@ struct SessionOptions {
   std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
   std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
   std::optional<bool> headlight;   // in place of what the worlds say
-  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, and no step is left out
-  /// because the one before took long. What follows depends on the input only.
+  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, and no step is left
+  /// out because the one before took long. What follows depends on the input only.
   bool simulated = false;
 };
 
@@ -60,12 +60,12 @@ struct Frame {
     const View* view = nullptr;
   };
   std::vector<Picture> pictures;
-  bool changed = false;                // something else is to be seen than before
-  bool news = false;                   // and something else to be told: files, progress, messages
-  bool moving = false;                 // it goes on with the next step, whenever that is
-  bool loading = false;                // what somebody waits for is still coming
-  std::optional<double> next_life;     // when time goes on in a world, in seconds since 1970; nothing: when input comes
-  bool files_chosen = false;           // what was told about others is past
+  bool changed = false;             // something else is to be seen than before
+  bool news = false;                // and something else to be told: files, progress, messages
+  bool moving = false;              // it goes on with the next step, whenever that is
+  bool loading = false;             // what somebody waits for is still coming
+  std::optional<double> next_life;  // when time goes on in a world, in seconds since 1970; nothing: when input comes
+  bool files_chosen = false;        // what was told about others is past
   std::vector<Notice> notices;
   std::vector<std::string> web_pages;  // that are to be opened elsewhere
   bool show_log = false;

@@ -65,7 +65,8 @@ Simulation::Simulation(OpenedWorld world, const glm::ivec2& size)
 
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
   if (viewpoints_.empty())
-    viewpoints_ = render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().clouds).viewpoints;
+    viewpoints_ =
+        render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().clouds).viewpoints;
   const auto found = find_viewpoint(viewpoints_, viewpoint);
   if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
   action.scene = viewpoints_[*found].scene;
@@ -147,7 +148,7 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // The Viewpoint's own place, without what a pose leaves of it.
-  if (at_home(seen) && input_.area) return viewpoint_camera(*seen.list, seen.bound, input_.area->size());
+  if (at_home(seen) && seen.viewpoint) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 

@@ -92,7 +92,9 @@ const ActionRow* action_of(const WindowEvent& event) {
 }
 
 std::optional<Key> find_key(std::string_view name) {
-  const auto upper = [](char letter) { return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 32) : letter; };
+  const auto upper = [](char letter) {
+    return letter >= 'a' && letter <= 'z' ? static_cast<char>(letter - 32) : letter;
+  };
   if (name.size() == 1 && name[0] > ' ' && name[0] <= '~') return letter_key(upper(name[0]));
   for (const KeyName& each : kKeyNames)
     if (std::equal(name.begin(), name.end(), each.name.begin(), each.name.end(),

@@ -54,8 +54,8 @@ struct ActionRow {
 [[nodiscard]] const ActionRow& row_of(Action action);
 /// The action of a key that went down, with what was held.
 [[nodiscard]] const ActionRow* action_of(const WindowEvent& event);
-/// The key of a name as `keys_of` has it, in letters of any case, or of the one character that it types. Nothing: there is
-/// no such key.
+/// The key of a name as `keys_of` has it, in letters of any case, or of the one character that it types. Nothing: there
+/// is no such key.
 [[nodiscard]] std::optional<Key> find_key(std::string_view name);
 /// "Ctrl+O", "Page Down".
 [[nodiscard]] std::string keys_of(const ActionRow& row);

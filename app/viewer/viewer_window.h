@@ -13,8 +13,8 @@
 
 namespace gs::app {
 
-/// A session in a window: hands it what the user does, draws what it leads to, and lays the user interface over it. Main
-/// thread only. viewer.cpp: the loop; viewer_input.cpp: what the user does; viewer_picture.cpp: what he sees.
+/// A session in a window: hands it what the user does, draws what it leads to, and lays the user interface over it.
+/// Main thread only. viewer.cpp: the loop; viewer_input.cpp: what the user does; viewer_picture.cpp: what he sees.
 class Viewer {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,

@@ -82,7 +82,8 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   const std::string pixels = "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left";
   for (const char* place : {"[1]", "[1,2,3]", "1", "[1,\"2\"]", "[1,1e99]", "{}"})
     CHECK(complaint("{\"t\":1,\"press\":" + std::string(place) + "}") == pixels);
-  CHECK(complaint("{\"t\":1,\"key\":\"hyper\",\"down\":true}") == "in.jsonl:1:8: error: expected \"key\": the name of a key");
+  CHECK(complaint("{\"t\":1,\"key\":\"hyper\",\"down\":true}") ==
+        "in.jsonl:1:8: error: expected \"key\": the name of a key");
   CHECK(complaint("{\"t\":1,\"key\":\"w\"}") == "in.jsonl:1:8: error: expected \"down\": true or false");
   CHECK(complaint("{\"t\":1,\"key\":7}") == "in.jsonl:1:8: error: expected \"key\": the name of a key");
   CHECK(complaint("{\"t\":1,\"set\":\"nothing\",\"value\":\"1\"}").find("in.jsonl:1:8: error: ") == 0);

@@ -1,0 +1,211 @@
+#include "app/session/session.h"
+
+#include "app/session/simulation.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace gs::app::session_test {
+namespace {
+
+constexpr double kStart = 1000;
+using Kind = WindowEvent::Kind;
+
+WindowEvent key(Kind kind, char letter) {
+  WindowEvent event;
+  event.kind = kind;
+  event.key = letter_key(letter);
+  return event;
+}
+
+WindowEvent pointer(Kind kind, float x, float y) {
+  WindowEvent event;
+  event.kind = kind;
+  event.pointer = {x, y};
+  return event;
+}
+
+SessionInput input_of(std::vector<WindowEvent> events, bool over_interface = false) {
+  SessionInput input;
+  input.area = Viewport{0, 0, 200, 100};
+  for (WindowEvent& event : events) input.events.push_back({std::move(event), over_interface});
+  return input;
+}
+
+/// A session of one world, begun at kStart.
+struct OneWorld {
+  explicit OneWorld(const std::string& body, bool simulated = true)
+      : document(hold_world(world_of(body))), session({{}, {}, {}, simulated}, {}, [] {}) {
+    begin_world(*document, kStart);
+    session.show(document);
+    frame = session.step(kStart, input_of({}));
+    REQUIRE(frame.pictures.size() == 1);
+    REQUIRE(frame.pictures[0].view);
+  }
+  [[nodiscard]] glm::vec3 place() const { return frame.pictures[0].view->navigation.pose.position; }
+  [[nodiscard]] double number_of_events(const std::string& name) const {
+    return static_cast<double>(std::count(events.begin(), events.end(), name));
+  }
+  void watch() {
+    document->living->execution().observe(
+        [this](const vrml::SentEvent& event) { events.push_back(event.event->name); });
+  }
+
+  std::shared_ptr<Document> document;
+  Session session;
+  Frame frame;
+  std::vector<std::string> events;
+};
+
+}  // namespace
+
+TEST_CASE("Who holds a key moves with the time of the steps, and the same each time") {
+  const auto walk = [] {
+    OneWorld world("NavigationInfo { type \"FLY\" speed 2 } Viewpoint { position 0 0 10 } Shape { geometry Box { } }");
+    CHECK(world.place() == glm::vec3(0, 0, 10));
+    CHECK_FALSE(world.frame.moving);
+    world.frame = world.session.step(kStart, input_of({key(Kind::key_down, 'W')}));
+    CHECK(world.frame.moving);
+    for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + i / 60.0, input_of({}));
+    const float gone = 10 - world.place().z;
+    CHECK(gone > 1);
+    CHECK(gone < 2.2f);  // a second at 2 m/s, with a soft beginning
+    world.frame = world.session.step(kStart + 1, input_of({key(Kind::key_up, 'W')}));
+    for (int i = 1; i <= 120; ++i) world.frame = world.session.step(kStart + 1 + i / 60.0, input_of({}));
+    CHECK_FALSE(world.frame.moving);
+    return world.place();
+  };
+  const glm::vec3 once = walk();
+  CHECK(walk() == once);
+}
+
+TEST_CASE("The pointer is in the world where no panel is over it") {
+  OneWorld world("Viewpoint { } Group { children [ Shape { geometry Box { } } TouchSensor { } ] }");
+  world.watch();
+  (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}, true));
+  CHECK(world.number_of_events("isOver") == 0);
+  (void)world.session.step(kStart + 0.2, input_of({pointer(Kind::pointer, 100, 50)}));
+  CHECK(world.number_of_events("isOver") == 1);
+  (void)world.session.step(kStart + 0.3, input_of({pointer(Kind::button_down, 100, 50)}));
+  CHECK(world.number_of_events("isActive") == 1);
+  CHECK(world.session.panes().at(0).input.holding() == false);  // the sensor has it
+  (void)world.session.step(kStart + 0.4, input_of({pointer(Kind::button_up, 100, 50)}));
+  CHECK(world.number_of_events("touchTime") == 1);
+  (void)world.session.step(kStart + 0.5, input_of({pointer(Kind::pointer, 100, 50)}, true));
+  CHECK(world.number_of_events("isOver") == 2);  // it left
+}
+
+TEST_CASE("Nobody looks, and time goes on all the same") {
+  OneWorld world("DEF T TimeSensor { loop TRUE }");
+  world.watch();
+  SessionInput hidden;
+  hidden.look = false;
+  for (int i = 1; i <= 5; ++i) (void)world.session.step(kStart + i * 0.1, hidden);
+  CHECK(world.number_of_events("time") == 5);
+}
+
+TEST_CASE("Who chooses a Viewpoint is there at once in simulated time, and on the way in a window") {
+  const std::string body = "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 50 0 0 }";
+  OneWorld simulated(body), window(body, false);
+  for (OneWorld* world : {&simulated, &window}) {
+    world->session.bind_viewpoint(1);
+    world->frame = world->session.step(kStart + 0.1, input_of({}));
+  }
+  CHECK(simulated.place() == glm::vec3(50, 0, 0));
+  CHECK(window.place() != glm::vec3(50, 0, 0));
+  CHECK(window.frame.moving);
+  for (int i = 1; i <= 60; ++i) window.frame = window.session.step(kStart + 0.1 + i / 60.0, input_of({}));
+  CHECK(glm::distance(window.place(), glm::vec3(50, 0, 0)) < 1e-4f);
+  CHECK_FALSE(window.frame.moving);
+}
+
+TEST_CASE("An Anchor leads to a Viewpoint of the same world, and a page is told to who can open it (VRML97 6.2)") {
+  const std::string click_here =
+      "children Shape { geometry Box { size 20 20 1 } } } DEF V Viewpoint { position 0 0 77 }";
+  const auto click = [](OneWorld& world) {
+    (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}));
+    Frame down = world.session.step(kStart + 0.2, input_of({pointer(Kind::button_down, 100, 50)}));
+    Frame up = world.session.step(kStart + 0.3, input_of({pointer(Kind::button_up, 100, 50)}));
+    down.web_pages.insert(down.web_pages.end(), up.web_pages.begin(), up.web_pages.end());
+    world.frame = world.session.step(kStart + 0.4, input_of({}));
+    return down.web_pages;
+  };
+  OneWorld inside("Viewpoint { } Anchor { url \"#V\" " + click_here);
+  CHECK(click(inside).empty());
+  CHECK(inside.place() == glm::vec3(0, 0, 77));
+  OneWorld page("Viewpoint { } Anchor { url \"https://example.org/a.html\" " + click_here, false);
+  CHECK(click(page) == std::vector<std::string>{"https://example.org/a.html"});
+  // In simulated time nothing leads out of the world.
+  OneWorld shut("Viewpoint { } Anchor { url [ \"https://example.org/a.html\" \"other.wrl\" ] " + click_here);
+  CHECK(click(shut).empty());
+  CHECK(shut.session.panes().documents().entries().size() == 1);
+}
+
+TEST_CASE("Sensors find the viewer where he has gone, and until then at the Viewpoint") {
+  OneWorld world(
+      "NavigationInfo { type \"FLY\" speed 4 } DEF T Transform { children Viewpoint { position 0 0 10 } } "
+      "ProximitySensor { center 0 0 6 size 2 2 2 } Shape { geometry Box { } }");
+  world.watch();
+  const auto& execution = world.document->living->execution();
+  (void)world.session.step(kStart + 0.1, input_of({}));
+  CHECK_FALSE(execution.is_told_viewer());
+  (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_down, 'W')}));
+  for (int i = 1; i <= 120; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));
+  CHECK(execution.is_told_viewer());
+  CHECK(world.number_of_events("enterTime") == 1);
+  CHECK(world.number_of_events("exitTime") == 1);
+}
+
+TEST_CASE("Files are read beside the steps, each in its viewport, and one that fails is told") {
+  const ScratchFolder folder;
+  const std::string box = folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  const std::string cone = folder.write("cone.wrl", "#VRML V2.0 utf8\nShape { geometry Cone { } }\n");
+  SessionOptions options;
+  options.files = {box, folder.path("missing.wrl"), cone};
+  Session session(options, {}, [] {});
+  Frame frame;
+  std::vector<std::string> told;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  do {
+    frame = session.step(world_time(), input_of({}));
+    for (const Notice& notice : frame.notices) told.push_back(notice.text);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  } while ((frame.loading || told.empty()) && std::chrono::steady_clock::now() < deadline);
+  CHECK(session.panes().layout() == ViewportLayout::four);
+  std::size_t shown = 0;
+  for (const Frame::Picture& picture : frame.pictures) {
+    CHECK(picture.place.pixels() == 100 * 50);
+    if (picture.view) ++shown;
+  }
+  CHECK(shown == 2);
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].find("Could not open missing.wrl") == 0);
+}
+
+TEST_CASE("Keys of --input move the viewer in simulated time, bit for bit") {
+  const auto walk = [] {
+    Simulation simulation(world_of("NavigationInfo { type \"FLY\" } Viewpoint { } Shape { geometry Box { } }"),
+                          {64, 64});
+    vrml::Diagnostics diagnostics;
+    const auto rows = read_input_rows(
+        "{\"t\":0.1,\"key\":\"w\",\"down\":true}\n{\"t\":0.6,\"key\":\"w\",\"down\":false}\n"
+        "{\"t\":0.7,\"key\":\"Left\",\"down\":true}\n{\"t\":0.9,\"key\":\"Left\",\"down\":false}\n",
+        "in.jsonl", diagnostics);
+    REQUIRE(rows.size() == 4);
+    CHECK(simulation.plan(rows, "in.jsonl", diagnostics));
+    simulation.run(2);
+    return simulation.camera().world_from_camera;
+  };
+  const glm::mat4 camera = walk();
+  CHECK(camera[3].z < 9.9f);
+  CHECK(camera[2].z < 0.999f);  // turned
+  CHECK(walk() == camera);
+}
+
+}  // namespace gs::app::session_test
