@@ -57,8 +57,7 @@ SessionOptions simulated() {
 
 Simulation::Simulation(OpenedWorld world, const glm::ivec2& size)
     : document_(hold_world(std::move(world))),
-      session_(simulated(), {}, [] {}),
-      names_(std::make_unique<vrml::NodeNames>(*document_->world.scene)) {
+      session_(simulated(), {}, [] {}) {
   input_.area = Viewport{0, 0, size.x, size.y};
   execution().set_aspect(static_cast<double>(size.x) / size.y);
 }
@@ -77,6 +76,7 @@ std::optional<std::string> Simulation::bind_action(const std::string& viewpoint,
 std::optional<std::string> Simulation::set_action(const InputRow& row, Action& action, vrml::SourceLocation& place) {
   place = row.location;
   action.scene = world().scene.get();
+  if (!names_) names_ = std::make_unique<vrml::NodeNames>(*world().scene);
   action.node = names_->find(row.name);
   if (!action.node) return "no node '" + row.name + "'; expected a DEF name or Type#number";
   const vrml::NodeType& type = *action.scene->node(action.node).type;

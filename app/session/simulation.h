@@ -64,7 +64,7 @@ class Simulation {
   std::shared_ptr<Document> document_;
   SessionInput input_;  // of the steps
   Session session_;
-  std::unique_ptr<vrml::NodeNames> names_;
+  std::unique_ptr<vrml::NodeNames> names_;  // null: no row has named a node
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;

@@ -1,6 +1,7 @@
 #include "render/image/image_codecs.h"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -188,6 +189,11 @@ bool write_png(png_structp png, png_infop info, PngWriter& writer, const Image& 
   png_set_write_fn(png, &writer, write_bytes, flush_bytes);
   png_set_IHDR(png, info, image.width, image.height, 8, kColorTypes[image.components - 1], PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  // A third of the time of the defaults, for files larger by a tenth (docs/benchmarks.md).
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
+  png_set_compression_level(png, 1);
+  png_set_compression_strategy(png, Z_RLE);
+  png_set_compression_buffer_size(png, std::size_t{1} << 16);
   png_write_info(png, info);
   const std::size_t stride = std::size_t{image.width} * image.components;
   for (std::uint32_t y = 0; y < image.height; ++y) png_write_row(png, image.pixels.data() + y * stride);

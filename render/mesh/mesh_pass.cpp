@@ -17,6 +17,7 @@ namespace {
 // One frame draws no more than this: USE can ask for more than any driver ends in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2;
+constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
 constexpr const char* kDefines[] = {"LIT", "NORMALS", "TEXTURE", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
 
 /// The affine product in double: the difference of two large coordinates must survive.
@@ -141,9 +142,15 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const float depth = -sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
-  if (item.mesh.get() != last_mesh_) {
-    last_slice_ = meshes_.find(item.mesh);
-    last_mesh_ = item.mesh.get();
+  const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
+  if (const float nearest = depth - sphere.radius; item.mesh->coarser && sphere.radius >= 0 && nearest > 0) {
+    const float pixels = sphere.radius / nearest * view.pixels;
+    while ((*mesh_seen)->coarser && pixels * (*mesh_seen)->coarser_error <= kMostDeviation)
+      mesh_seen = &(*mesh_seen)->coarser;
+  }
+  if (mesh_seen->get() != last_mesh_) {
+    last_slice_ = meshes_.find(*mesh_seen);
+    last_mesh_ = mesh_seen->get();
   }
   if (!last_slice_) return;
   prepared.slice = last_slice_;
@@ -319,6 +326,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
+  view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y);
 
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
   prepare(list, view);

@@ -89,6 +89,7 @@ class MeshPass {
     glm::dmat4 camera_from_world;
     glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
     float near_plane, far_plane;
+    float pixels;  // of a metre at a distance of one
   };
 
   explicit MeshPass(const Gl& gl);

@@ -1,5 +1,10 @@
 #include "render/scene/shape_resources.h"
 
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+
+#include <cmath>
+
 #include <utility>
 
 namespace gs::render {
@@ -86,14 +91,22 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   std::string key = node.type->name;
   for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
     if (const auto* flag = std::get_if<vrml::SFBool>(&node.values[i])) key += *flag ? '1' : '0';
-  auto& mesh = meshes_.primitives[key += static_cast<char>('a' + fineness)];
-  if (!mesh) {
-    vrml::MeshOptions options;
-    options.default_measures = true;
-    options.segments = kSegments[fineness];
-    mesh = std::make_shared<const vrml::Mesh>(vrml::tessellate(scene, geometry, options));
+  key += static_cast<char>('a' + fineness);
+  if (const auto known = meshes_.primitives.find(key); known != meshes_.primitives.end()) return known->second;
+  vrml::MeshOptions options;
+  options.default_measures = true;
+  options.segments = kSegments[fineness];
+  vrml::Mesh mesh = vrml::tessellate(scene, geometry, options);
+  if (fineness + 1 < kSegments.size()) {
+    auto coarser = primitive(scene, geometry, fineness + 1);
+    if (coarser->indices.size() < mesh.indices.size()) {
+      // Of a circle of radius 1, as all default measures have it, with as many segments.
+      const float away = 1 - std::cos(glm::pi<float>() / static_cast<float>(kSegments[fineness + 1]));
+      mesh.coarser_error = away / (glm::length(mesh.bounds.size()) / 2);
+      mesh.coarser = std::move(coarser);
+    }
   }
-  return mesh;
+  return meshes_.primitives[key] = std::make_shared<const vrml::Mesh>(std::move(mesh));
 }
 
 // The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.

@@ -15,7 +15,7 @@ namespace gs::render {
 class ShapeResources {
  public:
   /// Segments of primitives, from fine to coarse.
-  static constexpr std::array<int, 3> kSegments = {32, 16, 8};
+  static constexpr std::array<int, 4> kSegments = {64, 32, 16, 8};
 
   ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<vrml::Budget> budget)
       : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
@@ -31,7 +31,8 @@ class ShapeResources {
   /// The mesh of a geometry node, made if it has not been. Null or empty: it shows nothing.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
-  /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures. `fineness`: of kSegments.
+  /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures, with those that are coarser. `fineness`: of
+  /// kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                             std::size_t fineness);
   /// Whether a mesh was made since the last call.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 namespace gs::vrml {
@@ -48,6 +49,10 @@ struct Mesh {
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
   bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
   Bounds bounds;                         // of the positions that are used
+  /// The same surface with fewer triangles, for who sees it small; null: there is none. No point of it is farther from
+  /// this one than `coarser_error`, as a part of the radius of the sphere around `bounds`.
+  std::shared_ptr<const Mesh> coarser;
+  float coarser_error = 0;
 
   [[nodiscard]] bool empty() const { return indices.empty(); }
   /// What it takes of Resource::meshes, with the copy of those who draw it: arrays that it shares with fields once.

@@ -175,9 +175,9 @@ TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.
         "946684800.3 P.isActive FALSE\n946684800.3 P.offset_changed 1 1 0\n");
   CHECK(pointed(kSensors, "--size 100x100",
                 "{\"t\":0.1,\"press\":[70,50]}\n{\"t\":0.2,\"move\":[75,50]}\n{\"t\":0.3,\"release\":[99,50]}") ==
-        "946684800.1 S.isActive TRUE\n946684800.2 S.trackPoint_changed 0.53698766 0 1.926024\n"
-        "946684800.2 S.rotation_changed 0 1 0 0.46557945\n946684800.3 S.isActive FALSE\n"
-        "946684800.3 S.offset_changed 0 1 0 0.46557945\n");
+        "946684800.1 S.isActive TRUE\n946684800.2 S.trackPoint_changed 0.53682727 0 1.9263449\n"
+        "946684800.2 S.rotation_changed 0 1 0 0.46548423\n946684800.3 S.isActive FALSE\n"
+        "946684800.3 S.offset_changed 0 1 0 0.46548423\n");
   CHECK(pointed(kSensors, "--size 100x100",
                 "{\"t\":0.1,\"press\":[50,28]}\n{\"t\":0.2,\"move\":[55,28]}\n{\"t\":0.3,\"release\":[50,28]}") ==
         "946684800.1 C.isActive TRUE\n946684800.2 C.trackPoint_changed 0.9334688 -0.89273727 1.6653112\n"
