@@ -324,6 +324,14 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
   item.place = add_place(parent, id);
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  if (item.mesh->font_size > 0) {
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
+    item.mesh = std::move(mesh);
+    source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+    source.text_level = made;
+    if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
+  }
   if (!source.bounds.empty()) list_.bounds.add(source.bounds);
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);

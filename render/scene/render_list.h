@@ -110,6 +110,9 @@ struct BoundNodes {
   const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr;
 };
 
+/// How many pixels an angle has in the middle of pictures of a usual size, 768 lines at 45 degrees.
+inline constexpr float kUsualPixelsPerRadian = 930;
+
 /// What limits kept out of a picture, for one reason.
 struct LeftOut {
   std::string why;    // names the limit
@@ -137,9 +140,9 @@ struct RenderList {
 /// by the scene's budget, and `left_out` tells what did not fit. Many primitives are cut more coarsely. Ends early
 /// where the budget says so. `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in
 /// `clouds` become splats. `bound` says which NavigationInfo and Background count; null: the first ones that are not in
-/// an Inline.
+/// an Inline. `pixels_per_radian`: for how large pictures Text is cut.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {},
-                                 const BoundNodes* bound = nullptr);
+                                 const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);
 
 }  // namespace gs::render

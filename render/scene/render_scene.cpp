@@ -42,7 +42,8 @@ void RenderScene::gather(const BoundNodes& bound, const glm::vec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
-  *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_).collect(scene_);
+  *list_ =
+      Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_).collect(scene_);
   ++gathered_;
   frame_uses_known_ = item_uses_known_ = false;
   frame_uses_.clear();
@@ -112,6 +113,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       whole = !follow_viewer(viewer_);
       any = any || !moved_frames_.empty();
       move_frames();
+      if (!whole && refine_texts()) any = true;
     }
     // A frame whose numbers have become too large hides what is below it.
     whole = whole || frame_lost_;
@@ -284,6 +286,27 @@ bool RenderScene::follow_viewer(const glm::vec3& viewer) {
   return true;
 }
 
+// Text is cut the more finely, the larger it is to be seen. True where any is cut anew.
+bool RenderScene::refine_texts() {
+  bool any = false;
+  for (const std::uint32_t i : sources_.texts) {
+    DrawItem& item = list_->items[i];
+    RenderSources::Item& source = sources_.items[i];
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    if (level == source.text_level || item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+    const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+    item.mesh = nullptr;  // so that it is not kept for this item
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
+    any = any || made != source.text_level;
+    item.mesh = std::move(mesh);
+    source.text_level = made;
+    place_item(i);
+  }
+  return any;
+}
+
 // ---- Single parts
 
 // False where the whole is to be gathered: it shows what it did not, or no longer.
@@ -297,6 +320,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
   if (!mesh || mesh->empty()) return false;
   item.mesh = std::move(mesh);
+  sources_.items[i].text_level = ShapeResources::kCoarsestText;
   place_item(i);
   return true;
 }

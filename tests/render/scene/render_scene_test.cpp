@@ -302,4 +302,44 @@ TEST_CASE("however events follow each other, the list is what gathering everythi
   CHECK(world.gathered() < 150);
 }
 
+TEST_CASE("Text follows its strings, and is cut the more finely the nearer the viewer is") {
+  World world(R"(
+    DEF Place Transform { children Shape { geometry DEF Words Text { string "Sea" } } }
+    Transform { translation 0 0 -500 children Shape { geometry USE Words } }
+    Shape { geometry DEF Later Text { } })");
+  REQUIRE(world.list().items.size() == 2);
+  world.check();
+  const auto triangles = [&](std::size_t item) { return world.list().items[item].mesh->indices.size() / 3; };
+  CHECK(triangles(0) > triangles(1));
+  world.send<vrml::MFString>("Words.set_string", {vrml::SFString("Sea shore")});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.gathered() == 1);
+  const std::size_t middle = triangles(0), coarse = triangles(1);
+  CHECK(middle > 1.2 * static_cast<double>(coarse));
+  world.move_to({1, 0, 1});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) > 1.2 * static_cast<double>(middle));
+  CHECK(triangles(1) == coarse);
+  world.move_to({0, 0, -490});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) == coarse);
+  CHECK(triangles(1) == middle);
+  CHECK_FALSE(world.update());
+  // Moved text counts as near or far where it is now.
+  world.send<vrml::SFVec3f>("Place.set_translation", {0, 0, -489});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) > middle);
+  CHECK(world.gathered() == 1);
+  // One that showed nothing.
+  world.send<vrml::MFString>("Later.set_string", {vrml::SFString("now")});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().items.size() == 3);
+  CHECK(world.gathered() == 2);
+}
+
 }  // namespace gs::render::render_scene_test
