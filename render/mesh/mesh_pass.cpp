@@ -17,7 +17,8 @@ namespace {
 // One frame draws no more than this: USE can ask for more than any driver ends in a day.
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2;
-constexpr const char* kDefines[] = {"LIT", "NORMALS", "TEXTURE", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
+constexpr const char* kDefines[] = {"LIT",          "NORMALS",  "TEXTURE",  "CUT_OUT",
+                                    "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE", "FOG"};
 
 /// The affine product in double: the difference of two large coordinates must survive.
 void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
@@ -90,6 +91,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       text += LightSets::defines(variant / kFirstLightBit);
       fragment = kLightingShader;
     }
+    if (variant & kFog) fragment += kFogShader;
     auto made = make_program(gl_, text, kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
@@ -99,6 +101,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
       entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
       entry.replaces = gl_.GetUniformLocation(name, "replaces");
+      entry.fog = FogUniforms(gl_, name);
       const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
       if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
     }
@@ -154,6 +157,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
 
   // VRML97 Tables 4.5 and 4.6; lines and points show the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
+  if (fog_.on) state.variant |= kFog;
   set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
   instance.alpha = material.lit ? 1 - material.transparency : 1;
   if (shaded && material.lit) {
@@ -226,6 +230,7 @@ void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) 
     gl_.UseProgram(shader.program.name());
     if (shader.frame != frame_) {
       gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
+      if (state.variant & kFog) shader.fog.set(gl_, fog_);
       shader.frame = frame_;
     }
   }
@@ -320,6 +325,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
 
+  fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
   prepare(list, view);
   if (instances_.empty()) {

@@ -247,6 +247,7 @@ void Collector::visit(const Frame& parent, vrml::NodeId id) {
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
+    case NodeKind::fog:
       add_bindable(view, id, parent);
       break;
     default:
@@ -275,15 +276,21 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
     sources_->bindables.push_back({view.node, parent.frame, parent.main});
-  const bool background = view.kind() == NodeKind::background;
+  const NodeKind kind = view.kind();
+  const vrml::Node* bound = !bound_                        ? nullptr
+                            : kind == NodeKind::background ? bound_->background
+                            : kind == NodeKind::fog        ? bound_->fog
+                                                           : bound_->navigation_info;
+  bool& have = kind == NodeKind::background ? have_background_ : kind == NodeKind::fog ? have_fog_ : have_navigation_;
   // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
-  const bool counts = bound_ ? view.node == (background ? bound_->background : bound_->navigation_info) : parent.main;
-  if (!counts || std::exchange(background ? have_background_ : have_navigation_, true)) return;
-  if (background) {
+  const bool counts = bound_ ? view.node == bound : parent.main;
+  if (!counts || std::exchange(have, true)) return;
+  if (kind == NodeKind::background)
     list_.background = world_background(view, parent.world_from_local);
-  } else {
+  else if (kind == NodeKind::fog)
+    list_.fog = world_fog(view, parent.world_from_local);
+  else
     list_.navigation = navigation_state(view);
-  }
 }
 
 void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {

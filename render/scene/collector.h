@@ -33,7 +33,7 @@ struct RenderSources {
     vrml::Bounds bounds;    // world space
     std::uint8_t text_level = 0;
   };
-  struct Local {  // of a light, Viewpoint, NavigationInfo or Background
+  struct Local {  // of a light, Viewpoint, NavigationInfo, Background or Fog
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
     bool main = true;  // not inside an Inline
@@ -121,7 +121,7 @@ class Collector {
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
   std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs that were met
-  bool have_navigation_ = false, have_background_ = false;
+  bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;

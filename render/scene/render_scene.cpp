@@ -95,7 +95,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
           if (sources_.viewpoints[k].node == &node) renew_viewpoint(k), any = true;
         break;
       case Effect::bindable:
-        if (&node == bound_.background || &node == bound_.navigation_info) renew_bindables(), any = true;
+        if (&node == bound_.background || &node == bound_.navigation_info || &node == bound_.fog)
+          renew_bindables(), any = true;
         break;
       case Effect::none:
       case Effect::everything:
@@ -105,7 +106,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
   if (!whole) {
     any = any || !moved_frames_.empty();
     move_frames();
-    const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info;
+    const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
+                         bound.fog != bound_.fog;
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
     viewer_ = usable(viewer);
@@ -157,6 +159,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return Effect::viewpoint;
     case NodeKind::navigation_info:
     case NodeKind::background:
+    case NodeKind::fog:
       return Effect::bindable;
     case NodeKind::qnv:
       return Effect::everything;
@@ -241,7 +244,8 @@ void RenderScene::move_frames() {
     for (std::uint32_t i = 0; i < sources_.viewpoints.size(); ++i)
       if (sources_.viewpoints[i].frame >= first && sources_.viewpoints[i].frame < done) renew_viewpoint(i);
     for (const RenderSources::Local& local : sources_.bindables)
-      if (local.node == bound_.background && local.frame >= first && local.frame < done) renew_bindables();
+      if ((local.node == bound_.background || local.node == bound_.fog) && local.frame >= first && local.frame < done)
+        renew_bindables();
   }
   moved_frames_.clear();
 }
@@ -361,11 +365,14 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
 void RenderScene::renew_bindables() {
   list_->background = {};
   list_->navigation = {};
-  bool background = false, navigation = false;
+  list_->fog = {};
+  bool background = false, navigation = false, fog = false;
   for (const RenderSources::Local& local : sources_.bindables) {
     const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
     if (local.node == bound_.background && !std::exchange(background, true))
       list_->background = world_background(view, list_->world_from_frame[local.frame]);
+    if (local.node == bound_.fog && !std::exchange(fog, true))
+      list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
     if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
       list_->navigation = navigation_state(view);
   }
