@@ -282,4 +282,26 @@ void main() {
 }
 )glsl";
 
+/// A face of the panorama's cube (VRML97 6.5), four corners of a strip, infinitely far away.
+inline constexpr char kPanoramaVertexShader[] = R"glsl(
+uniform mat3 camera_from_face;  // to the right, up and ahead in the picture
+uniform vec2 tangents;          // of half the angles of view
+out vec2 place;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  vec3 ray = camera_from_face * vec3(corner * 2.0 - 1.0, 1.0);
+  place = vec2(corner.x, 1.0 - corner.y);  // rows of images come from the top
+  gl_Position = vec4(ray.xy / tangents, 0.0, -ray.z);
+}
+)glsl";
+
+inline constexpr char kPanoramaFragmentShader[] = R"glsl(
+uniform sampler2D image;
+in vec2 place;
+out vec4 result;
+void main() {
+  result = texture(image, place);
+}
+)glsl";
+
 }  // namespace gs::render

@@ -85,6 +85,10 @@ struct SplatItem {
 struct Background {
   std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
   std::vector<float> sky_angles, ground_angles;
+  /// The panorama, in the order of the node's url fields; null where a face has no picture.
+  enum Face : std::size_t { back, bottom, front, left, right, top };
+  static constexpr std::size_t kFaces = 6;
+  std::array<std::shared_ptr<const Image>, kFaces> panorama;
   glm::mat3 world_from_background{1.0f};  // rotation only
 };
 

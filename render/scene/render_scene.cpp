@@ -370,7 +370,7 @@ void RenderScene::renew_bindables() {
   for (const RenderSources::Local& local : sources_.bindables) {
     const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
     if (local.node == bound_.background && !std::exchange(background, true))
-      list_->background = world_background(view, list_->world_from_frame[local.frame]);
+      list_->background = world_background(view, list_->world_from_frame[local.frame], images_);
     if (local.node == bound_.fog && !std::exchange(fog, true))
       list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
     if (local.node == bound_.navigation_info && !std::exchange(navigation, true))

@@ -31,6 +31,7 @@ class ShapeResources {
       : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
 
   [[nodiscard]] Schemas& schemas() { return schemas_; }
+  [[nodiscard]] const Images& images() const { return images_; }
   /// The nodes that an Appearance is made of; null where there is none of the kind.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
