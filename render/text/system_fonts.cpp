@@ -8,8 +8,9 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostChoices = 1024;  // of fonts; FontStyles of strangers ask for them
-constexpr std::size_t kMostFaces = 256;     // open at a time
+constexpr std::size_t kMostChoices = 512;  // of fonts; FontStyles of strangers ask for them
+constexpr std::size_t kMostLanguages = 256;
+constexpr std::size_t kMostFaces = 256;  // open at a time
 constexpr std::size_t kMostOutlineBytes = std::size_t{64} << 20;
 
 std::string key_of(const vrml::FontRequest& font) {
@@ -27,12 +28,15 @@ bool joins(char32_t c) {
 }  // namespace
 
 SystemFonts::Choice& SystemFonts::choice(const vrml::FontRequest& font) {
-  if (choices_.size() > kMostChoices) choices_.clear();
-  const auto [found, fresh] = choices_.try_emplace(key_of(font));
+  if (const auto known = choices_.find(key_of(font)); known != choices_.end()) return known->second;
+  // Each search takes some milliseconds, and a world can ask for any number.
+  vrml::FontRequest wanted = font;
+  if (choices_.size() >= kMostChoices) wanted = {{}, font.bold, font.italic, {}};
+  const auto [found, fresh] = choices_.try_emplace(key_of(wanted));
   if (fresh) {
     if (!catalogue_) catalogue_ = std::make_unique<FontCatalogue>();
     Choice& made = found->second;
-    made.files = catalogue_->find(font);
+    made.files = catalogue_->find(wanted);
     made.faces.resize(made.files.size(), nullptr);
     made.tried.resize(made.files.size(), false);
     made.bold = font.bold;
@@ -93,6 +97,13 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
   const std::vector<TextRun> runs = runs_of(text, direction);
   RunStyle style;
   style.language = language_tag(font.language);
+  // HarfBuzz keeps every language for good, in a list that it searches.
+  if (!languages_.contains(style.language)) {
+    if (languages_.size() < kMostLanguages)
+      languages_.insert(style.language);
+    else
+      style.language.clear();
+  }
   struct Part {
     std::size_t first, end;
     FontFace* face;

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -41,6 +42,7 @@ class SystemFonts : public vrml::TextShaper {
   std::mutex mutex_;
   std::unique_ptr<FontCatalogue> catalogue_;  // made when it is first asked for
   std::map<std::string, Choice> choices_;
+  std::set<std::string> languages_;  // that were asked for
   std::map<FaceKey, std::unique_ptr<FontFace>> faces_;
 };
 

@@ -339,6 +339,19 @@ TEST_CASE("Any bytes can be shaped, in any direction") {
   CHECK(runs.extent == Approx(10'000 * fonts.shape(kFamilies[2], "x", TextDirection::left, 2).extent));
 }
 
+TEST_CASE("Any number of fonts and languages can be asked for") {
+  SystemFonts fonts;
+  const double plain = fonts.shape({}, "nn", TextDirection::right, 1).extent;
+  for (int i = 0; i < 700; ++i) {
+    FontRequest request;
+    request.families = {"No Such Family " + std::to_string(i % 40)};
+    request.language = "q" + std::to_string(i);
+    const ShapedText text = fonts.shape(request, "nn", TextDirection::right, 1);
+    CHECK(text.glyphs.size() == 2);
+    if (i >= 600) CHECK(text.extent == Approx(plain));  // the plain font, from where it is too many
+  }
+}
+
 TEST_CASE("The language of a FontStyle") {  // 6.20.4
   CHECK(language_tag("zh_TW") == "zh-TW");
   CHECK(language_tag("en") == "en");

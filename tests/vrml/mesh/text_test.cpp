@@ -272,6 +272,17 @@ TEST_CASE("Text takes numbers that are none") {
   check_box(text.drawn(), {0, -0.25f}, {1, 0.75f});  // as if it were the default
 }
 
+TEST_CASE("Table 7-1: Text of 100 strings of 100 characters") {
+  TextScene text({});
+  MFString strings;
+  for (int i = 0; i < 100; ++i) strings.push_back(SFString(std::string(100, 'x')));
+  text.set("string", strings);
+  const Mesh mesh = text.drawn();
+  check_promises(mesh);
+  CHECK(triangles_of(mesh) == 2 * 100 * 100);
+  check_box(mesh, {0, -99.25f}, {50, 0.75f});
+}
+
 TEST_CASE("Text that there is no memory for is left out") {
   Limits limits;
   limits.memory = std::size_t{1} << 20;
