@@ -9,10 +9,8 @@
 #include <limits>
 #include <string>
 
-using namespace gs;
-using namespace gs::render;
+namespace gs::render::fog_test {
 using namespace gs::render::testing;
-
 namespace {
 
 /// f0 by VRML97 Table 4.8.
@@ -226,3 +224,5 @@ TEST_CASE("Splats and volumes fade as surfaces do, on both paths") {
       CHECK(glm::length(half - expected) < 6);
     }
 }
+
+}  // namespace gs::render::fog_test

@@ -7,10 +7,8 @@
 #include <memory>
 #include <string>
 
-using namespace gs;
-using namespace gs::render;
+namespace gs::render::looks_pair_test {
 using namespace gs::render::testing;
-
 namespace {
 
 struct ParsedWorld {
@@ -148,3 +146,5 @@ TEST_CASE("A panorama of one colour looks as a sky of it") {
   Camera camera = camera_at({3, 4, 5});
   CHECK(difference(painted.draw(drawing, camera), sky.draw(drawing, camera)) == 0);
 }
+
+}  // namespace gs::render::looks_pair_test
