@@ -1,6 +1,6 @@
 // bench_inputs DIR: writes the worlds that benchmarks read. The same bytes on every run.
 //
-// Three height fields (long arrays of numbers) and three worlds of many small things, which cost a browser in
+// Three height fields (long arrays of numbers) and four worlds of many small things, which cost a browser in
 // quite different places: names, nodes, sharing, PROTO instances, ROUTEs.
 
 #include <algorithm>
@@ -239,6 +239,26 @@ bool write_routes(const std::filesystem::path& path) {
   return out.finish();
 }
 
+/// 10,000 labels, all of them in view, each with a string of its own.
+bool write_labels(const std::filesystem::path& path) {
+  constexpr std::array kWords = {"north", "Gate",  "valve", "pump",   "T-104",   "reactor", "temperature", "Level",
+                                 "inlet", "depot", "Quai",  "bridge", "harbour", "mast",    "22.4 m",      "river"};
+  Writer out(path);
+  write_head(out, "0 0.1 0.1", "position 0 0 130");
+  for (std::size_t i = 0; i < 10'000; ++i) {
+    const auto column = static_cast<double>(i % 100), row = static_cast<double>(i / 100);
+    out.text("Transform { translation ");
+    out.triple((column - 54) * 1.1, (row - 49.5) * 0.9, static_cast<double>(i * 37 % 121) - 60, 3);
+    out.text(
+        i == 0 ? " children Shape { appearance DEF Paint Appearance { material Material { diffuseColor 0.9 0.9 0.5 } }"
+               : " children Shape { appearance USE Paint");
+    out.text(" geometry Text { string \"").text(kWords[i * 7 % kWords.size()]).text(" ");
+    out.text(kWords[(i * 5 + i / 16) % kWords.size()]).text(" ").integer(static_cast<long>(i)).text("\" fontStyle ");
+    out.text(i == 0 ? "DEF Style FontStyle { family \"SANS\" size 0.6 }" : "USE Style").text(" } } }\n");
+  }
+  return out.finish();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -253,7 +273,7 @@ int main(int count, char** arguments) {
                     write_height_field(folder / "grid1m.wrl", 708) &&    // 999,698
                     write_height_field(folder / "grid4m.wrl", 1415) &&   // 3,998,792
                     write_small_nodes(folder / "nodes20k.wrl") && write_prototypes(folder / "proto5k.wrl") &&
-                    write_routes(folder / "routes10k.wrl");
+                    write_routes(folder / "routes10k.wrl") && write_labels(folder / "labels10k.wrl");
   if (!good) std::fprintf(stderr, "bench_inputs: cannot write into %s\n", folder.c_str());
   return good ? 0 : 1;
 }

@@ -42,6 +42,7 @@ constexpr const char* kSystem[] = {
     "/lib64",
     "/etc/ld.so.cache",
     "/etc/fonts",
+    "/var/cache/fontconfig",
     "/etc/drirc",
     "/etc/localtime",
     "/dev/zero",

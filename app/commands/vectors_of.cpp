@@ -84,8 +84,10 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;
   title = surface->world.title;
+  // Text as finely as for the largest pictures: vectors may be seen from anywhere.
+  constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
-                                  surface->world.clouds);
+                                  surface->world.clouds, nullptr, kPixelsPerRadian);
   vrml::Diagnostics left_out;
   report_left_out(surface->list, left_out);
   print_diagnostics(left_out);

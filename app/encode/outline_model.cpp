@@ -158,7 +158,7 @@ TextureUrls texture_urls(const OpenedWorld& world) {
       urls.emplace(found->second.get(), net::resolve(base, net::parse_url(net::tidy_url(list.front().view()))).text());
   }
   // Pictures of Inlines, libraries, importers and PixelTextures: as they are.
-  for (const auto& [node, image] : world.images)
+  for (const auto& [place, image] : world.images)
     if (image && !urls.contains(image.get()))
       urls.emplace(image.get(), "data:image/png;base64," + base64(render::encode_png(*image)));
   return urls;

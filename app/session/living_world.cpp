@@ -101,7 +101,7 @@ render::BoundNodes LivingWorld::bound() const {
     const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
-  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background"), node_of("Fog")};
 }
 
 }  // namespace gs::app

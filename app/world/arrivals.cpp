@@ -50,7 +50,7 @@ std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {
   std::vector<Arrivals::Place> changed;
   for (const Arrivals::Image& one : arrivals.images)
     for (const Arrivals::Place& texture : one.textures) {
-      world.images[&texture.scene->node(texture.node)] = one.image;
+      world.images[{&texture.scene->node(texture.node), texture.url}] = one.image;
       changed.push_back(texture);
     }
   for (const Arrivals::Cloud& one : arrivals.clouds) {

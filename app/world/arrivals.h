@@ -4,6 +4,7 @@
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct Arrivals {
   struct Place {
     vrml::SceneGraph* scene = nullptr;  // the root or the content of an Inline; touched by the world's thread only
     vrml::NodeId node;
+    std::size_t url = 0;  // of NodeType::url_fields, for images
   };
   struct Image {
     std::vector<Place> textures;

@@ -33,6 +33,7 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 struct WorldLoading::State::SharedImage final : ContentHandler {
   SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
       : world(state),
+        type(node.type->name),
         file(node.text->file_name()),
         place(node.location),
         urls(std::move(list)),
@@ -56,28 +57,27 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
     }
   }
   void end(const std::optional<std::string>& problem) override {
-    if (problem) world.report(Severity::warning, file, place, "ImageTexture: " + *problem);
+    if (problem) world.report(Severity::warning, file, place, type + ": " + *problem);
     if (!over) decode(bytes);
     bytes = {};
     held.shrink_to(0);
   }
   void leave_out(const std::string& why) {
     over = true;
-    world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + why + "; left out");
+    world.report(Severity::warning, file, place, type + " " + name + ": " + why + "; left out");
   }
   void decode(std::span<const std::byte> from) {
     over = true;
     auto decoded = decode_texture(from, world.budget);
     if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
     Texture& texture = std::get<Texture>(decoded);
-    if (!texture.note.empty())
-      world.report(Severity::warning, file, place, "ImageTexture " + name + ": " + texture.note);
+    if (!texture.note.empty()) world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
     image = std::move(texture.image);
     world.image_arrived({std::exchange(textures, {}), image});
   }
   void missing(const std::string& why) override {
     over = true;
-    if (!told) world.report(Severity::warning, file, place, "ImageTexture: " + why_missing(urls, why));
+    if (!told) world.report(Severity::warning, file, place, type + ": " + why_missing(urls, why));
   }
   void add(const Arrivals::Place& texture) {
     if (image)
@@ -87,7 +87,7 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   }
 
   State& world;
-  std::string file, name;
+  std::string type, file, name;  // of the node that asked first; of its text; of the picture
   vrml::SourceLocation place;
   vrml::MFString urls;
   std::vector<std::byte> bytes;
@@ -295,15 +295,19 @@ void SceneHandler::visit_inline(NodeId id) {
 }
 
 void SceneHandler::visit_image(NodeId id) {
-  const auto& list = scene->get<vrml::MFString>(id, "url");
-  if (list.empty()) return;
-  Reference reference = refer(id);
-  if (reference.places.empty()) return;
-  auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
-  const bool fresh = !shared;
-  if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), list);
-  shared->add({scene, id});
-  if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
+  const auto fields = scene->node(id).type->url_fields();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const int slot = fields[i]->slot;
+    const auto* list = std::get_if<vrml::MFString>(&scene->node(id).values[slot]);
+    if (!list || list->empty()) continue;
+    Reference reference = refer(*list, scene->text_of(id, slot));
+    if (reference.places.empty()) continue;
+    auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
+    const bool fresh = !shared;
+    if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), *list);
+    shared->add({scene, id, i});
+    if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
+  }
 }
 
 // From its own records, else from the first file of its url list; the node's transfer function goes before the

@@ -287,7 +287,7 @@ void WorldLoading::State::image_arrived(Arrivals::Image image) {
     arrivals.images.push_back(std::move(image));
   } else {
     for (const Arrivals::Place& texture : image.textures)
-      world.images[&texture.scene->node(texture.node)] = image.image;
+      world.images[{&texture.scene->node(texture.node), texture.url}] = image.image;
   }
 }
 

@@ -94,7 +94,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   state->gl = std::move(std::get<Gl>(loaded));
   auto background = BackgroundPass::create(state->gl);
   if (auto* error = std::get_if<ContextError>(&background)) return std::move(*error);
-  state->background = std::move(std::get<BackgroundPass>(background));
+  state->background.emplace(std::move(std::get<BackgroundPass>(background)));
   auto meshes = MeshPass::create(state->gl);
   if (auto* error = std::get_if<ContextError>(&meshes)) return std::move(*error);
   state->meshes = std::move(std::get<std::unique_ptr<MeshPass>>(meshes));

@@ -66,7 +66,19 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 }
 )glsl";
 
-/// Defines: LIT, NORMALS, TEXTURE; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
+/// For the fragment stage where there is fog: VRML97 4.14.4 and Table 4.8, in camera space. FogUniforms sets it.
+inline constexpr char kFogShader[] = R"glsl(
+uniform mat3 fog_ranges;  // the Fog's own space, in visibilityRanges
+uniform vec4 fog_color;   // w: 1 where fogType is EXPONENTIAL
+vec3 fogged(vec3 color, vec3 place) {
+  vec3 away = fog_ranges * place;
+  float ranges = min(sqrt(dot(away, away)), 1.0);
+  float interpolant = fog_color.w > 0.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;
+  return mix(fog_color.rgb, color, interpolant);
+}
+)glsl";
+
+/// Defines: LIT, NORMALS, TEXTURE, FOG; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Only what the fragments
 /// use is passed on: software drivers keep all of it for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
@@ -77,7 +89,7 @@ layout(location = 2) in vec4 color;  // w: 1, or 0 where the mesh has none
 #ifdef TEXTURE
 layout(location = 3) in vec2 texture_coordinate;
 #endif
-#if defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)
+#if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
 #endif
 layout(location = 4) in vec4 camera_from_node_x;
@@ -91,10 +103,10 @@ uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
 out vec4 surface_color;
-#ifdef LIT
 #ifdef POSITION
 out vec3 camera_position;
 #endif
+#ifdef LIT
 #ifdef EMISSIVE
 flat out vec4 emissive_ambient;
 #endif
@@ -130,10 +142,10 @@ void main() {
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
   surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
-#ifdef LIT
 #ifdef POSITION
   camera_position = place;
 #endif
+#ifdef LIT
 #ifdef EMISSIVE
   emissive_ambient = emissive;
 #endif
@@ -154,7 +166,7 @@ void main() {
 /// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first.
 /// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
-#if defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)
+#if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
 #endif
 in vec4 surface_color;
@@ -165,12 +177,12 @@ uniform ivec2 replaces;  // 1 where the texture replaces the colour, the alpha
 #endif
 out vec4 result;
 
-#ifdef LIT
 #ifdef POSITION
 in vec3 camera_position;
 #else
 const vec3 camera_position = vec3(0.0);
 #endif
+#ifdef LIT
 #ifdef EMISSIVE
 flat in vec4 emissive_ambient;
 #else
@@ -210,6 +222,9 @@ void main() {
 #endif
 #ifdef LIT
   color.rgb = lit(surface_normal(), camera_position, color.rgb, emissive_ambient, specular_exponent);
+#endif
+#ifdef FOG
+  color.rgb = fogged(color.rgb, camera_position);
 #endif
   result = color;
 }
@@ -264,6 +279,28 @@ void main() {
     color = mix(color, ring_color(counts.x, counts.y, from_nadir), clamp((last - from_nadir) / pixel + 0.5, 0.0, 1.0));
   }
   result = vec4(color, 1.0);
+}
+)glsl";
+
+/// A face of the panorama's cube (VRML97 6.5), four corners of a strip, infinitely far away.
+inline constexpr char kPanoramaVertexShader[] = R"glsl(
+uniform mat3 camera_from_face;  // to the right, up and ahead in the picture
+uniform vec2 tangents;          // of half the angles of view
+out vec2 place;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  vec3 ray = camera_from_face * vec3(corner * 2.0 - 1.0, 1.0);
+  place = vec2(corner.x, 1.0 - corner.y);  // rows of images come from the top
+  gl_Position = vec4(ray.xy / tangents, 0.0, -ray.z);
+}
+)glsl";
+
+inline constexpr char kPanoramaFragmentShader[] = R"glsl(
+uniform sampler2D image;
+in vec2 place;
+out vec4 result;
+void main() {
+  result = texture(image, place);
 }
 )glsl";
 

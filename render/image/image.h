@@ -27,9 +27,20 @@ struct Image {
   [[nodiscard]] bool has_alpha() const { return components == 2 || components == 4; }
 };
 
-/// Images of the texture nodes of a world (ImageTexture, PixelTexture), by node; nodes whose image
-/// has not arrived or is broken are absent. Background panels use the same map with BackgroundImages.
-using Images = std::unordered_map<const vrml::Node*, std::shared_ptr<const Image>>;
+/// What an image is for: a node, and which of its NodeType::url_fields names it (ImageTexture has one, Background six).
+struct ImagePlace {
+  ImagePlace(const vrml::Node* of, std::size_t url_field = 0) : node(of), url(url_field) {}
+  const vrml::Node* node;
+  std::size_t url;
+  friend bool operator==(const ImagePlace&, const ImagePlace&) = default;
+};
+struct HashImagePlace {
+  std::size_t operator()(const ImagePlace& place) const {
+    return std::hash<const vrml::Node*>()(place.node) + place.url;
+  }
+};
+/// Images of the nodes of a world. Those that have not arrived or are broken are absent.
+using Images = std::unordered_map<ImagePlace, std::shared_ptr<const Image>, HashImagePlace>;
 
 /// What a decoder could not read, and what was expected.
 struct ImageError {

@@ -6,12 +6,28 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <array>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRings = 512;  // of sky or ground; both fit the smallest texture that GL 3.3 allows
+
+/// Where one looks to see a face of the panorama as its picture is (VRML97 6.5).
+struct Way {
+  glm::vec3 ahead, up;
+};
+constexpr std::array<Way, Background::kFaces> kWays = {{
+    {{0, 0, 1}, {0, 1, 0}},    // back
+    {{0, -1, 0}, {0, 0, -1}},  // bottom
+    {{0, 0, -1}, {0, 1, 0}},   // front
+    {{-1, 0, 0}, {0, 1, 0}},   // left
+    {{1, 0, 0}, {0, 1, 0}},    // right
+    {{0, 1, 0}, {0, 0, 1}},    // top
+}};
 
 void append_rings(const std::vector<glm::vec3>& colors, const std::vector<float>& angles,
                   std::vector<glm::vec4>& rings) {
@@ -38,7 +54,8 @@ BackgroundPass::BackgroundPass(const Gl& gl, Program program)
       rings_(make_texture(gl)),
       background_from_camera_(gl.GetUniformLocation(program_.name(), "background_from_camera")),
       tangents_(gl.GetUniformLocation(program_.name(), "tangents")),
-      counts_(gl.GetUniformLocation(program_.name(), "counts")) {
+      counts_(gl.GetUniformLocation(program_.name(), "counts")),
+      textures_(gl) {
   gl.BindTexture(GL_TEXTURE_2D, rings_.name());
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -62,13 +79,22 @@ int BackgroundPass::upload_rings(const Background& background, int& ground_count
 
 void BackgroundPass::draw(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents,
                           const std::optional<glm::vec3>& color) {
+  textures_.forget_unused();
   const bool plain = background.sky_colors.size() <= 1 && background.ground_colors.size() <= 1;
   if (color || plain) {
     const glm::vec3 one = color ? *color : background.sky_colors.empty() ? glm::vec3(0) : background.sky_colors.front();
     gl_->ClearColor(one.r, one.g, one.b, 1);
     gl_->Clear(GL_COLOR_BUFFER_BIT);
-    return;
+  } else {
+    draw_rings(background, world_from_camera, tangents);
   }
+  const auto& panorama = background.panorama;
+  if (!color && std::any_of(panorama.begin(), panorama.end(), [](const auto& image) { return image != nullptr; }))
+    draw_panorama(background, world_from_camera, tangents);
+}
+
+void BackgroundPass::draw_rings(const Background& background, const glm::mat3& world_from_camera,
+                                const glm::vec2& tangents) {
   int ground_count = 0;
   const int sky_count = upload_rings(background, ground_count);
   gl_->UseProgram(program_.name());
@@ -81,6 +107,40 @@ void BackgroundPass::draw(const Background& background, const glm::mat3& world_f
   gl_->Disable(GL_BLEND);
   gl_->BindVertexArray(no_attributes_.name());
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void BackgroundPass::draw_panorama(const Background& background, const glm::mat3& world_from_camera,
+                                   const glm::vec2& tangents) {
+  if (!std::exchange(tried_panorama_, true)) {
+    auto made = make_program(*gl_, "", kPanoramaVertexShader, kPanoramaFragmentShader);
+    if (auto* program = std::get_if<Program>(&made)) panorama_ = std::move(*program);
+    if (panorama_) {
+      camera_from_face_ = gl_->GetUniformLocation(panorama_.name(), "camera_from_face");
+      panorama_tangents_ = gl_->GetUniformLocation(panorama_.name(), "tangents");
+    }
+  }
+  if (!panorama_) return;
+  gl_->UseProgram(panorama_.name());
+  gl_->Uniform2f(panorama_tangents_, tangents.x, tangents.y);
+  gl_->Disable(GL_DEPTH_TEST);
+  gl_->Disable(GL_CULL_FACE);
+  gl_->Enable(GL_BLEND);
+  gl_->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl_->BindVertexArray(no_attributes_.name());
+  const glm::mat3 camera_from_background = glm::transpose(world_from_camera) * background.world_from_background;
+  for (std::size_t face = 0; face < Background::kFaces; ++face) {
+    if (!background.panorama[face]) continue;
+    const TextureStore::Entry* texture = textures_.find(background.panorama[face]);
+    if (!texture) continue;
+    textures_.bind(*texture, false, false);
+    const Way& way = kWays[face];
+    const glm::mat3 camera_from_face =
+        camera_from_background * glm::mat3(glm::cross(way.ahead, way.up), way.up, way.ahead);
+    gl_->UniformMatrix3fv(camera_from_face_, 1, GL_FALSE, glm::value_ptr(camera_from_face));
+    gl_->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+  gl_->Disable(GL_BLEND);
+  gl_->BindSampler(0, 0);
 }
 
 }  // namespace gs::render

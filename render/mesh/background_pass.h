@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/gl/gpu.h"
+#include "render/gl/texture_store.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat3x3.hpp>
@@ -23,12 +24,19 @@ class BackgroundPass {
  private:
   BackgroundPass(const Gl& gl, Program program);
   int upload_rings(const Background& background, int& ground_count);
+  void draw_rings(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents);
+  void draw_panorama(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents);
 
   const Gl* gl_;
   Program program_;
   VertexArray no_attributes_;
   Texture rings_;
   GLint background_from_camera_, tangents_, counts_;
+  TextureStore textures_;
+  // Made for the first panorama; the driver may refuse it.
+  Program panorama_;
+  bool tried_panorama_ = false;
+  GLint camera_from_face_ = -1, panorama_tangents_ = -1;
 };
 
 }  // namespace gs::render

@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2;
 constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
-constexpr const char* kDefines[] = {"LIT", "NORMALS", "TEXTURE", "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE"};
+constexpr const char* kDefines[] = {"LIT",          "NORMALS",  "TEXTURE",  "CUT_OUT",
+                                    "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE", "FOG"};
 
 /// The affine product in double: the difference of two large coordinates must survive.
 void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
@@ -91,6 +92,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       text += LightSets::defines(variant / kFirstLightBit);
       fragment = kLightingShader;
     }
+    if (variant & kFog) fragment += kFogShader;
     auto made = make_program(gl_, text, kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
@@ -100,6 +102,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
       entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
       entry.replaces = gl_.GetUniformLocation(name, "replaces");
+      entry.fog = FogUniforms(gl_, name);
       const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
       if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
     }
@@ -161,6 +164,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
 
   // VRML97 Tables 4.5 and 4.6; lines and points show the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
+  if (fog_.on) state.variant |= kFog;
   set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
   instance.alpha = material.lit ? 1 - material.transparency : 1;
   if (shaded && material.lit) {
@@ -233,6 +237,7 @@ void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) 
     gl_.UseProgram(shader.program.name());
     if (shader.frame != frame_) {
       gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
+      if (state.variant & kFog) shader.fog.set(gl_, fog_);
       shader.frame = frame_;
     }
   }
@@ -328,6 +333,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.far_plane = camera.far_plane;
   view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y);
 
+  fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
   prepare(list, view);
   if (instances_.empty()) {

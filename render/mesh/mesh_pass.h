@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/gl/fog_uniforms.h"
 #include "render/gl/gpu.h"
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
@@ -7,6 +8,7 @@
 #include "render/mesh/mesh_store.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
+#include "render/scene/fog.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat3x3.hpp>
@@ -45,12 +47,14 @@ class MeshPass {
     kLocalLights = 16,
     kSpecular = 32,
     kEmissive = 64,
-    kFirstLightBit = 128,  // from here on: LightSets::variant
+    kFog = 128,
+    kFirstLightBit = 256,  // from here on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1;
+    FogUniforms fog;
   };
   /// A texture as some items of this frame use it. Number 0 stands for none.
   struct TextureBinding {
@@ -123,6 +127,7 @@ class MeshPass {
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
   unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs
+  CameraFog fog_;
   unsigned last_variant_ = 0;
   VariantProgram* last_program_ = nullptr;
   DrawState applied_;

@@ -56,6 +56,10 @@ glm::mat4 projection(const Camera& camera, float width, float height) {
   return clip_from_camera;
 }
 
+float pixels_per_radian(float field_of_view, float width, float height) {
+  return std::min(width, height) / (2 * std::tan(field_of_view / 2));
+}
+
 Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view, float width,
                     float height) {
   const double ca = std::cos(double{azimuth}), sa = std::sin(double{azimuth});

@@ -22,6 +22,9 @@ struct Camera {
 /// Clip space of OpenGL from camera space. `near_plane` and `far_plane` must be set.
 [[nodiscard]] glm::mat4 projection(const Camera& camera, float width, float height);
 
+/// How many pixels an angle of one radian has in the middle of the picture.
+[[nodiscard]] float pixels_per_radian(float field_of_view, float width, float height);
+
 /// A camera at `azimuth`, `elevation` (radians; 0, 0 looks from +Z) that has the whole of `bounds` in view.
 [[nodiscard]] Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view,
                                   float width, float height);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace gs::render {
@@ -173,14 +174,31 @@ NavigationState navigation_state(const NodeView& view) {
   return state;
 }
 
-Background world_background(const NodeView& view, const dmat4& world_from_node) {
+Background world_background(const NodeView& view, const dmat4& world_from_node, const Images& images) {
   using F = BackgroundFields;
   Background background;
   rings(view, F::sky_color, F::sky_angle, std::numbers::pi_v<float>, background.sky_colors, background.sky_angles);
   rings(view, F::ground_color, F::ground_angle, kHalfPi, background.ground_colors, background.ground_angles);
   if (background.sky_colors.empty()) background.sky_colors.emplace_back(0.0f);
+  for (std::size_t face = 0; face < Background::kFaces; ++face) {
+    const auto found = images.find({view.node, face});
+    if (found != images.end() && found->second && !found->second->empty()) background.panorama[face] = found->second;
+  }
   background.world_from_background = glm::mat3(rotation_part(world_from_node));
   return background;
+}
+
+Fog world_fog(const NodeView& view, const dmat4& world_from_node) {
+  using F = FogFields;
+  Fog fog;
+  fog.color = color(view, F::color, fog.color);
+  if (const auto* type = view.find<vrml::SFString>(F::fog_type)) fog.exponential = type->view() == "EXPONENTIAL";
+  fog.visibility_range = number(view, F::visibility_range, 0, std::numeric_limits<float>::max(), 0);
+  const dmat3 matrix(world_from_node), inverse = glm::inverse(matrix);
+  fog.fog_from_world = glm::mat3(inverse);
+  for (int i = 0; i < 3; ++i)
+    if (!finite(fog.fog_from_world[i])) return {};
+  return fog;
 }
 
 Material material_of(const NodeView& view) {

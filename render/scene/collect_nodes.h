@@ -26,7 +26,10 @@ namespace gs::render {
 /// Scale is dropped from the transformation (6.53).
 [[nodiscard]] ViewpointState world_viewpoint(const NodeView& viewpoint, const glm::dmat4& world_from_node);
 [[nodiscard]] NavigationState navigation_state(const NodeView& navigation_info);
-[[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node);
+[[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node,
+                                          const Images& images);
+/// Measured in the space of `world_from_node`; none where that has no inverse.
+[[nodiscard]] Fog world_fog(const NodeView& fog, const glm::dmat4& world_from_node);
 
 /// Lit, clamped to the ranges of 6.27.
 [[nodiscard]] Material material_of(const NodeView& material);

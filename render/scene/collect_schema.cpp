@@ -30,6 +30,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {"Viewpoint", NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
     {"NavigationInfo", NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
     {"Background", NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
+    {"Fog", NodeKind::fog, {"color", "fogType", "visibilityRange"}},
     {"Appearance", NodeKind::appearance, {"material", "texture", "textureTransform"}},
     {"Material",
      NodeKind::material,

@@ -25,6 +25,7 @@ enum class NodeKind : std::uint8_t {
   viewpoint,
   navigation_info,
   background,
+  fog,
   appearance,
   material,
   image_texture,
@@ -74,6 +75,9 @@ struct NavigationFields {
 };
 struct BackgroundFields {
   enum : int { sky_color, sky_angle, ground_color, ground_angle };
+};
+struct FogFields {
+  enum : int { color, fog_type, visibility_range };
 };
 struct AppearanceFields {
   enum : int { material, texture, texture_transform };

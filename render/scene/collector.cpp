@@ -247,6 +247,7 @@ void Collector::visit(const Frame& parent, vrml::NodeId id) {
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
+    case NodeKind::fog:
       add_bindable(view, id, parent);
       break;
     default:
@@ -275,15 +276,21 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
     sources_->bindables.push_back({view.node, parent.frame, parent.main});
-  const bool background = view.kind() == NodeKind::background;
+  const NodeKind kind = view.kind();
+  const vrml::Node* bound = !bound_                        ? nullptr
+                            : kind == NodeKind::background ? bound_->background
+                            : kind == NodeKind::fog        ? bound_->fog
+                                                           : bound_->navigation_info;
+  bool& have = kind == NodeKind::background ? have_background_ : kind == NodeKind::fog ? have_fog_ : have_navigation_;
   // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
-  const bool counts = bound_ ? view.node == (background ? bound_->background : bound_->navigation_info) : parent.main;
-  if (!counts || std::exchange(background ? have_background_ : have_navigation_, true)) return;
-  if (background) {
-    list_.background = world_background(view, parent.world_from_local);
-  } else {
+  const bool counts = bound_ ? view.node == bound : parent.main;
+  if (!counts || std::exchange(have, true)) return;
+  if (kind == NodeKind::background)
+    list_.background = world_background(view, parent.world_from_local, resources_.images());
+  else if (kind == NodeKind::fog)
+    list_.fog = world_fog(view, parent.world_from_local);
+  else
     list_.navigation = navigation_state(view);
-  }
 }
 
 void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {
@@ -324,6 +331,18 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
   item.place = add_place(parent, id);
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  if (item.mesh->font_size > 0) {
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
+    source.text_level = ShapeResources::kCoarsestText;
+    // Where the picture has no room for the finer one, the coarsest is shown.
+    if (mesh == item.mesh || take_triangles(mesh->indices.size() / 3)) {
+      item.mesh = std::move(mesh);
+      source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+      source.text_level = made;
+    }
+    if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
+  }
   if (!source.bounds.empty()) list_.bounds.add(source.bounds);
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);
@@ -354,16 +373,22 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
 
 // USE and PROTO let a small file describe 2^n of anything.
 bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
-  const std::size_t items = budget_->limit(vrml::Resource::items), most = budget_->limit(vrml::Resource::triangles);
+  const std::size_t items = budget_->limit(vrml::Resource::items);
   if (list_.items.size() >= items) {
     resources_.leave_out(budget_->refusal(vrml::Resource::items), scene, geometry);
     return false;
   }
-  if (triangles > most - std::min(most, triangles_)) {
+  if (!take_triangles(triangles)) {
     resources_.leave_out(budget_->refusal(vrml::Resource::triangles), scene, geometry);
     return false;
   }
-  triangles_ += triangles;
+  return true;
+}
+
+bool Collector::take_triangles(std::size_t count) {
+  const std::size_t most = budget_->limit(vrml::Resource::triangles);
+  if (count > most - std::min(most, triangles_)) return false;
+  triangles_ += count;
   return true;
 }
 

@@ -31,8 +31,9 @@ struct RenderSources {
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // of a primitive, whose mesh has the default measures
     vrml::Bounds bounds;    // world space
+    std::uint8_t text_level = 0;
   };
-  struct Local {  // of a light, Viewpoint, NavigationInfo or Background
+  struct Local {  // of a light, Viewpoint, NavigationInfo, Background or Fog
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
     bool main = true;  // not inside an Inline
@@ -52,6 +53,7 @@ struct RenderSources {
   std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints as in the list
   std::vector<Lod> lods;
   std::vector<std::uint32_t> billboards;  // frames
+  std::vector<std::uint32_t> texts;       // items
   std::vector<Unshown> unshown;           // may repeat
   bool complete = true;                   // false: there are more coordinate systems than are remembered
 };
@@ -61,14 +63,16 @@ class Collector {
  public:
   /// `sources`: where to tell where everything comes from; null: nowhere.
   Collector(ShapeResources& resources, const glm::vec3& viewer, const Clouds& clouds, const BoundNodes* bound,
-            std::shared_ptr<vrml::Budget> budget, RenderSources* sources)
+            std::shared_ptr<vrml::Budget> budget, RenderSources* sources,
+            float pixels_per_radian = kUsualPixelsPerRadian)
       : resources_(resources),
         schemas_(resources.schemas()),
         viewer_(viewer),
         clouds_(clouds),
         bound_(bound),
         sources_(sources),
-        budget_(std::move(budget)) {}
+        budget_(std::move(budget)),
+        pixels_per_radian_(pixels_per_radian) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -102,6 +106,7 @@ class Collector {
   void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
                   const std::shared_ptr<const qnv::Cloud>& cloud, float detail, const RenderSources::Item& source);
   bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
+  bool take_triangles(std::size_t count);
   void coarsen_primitives();
   [[nodiscard]] glm::dvec3 viewer_in(const glm::dmat4& world_from_local) const;
   [[nodiscard]] std::size_t content() const;
@@ -117,12 +122,13 @@ class Collector {
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
   std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs that were met
-  bool have_navigation_ = false, have_background_ = false;
+  bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;
   std::size_t visits_ = 0;
   std::shared_ptr<vrml::Budget> budget_;
+  float pixels_per_radian_;
   std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
   // Primitives of which there are items, by their finest mesh.
   struct Primitives {

@@ -2,9 +2,11 @@
 
 #include "render/image/image.h"
 #include "vrml/mesh/mesh.h"
+#include "vrml/mesh/text_shaper.h"
 #include "vrml/scene/budget.h"
 #include "vrml/scene/scene_graph.h"
 
+#include <array>
 #include <memory>
 #include <set>
 #include <string>
@@ -19,19 +21,24 @@ namespace gs::render {
 ///
 /// Meshes are not watched: `forget` tells what has changed. Images of PixelTextures follow their field by themselves.
 struct MeshCache {
+  struct FinerMeshes;
   struct Entry {
     std::shared_ptr<const vrml::Mesh> mesh;
     vrml::Share share;                        // of the budget for meshes
     const vrml::SceneGraph* scene = nullptr;  // of the geometry node
     bool texture_coordinates = false;         // whether they were asked for
     bool refused = false;                     // the limit for meshes took some or all of it
+    std::unique_ptr<FinerMeshes> finer;       // of a Text
+  };
+  struct FinerMeshes {
+    std::array<Entry, vrml::kTextTolerances.size() - 1> levels;
   };
   struct PixelEntry {
     vrml::PixelImage source;  // shares its storage with the field while that is unchanged
     std::shared_ptr<const Image> image;
     vrml::Share share;
   };
-  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node
+  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node; of Text the coarsest
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
   /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
   /// which share one mesh under different scales, and so one draw call.

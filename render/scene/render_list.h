@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "render/image/image.h"
+#include "render/scene/fog.h"
 #include "render/scene/mesh_cache.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/scene_graph.h"
@@ -84,6 +85,10 @@ struct SplatItem {
 struct Background {
   std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
   std::vector<float> sky_angles, ground_angles;
+  /// The panorama, in the order of the node's url fields; null where a face has no picture.
+  enum Face : std::size_t { back, bottom, front, left, right, top };
+  static constexpr std::size_t kFaces = 6;
+  std::array<std::shared_ptr<const Image>, kFaces> panorama;
   glm::mat3 world_from_background{1.0f};  // rotation only
 };
 
@@ -107,8 +112,11 @@ struct NavigationState {
 
 /// The bindable nodes that are bound (4.6.10), of the root or of Inlines. Null: none of the type is.
 struct BoundNodes {
-  const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr;
+  const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr, *fog = nullptr;
 };
+
+/// How many pixels an angle has in the middle of pictures of a usual size, 768 lines at 45 degrees.
+inline constexpr float kUsualPixelsPerRadian = 930;
 
 /// What limits kept out of a picture, for one reason.
 struct LeftOut {
@@ -126,6 +134,7 @@ struct RenderList {
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
   NavigationState navigation;
+  Fog fog;
   vrml::Bounds bounds;                       // world space, of all items
   std::vector<LeftOut> left_out;             // one for each reason
   std::vector<Place> places;                 // of everything above, parents before children
@@ -136,10 +145,10 @@ struct RenderList {
 /// Safe for any graph a file can describe: cycles are cut; depth, items, triangles and the memory of meshes are bounded
 /// by the scene's budget, and `left_out` tells what did not fit. Many primitives are cut more coarsely. Ends early
 /// where the budget says so. `viewer` is the camera's place in world space, for LOD. Geometry nodes that are in
-/// `clouds` become splats. `bound` says which NavigationInfo and Background count; null: the first ones that are not in
-/// an Inline.
+/// `clouds` become splats. `bound` says which NavigationInfo, Background and Fog count; null: the first ones that are
+/// not in an Inline. `pixels_per_radian`: for how large pictures Text is cut.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {},
-                                 const BoundNodes* bound = nullptr);
+                                 const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);
 
 }  // namespace gs::render

@@ -42,7 +42,8 @@ void RenderScene::gather(const BoundNodes& bound, const glm::vec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
-  *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_).collect(scene_);
+  *list_ =
+      Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_).collect(scene_);
   ++gathered_;
   frame_uses_known_ = item_uses_known_ = false;
   frame_uses_.clear();
@@ -94,7 +95,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
           if (sources_.viewpoints[k].node == &node) renew_viewpoint(k), any = true;
         break;
       case Effect::bindable:
-        if (&node == bound_.background || &node == bound_.navigation_info) renew_bindables(), any = true;
+        if (&node == bound_.background || &node == bound_.navigation_info || &node == bound_.fog)
+          renew_bindables(), any = true;
         break;
       case Effect::none:
       case Effect::everything:
@@ -104,7 +106,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
   if (!whole) {
     any = any || !moved_frames_.empty();
     move_frames();
-    const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info;
+    const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
+                         bound.fog != bound_.fog;
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
     viewer_ = usable(viewer);
@@ -112,6 +115,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       whole = !follow_viewer(viewer_);
       any = any || !moved_frames_.empty();
       move_frames();
+      if (!whole && refine_texts()) any = true;
     }
     // A frame whose numbers have become too large hides what is below it.
     whole = whole || frame_lost_;
@@ -155,6 +159,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return Effect::viewpoint;
     case NodeKind::navigation_info:
     case NodeKind::background:
+    case NodeKind::fog:
       return Effect::bindable;
     case NodeKind::qnv:
       return Effect::everything;
@@ -239,7 +244,8 @@ void RenderScene::move_frames() {
     for (std::uint32_t i = 0; i < sources_.viewpoints.size(); ++i)
       if (sources_.viewpoints[i].frame >= first && sources_.viewpoints[i].frame < done) renew_viewpoint(i);
     for (const RenderSources::Local& local : sources_.bindables)
-      if (local.node == bound_.background && local.frame >= first && local.frame < done) renew_bindables();
+      if ((local.node == bound_.background || local.node == bound_.fog) && local.frame >= first && local.frame < done)
+        renew_bindables();
   }
   moved_frames_.clear();
 }
@@ -284,6 +290,27 @@ bool RenderScene::follow_viewer(const glm::vec3& viewer) {
   return true;
 }
 
+// Text is cut the more finely, the larger it is to be seen. True where any is cut anew.
+bool RenderScene::refine_texts() {
+  bool any = false;
+  for (const std::uint32_t i : sources_.texts) {
+    DrawItem& item = list_->items[i];
+    RenderSources::Item& source = sources_.items[i];
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    if (level == source.text_level || item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+    const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+    item.mesh = nullptr;  // so that it is not kept for this item
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
+    any = any || made != source.text_level;
+    item.mesh = std::move(mesh);
+    source.text_level = made;
+    place_item(i);
+  }
+  return any;
+}
+
 // ---- Single parts
 
 // False where the whole is to be gathered: it shows what it did not, or no longer.
@@ -297,6 +324,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
   if (!mesh || mesh->empty()) return false;
   item.mesh = std::move(mesh);
+  sources_.items[i].text_level = ShapeResources::kCoarsestText;
   place_item(i);
   return true;
 }
@@ -337,11 +365,14 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
 void RenderScene::renew_bindables() {
   list_->background = {};
   list_->navigation = {};
-  bool background = false, navigation = false;
+  list_->fog = {};
+  bool background = false, navigation = false, fog = false;
   for (const RenderSources::Local& local : sources_.bindables) {
     const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
     if (local.node == bound_.background && !std::exchange(background, true))
-      list_->background = world_background(view, list_->world_from_frame[local.frame]);
+      list_->background = world_background(view, list_->world_from_frame[local.frame], images_);
+    if (local.node == bound_.fog && !std::exchange(fog, true))
+      list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
     if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
       list_->navigation = navigation_state(view);
   }

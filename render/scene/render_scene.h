@@ -29,10 +29,15 @@ class RenderScene {
   /// the viewer is, in world space. True when the list is another than before.
   bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::vec3& viewer);
 
+  /// How large the pictures are that the list is for, which Text is cut for: pixels of an angle in their middle.
+  void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
+
   [[nodiscard]] const RenderList& list() const { return *list_; }
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Whether some of the list depends on where the viewer is.
-  [[nodiscard]] bool depends_on_viewer() const { return !sources_.lods.empty() || !sources_.billboards.empty(); }
+  [[nodiscard]] bool depends_on_viewer() const {
+    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
+  }
   /// How often everything was gathered.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
 
@@ -53,6 +58,7 @@ class RenderScene {
   const Uses& frame_uses();
   const Uses& item_uses();
   bool follow_viewer(const glm::vec3& viewer);
+  bool refine_texts();
   void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
   void move_frames();
   void place_item(std::uint32_t item);
@@ -73,6 +79,7 @@ class RenderScene {
   RenderSources sources_;
   BoundNodes bound_;
   glm::vec3 viewer_{0, 0, 10};
+  float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
   Uses frame_uses_, item_uses_;  // sorted; made when they are first asked for
   bool frame_uses_known_ = false, item_uses_known_ = false;

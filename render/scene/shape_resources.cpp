@@ -1,10 +1,12 @@
 #include "render/scene/shape_resources.h"
 
-#include <glm/geometric.hpp>
+#include "render/text/system_fonts.h"
+
+#include <glm/glm.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include <algorithm>
 #include <cmath>
-
 #include <utility>
 
 namespace gs::render {
@@ -132,11 +134,29 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::mesh_of(const vrml::SceneGraph
   return entry.mesh;
 }
 
+ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                                      bool textured, std::size_t level) {
+  std::shared_ptr<const vrml::Mesh> coarsest = mesh_of(scene, geometry, textured);
+  constexpr auto kLast = static_cast<std::uint8_t>(kCoarsestText);
+  if (level >= kCoarsestText || !coarsest || coarsest->empty()) return {std::move(coarsest), kLast};
+  auto& finer = meshes_.meshes[&scene.node(geometry)].finer;
+  if (!finer) finer = std::make_unique<MeshCache::FinerMeshes>();
+  MeshCache::Entry& entry = finer->levels[level];
+  if (!entry.mesh || (textured && !entry.texture_coordinates)) make_mesh(entry, scene, geometry, textured, level);
+  if (entry.mesh->empty()) return {std::move(coarsest), kLast};
+  // Those that nobody shows any more would fill the memory while the viewer goes along many.
+  for (MeshCache::Entry& other : finer->levels)
+    if (&other != &entry && other.mesh && other.mesh.use_count() == 1) other = {};
+  return {entry.mesh, static_cast<std::uint8_t>(level)};
+}
+
 void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
-                               bool textured) {
+                               bool textured, std::size_t text_level) {
   vrml::MeshOptions options;
   options.texture_coordinates = textured;
   options.refiner = refiner_of(scene, geometry);
+  options.text_shaper = &system_fonts();
+  options.text_level = text_level;
   entry.mesh = nullptr;
   entry.share = vrml::Share(budget_, vrml::Resource::meshes);
   auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
@@ -151,6 +171,19 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
   entry.refused = mesh->left_out && !budget_->stopped();
   entry.mesh = std::move(mesh);
   entry.texture_coordinates = textured;
+}
+
+std::size_t text_level(const vrml::Mesh& text, const glm::mat4& world_from_node, const vrml::Bounds& bounds,
+                       const glm::dvec3& viewer, float pixels_per_radian) {
+  constexpr double kMostPixels = 0.4;  // that outlines may be off
+  const glm::dmat3 matrix(world_from_node);
+  const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
+  const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
+                                            : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
+  const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
+  std::size_t level = vrml::kTextBars;
+  while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMostPixels * distance)) --level;
+  return level;
 }
 
 }  // namespace gs::render

@@ -2,11 +2,19 @@
 
 #include "render/scene/collect_nodes.h"
 #include "render/scene/render_list.h"
+#include "vrml/mesh/text_shaper.h"
 
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace gs::render {
 
@@ -17,10 +25,13 @@ class ShapeResources {
   /// Segments of primitives, from fine to coarse.
   static constexpr std::array<int, 4> kSegments = {64, 32, 16, 8};
 
+  static constexpr std::size_t kCoarsestText = vrml::kTextBars;
+
   ShapeResources(const Images& images, MeshCache& meshes, std::shared_ptr<vrml::Budget> budget)
       : images_(images), meshes_(meshes), budget_(std::move(budget)) {}
 
   [[nodiscard]] Schemas& schemas() { return schemas_; }
+  [[nodiscard]] const Images& images() const { return images_; }
   /// The nodes that an Appearance is made of; null where there is none of the kind.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
@@ -31,6 +42,14 @@ class ShapeResources {
   /// The mesh of a geometry node, made if it has not been. Null or empty: it shows nothing.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
+  /// That of a Text as it is to be seen from `viewer`: the finer, the larger it is there, `level` of
+  /// vrml::kTextTolerances. The coarsest one where there is no room for it.
+  struct TextMesh {
+    std::shared_ptr<const vrml::Mesh> mesh;
+    std::uint8_t level;
+  };
+  [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
+                                      std::size_t level);
   /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures, with those that are coarser. `fineness`: of
   /// kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
@@ -46,7 +65,8 @@ class ShapeResources {
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
-  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured);
+  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
+                 std::size_t text_level = kCoarsestText);
 
   const Images& images_;
   MeshCache& meshes_;
@@ -56,5 +76,11 @@ class ShapeResources {
   std::vector<LeftOut> left_out_;
   bool made_mesh_ = false;
 };
+
+/// How finely text is to be cut (a place in vrml::kTextTolerances), so that nobody sees corners in it: by how large its
+/// font is at the nearest place of its box. `bounds` in world space. `pixels_per_radian`: of the picture, in its
+/// middle.
+[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::mat4& world_from_node,
+                                     const vrml::Bounds& bounds, const glm::dvec3& viewer, float pixels_per_radian);
 
 }  // namespace gs::render

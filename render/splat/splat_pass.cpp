@@ -70,15 +70,18 @@ SplatPass::SplatPass(const Gl& gl)
   }
 }
 
-const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, unsigned lights) {
-  const auto [found, fresh] = shaders_.try_emplace(lights * 4u + (closing ? 2u : 0u) + (colored ? 1u : 0u));
+const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, bool fog, unsigned lights) {
+  const auto [found, fresh] =
+      shaders_.try_emplace(lights * 8u + (fog ? 4u : 0u) + (closing ? 2u : 0u) + (colored ? 1u : 0u));
   Shader& entry = found->second;
   if (fresh) {
     std::string text = "#define LOCAL_LIGHTS\n#define SPECULAR\n";
     if (colored) text += "#define COLORS\n";
     if (closing) text += "#define CLOSING\n";
+    if (fog) text += "#define FOG\n";
     text += LightSets::defines(lights);
-    auto made = make_program(gl_, text, kSplatVertexShader, std::string(kLightingShader) + kSplatFragmentShader);
+    auto made =
+        make_program(gl_, text, kSplatVertexShader, std::string(kLightingShader) + kFogShader + kSplatFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
       const GLuint name = entry.program.name();
@@ -97,6 +100,7 @@ const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, unsigned 
       entry.base = at("base");
       entry.emissive_ambient = at("emissive_ambient");
       entry.specular_exponent = at("specular_exponent");
+      entry.fog = FogUniforms(gl_, name);
       const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
       if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
     }
@@ -140,9 +144,9 @@ SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, 
 }
 
 void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
-                      const glm::mat4& clip_from_camera, const DrawOptions& options) {
+                      const CameraFog& fog, const glm::mat4& clip_from_camera, const DrawOptions& options) {
   const bool colored = textures.colors != 0;
-  const Shader* s = shader(colored, closing > 0, LightSets::variant(lights_.count(light_set)));
+  const Shader* s = shader(colored, closing > 0, fog.on, LightSets::variant(lights_.count(light_set)));
   if (!s) return;
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x + textures.x, options.y + textures.y, textures.width, textures.height);
@@ -180,6 +184,7 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int 
   gl_.Uniform4fv(s->base, 1, glm::value_ptr(base));
   gl_.Uniform4fv(s->emissive_ambient, 1, glm::value_ptr(emissive));
   gl_.Uniform4fv(s->specular_exponent, 1, glm::value_ptr(specular));
+  if (fog.on) s->fog.set(gl_, fog);
   lights_.bind(light_set);
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -191,6 +196,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   if (list.splats.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   lights_.begin(list.lights, camera_from_world, options.headlight);
+  const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
     const qnv::Box& box = item.cloud->description.box;
@@ -238,7 +244,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], clip_from_camera, options);
+    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog, clip_from_camera, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);

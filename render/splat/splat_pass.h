@@ -1,9 +1,11 @@
 #pragma once
 
+#include "render/gl/fog_uniforms.h"
 #include "render/gl/gpu.h"
 #include "render/gl/light_sets.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
+#include "render/scene/fog.h"
 #include "render/scene/render_list.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_raster.h"
@@ -31,13 +33,14 @@ class SplatPass {
     Program program;
     GLint normals = -1, depths = -1, colors = -1, origin = -1, size = -1, rectangle = -1, corner = -1, closing = -1,
           pixel = -1, tangents = -1, depth_row = -1, base = -1, emissive_ambient = -1, specular_exponent = -1;
+    FogUniforms fog;
   };
   /// Null when the driver refused it.
   /// `lights`: LightSets::variant.
-  const Shader* shader(bool colored, bool closing, unsigned lights);
+  const Shader* shader(bool colored, bool closing, bool fog, unsigned lights);
   /// `closing`: how wide the holes are that are still to be closed, in pixels.
   void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
-             const glm::mat4& clip_from_camera, const DrawOptions& options);
+             const CameraFog& fog, const glm::mat4& clip_from_camera, const DrawOptions& options);
   /// Empty where OpenGL is not wanted or cannot.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);

@@ -293,8 +293,8 @@ void main() {
 }
 )glsl";
 
-/// Shades what the surface splatter left in the pixels of the viewport; comes behind kLightingShader. Defines: COLORS,
-/// those of the lights, CLOSING (does what close_pinholes of splat_closing.h says).
+/// Shades what the surface splatter left in the pixels of the viewport; comes behind kLightingShader and, with FOG,
+/// kFogShader. Defines: COLORS, FOG, those of the lights, CLOSING (does what close_pinholes of splat_closing.h says).
 inline constexpr char kSplatFragmentShader[] = R"glsl(
 uniform sampler2D normals, depths;
 #ifdef COLORS
@@ -371,7 +371,11 @@ void main() {
 #endif
   float length2 = dot(normal, normal);
   vec3 n = length2 > 0.0 ? normal * inversesqrt(length2) : vec3(0.0, 0.0, 1.0);
-  result = vec4(lit(n, place, color, emissive_ambient, specular_exponent), coverage * base.a);
+  color = lit(n, place, color, emissive_ambient, specular_exponent);
+#ifdef FOG
+  color = fogged(color, place);
+#endif
+  result = vec4(color, coverage * base.a);
   gl_FragDepth = clamp(0.5 - 0.5 * depth_row.x + 0.5 * depth_row.y / depth, 0.0, 1.0);
 }
 )glsl";

@@ -17,7 +17,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMostShaderLights = 8, kTransferAt = 15 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
+constexpr std::size_t kMostShaderLights = 8, kTransferAt = 19 + 5 * kMostShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMostVectors = std::size_t{1} << 28;
 constexpr std::size_t kMostViewports = 16;
 constexpr std::size_t kSurveyedVectors = 8192;  // vectors
@@ -76,6 +76,11 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   out.emplace_back(options.color.value_or(glm::vec3(0)), by);
   out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
                    options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
+  for (int i = 0; i < 3; ++i) {
+    out.push_back(row_of(glm::mat4(options.fog.ranges_from_camera), i));
+    out.back().w = options.fog.color[i];
+  }
+  out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, 0, 0, 0);
   for (std::size_t i = 0; i < kMostShaderLights; ++i) {
     const VolumeLight light = i < lights.size() ? lights[i] : VolumeLight{};
     out.emplace_back(light.place, light.directional ? 1 : 0);

@@ -287,7 +287,7 @@ glm::vec3 volume_shade(const VolumeOptions& options, const glm::vec3& color, con
   }
   const glm::vec3 lit = color * diffuse + gloss;
   const auto whole = [](float c) { return c > 0 ? std::min(c, 1.0f) : 0.0f; };
-  return {whole(lit.x), whole(lit.y), whole(lit.z)};
+  return fogged(options.fog, {whole(lit.x), whole(lit.y), whole(lit.z)}, place);
 }
 
 }  // namespace gs::render

@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "render/scene/cloud_look.h"
+#include "render/scene/fog.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -69,6 +70,7 @@ struct VolumeOptions {
   float ambient = 0.25f, diffuse = 0.75f;    // of the light that falls on a vector, whatever its direction, and by it
   float specular = 0.12f;                    // gloss, towards white
   std::span<const VolumeLight> lights;       // none: one with the viewer
+  CameraFog fog;
 };
 
 /// What is the same in all pictures of a cloud, or of the first vectors of it.
@@ -135,8 +137,8 @@ struct VolumePrefix {
   return glm::vec3(volume_transfer(model, options)[cloud.classes.empty() ? 255u : cloud.classes[k]]);
 }
 
-/// c(x_k): `color` in the light of all lights, 0..1. `place` and `normal` (of any length) are in camera space; the
-/// normal has two sides; without a direction the light falls on it from everywhere.
+/// c(x_k): `color` in the light of all lights and behind the fog, 0..1. `place` and `normal` (of any length) are in
+/// camera space; the normal has two sides; without a direction the light falls on it from everywhere.
 [[nodiscard]] glm::vec3 volume_shade(const VolumeOptions& options, const glm::vec3& color, const glm::vec3& place,
                                      const glm::vec3& normal);
 

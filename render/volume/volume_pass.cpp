@@ -124,6 +124,7 @@ void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_wor
     if (look.clip) own.clip = *look.clip * item.world_from_node;
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
+    own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)));
     own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
     scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
     scene.held.push_back({item.cloud, std::move(model)});

@@ -68,7 +68,7 @@ uniform samplerBuffer items;
 uniform int item_count;
 
 const int ROW_X = 0, ROW_Y = 1, ROW_Z = 2, NORMAL_X = 3, NORMAL_Y = 4, NORMAL_Z = 5, LOWER = 6, STEP = 7, PLACE = 8,
-          SIZE = 9, WEIGHT = 10, CLIP = 11, SHADE = 12, COLOR = 13, SCALE = 14, LIGHTS = 15,
+          SIZE = 9, WEIGHT = 10, CLIP = 11, SHADE = 12, COLOR = 13, SCALE = 14, FOG = 15, LIGHTS = 19,
           TRANSFER = LIGHTS + 5 * MOST_LIGHTS;
 
 vec4 about(int item, int what) { return texelFetch(items, item * ITEM_TEXELS + what); }
@@ -179,7 +179,15 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
     shine *= shine; shine *= shine; shine *= shine;
     gloss += tint.rgb * (strength * shading.z * shine);
   }
-  return clamp(color * diffuse + gloss, 0.0, 1.0);
+  color = clamp(color * diffuse + gloss, 0.0, 1.0);
+  // VRML97 Table 4.8; the matrix by rows, whose last column is the colour, and the type: 1 LINEAR, 2 EXPONENTIAL.
+  vec4 fog_x = about(item, FOG), fog_y = about(item, FOG + 1), fog_z = about(item, FOG + 2);
+  float fog_type = about(item, FOG + 3).x;
+  if (fog_type == 0.0) return color;
+  vec3 away = vec3(dot(fog_x.xyz, seen), dot(fog_y.xyz, seen), dot(fog_z.xyz, seen));
+  float ranges = min(sqrt(dot(away, away)), 1.0);
+  float interpolant = fog_type > 1.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;
+  return mix(vec3(fog_x.w, fog_y.w, fog_z.w), color, interpolant);
 }
 )glsl";
 

@@ -7,12 +7,15 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
 
 namespace gs::vrml {
+
+class TextShaper;
 
 /// An axis-aligned box; empty when lower > upper.
 struct Bounds {
@@ -48,6 +51,7 @@ struct Mesh {
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
   bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
+  float font_size = 0;                   // of a Text, in node space; 0 of what MeshOptions::text_level does not change
   Bounds bounds;                         // of the positions that are used
   /// The same surface with fewer triangles, for who sees it small; null: there is none. No point of it is farther from
   /// this one than `coarser_error`, as a part of the radius of the sphere around `bounds`.
@@ -69,6 +73,9 @@ struct MeshOptions {
   bool default_measures = false;
   /// Of an OutlineGroup: the one that refines it, whose polygons are drawn with it; null: none.
   NodeId refiner{};
+  /// Who knows fonts; without one, Text is empty. Must outlive the call.
+  TextShaper* text_shaper = nullptr;
+  std::size_t text_level = 1;  // of kTextTolerances (vrml/mesh/text_shaper.h): how finely glyphs are cut
 };
 
 /// The mesh of a geometry node, in counter-clockwise order seen from the front whatever the node's

@@ -17,5 +17,6 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
 }  // namespace gs::vrml

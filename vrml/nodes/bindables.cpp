@@ -20,7 +20,7 @@ constexpr NodeRow kBindablesRows[] = {
   exposedField MFColor    skyColor         0 0 0            # [0,1]
   eventOut     SFBool     isBound
 )",
-     nullptr, &kBindableBehaviour},
+     nullptr, &kBindableBehaviour, UrlContent::image},
     {"Fog", "6.19", Role::child | Role::bindable, R"(
   exposedField SFColor    color            1 1 1            # [0,1]
   exposedField SFString   fogType          "LINEAR"

@@ -129,12 +129,13 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFFloat    radius           1                # (0,inf)
 )",
      tessellate_sphere},
-    {"Text", "6.47", Role::geometry, R"(
+    {"Text", "6.47", Role::geometry | Role::viewer_dependent, R"(
   exposedField MFString   string           []
   exposedField SFNode     fontStyle        NULL
   exposedField MFFloat    length           []               # [0,inf)
   exposedField SFFloat    maxExtent        0.0              # [0,inf)
-)"},
+)",
+     tessellate_text},
 };
 
 }  // namespace

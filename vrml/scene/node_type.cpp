@@ -45,6 +45,14 @@ void NodeType::declare(InterfaceDeclaration declaration) {
   interfaces.push_back(std::move(declaration));
 }
 
+std::vector<const InterfaceDeclaration*> NodeType::url_fields() const {
+  std::vector<const InterfaceDeclaration*> fields;
+  for (const InterfaceDeclaration& each : interfaces)
+    if (each.slot >= 0 && each.type == FieldType::MFString && (each.name == "url" || each.name.ends_with("Url")))
+      fields.push_back(&each);
+  return fields;
+}
+
 const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
   const std::uint32_t key = digest(wanted);
   for (std::size_t i = 0; i < keys_.size(); ++i)

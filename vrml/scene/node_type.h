@@ -107,6 +107,9 @@ struct NodeType {
 
   /// Adds a declaration, giving it a slot if it stores a value.
   void declare(InterfaceDeclaration declaration);
+  /// The MFString fields that name files: `url`, or those whose names end with `Url` (VRML97 6.5), as they are
+  /// declared.
+  [[nodiscard]] std::vector<const InterfaceDeclaration*> url_fields() const;
   /// The declaration of exactly this name, or null.
   [[nodiscard]] const InterfaceDeclaration* find(std::string_view name) const;
   /// The field or exposedField of this name, or null.

@@ -177,6 +177,28 @@ TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whateve
   CHECK(world.images.begin()->second->width == 1);
 }
 
+TEST_CASE("the pictures of a Background's panorama are found, those of one file once") {
+  const ScratchFolder folder;
+  folder.write("sky/side.gif", kGif);
+  folder.write("top.gif", kGif);
+  const OpenedWorld world = load_world(
+      folder.write("main.wrl",
+                   "#VRML V2.0 utf8\nBackground { frontUrl \"sky/side.gif\" backUrl [ \"gone.gif\" \"sky/side.gif\" ] "
+                   "leftUrl \"sky/side.gif\" topUrl \"top.gif\" bottomUrl \"gone.gif\" rightUrl \"\" }\n"));
+  REQUIRE(world.scene);
+  const vrml::Node* node = &world.scene->node(world.scene->roots()[0]);
+  using render::Background;
+  for (const auto face : {Background::front, Background::back, Background::left, Background::top}) {
+    INFO("face " << face);
+    REQUIRE(world.images.contains({node, face}));
+    CHECK(world.images.at({node, face})->width == 1);
+  }
+  CHECK(world.images.at({node, Background::front}) == world.images.at({node, Background::left}));
+  CHECK(world.images.size() == 4);
+  CHECK(said(world).find("warning: Background: cannot find 'gone.gif'") != std::string::npos);
+  CHECK(world.diagnostics.entries().size() == 1);
+}
+
 TEST_CASE("references that lead nowhere or back are left out, and said") {
   const ScratchFolder folder;
   folder.write("b.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\nShape { }\n");

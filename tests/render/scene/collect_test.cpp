@@ -357,6 +357,24 @@ TEST_CASE("ImageTextures show the image that was loaded for them") {
   CHECK(list.items[1].mesh == list.items[0].mesh);
 }
 
+TEST_CASE("A Background has the pictures of its url fields") {
+  World world("DEF B Background { topUrl \"a.png\" frontUrl \"b.png\" }");
+  const vrml::Node& node = world.scene->node(world.find("B"));
+  const auto fields = node.type->url_fields();
+  REQUIRE(fields.size() == Background::kFaces);
+  const std::pair<Background::Face, const char*> names[] = {
+      {Background::back, "backUrl"}, {Background::bottom, "bottomUrl"}, {Background::front, "frontUrl"},
+      {Background::left, "leftUrl"}, {Background::right, "rightUrl"},   {Background::top, "topUrl"}};
+  for (const auto& [face, name] : names) {
+    CHECK(fields[face]->name == name);
+    const auto image = std::make_shared<const Image>(Image{1, 1, 3, {1, 2, 3}});
+    world.images = {{ImagePlace(&node, face), image}};
+    const RenderList list = world.collect();
+    for (std::size_t i = 0; i < Background::kFaces; ++i)
+      CHECK(list.background.panorama[i] == (i == face ? image : nullptr));
+  }
+}
+
 TEST_CASE("A texture turns and scales as VRML97 6.49 prints it") {
   World world(
       "Shape { appearance Appearance { texture PixelTexture { image 1 1 1 0xFF }\n"

@@ -84,6 +84,9 @@ class World {
     CHECK(kept.background.sky_colors == fresh.background.sky_colors);
     CHECK(kept.background.world_from_background == fresh.background.world_from_background);
     CHECK(kept.navigation.speed == fresh.navigation.speed);
+    CHECK(kept.fog.visibility_range == fresh.fog.visibility_range);
+    CHECK(kept.fog.color == fresh.fog.color);
+    CHECK(kept.fog.fog_from_world == fresh.fog.fog_from_world);
   }
 
  private:
@@ -92,7 +95,7 @@ class World {
       const vrml::NodeChange found = execution_->bound(*vrml::built_in_node_type(type));
       return found.scene ? &found.scene->node(found.node) : nullptr;
     };
-    return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+    return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background"), node_of("Fog")};
   }
   static std::string path(const RenderList& list, std::uint32_t place) {
     std::string text;
@@ -300,6 +303,73 @@ TEST_CASE("however events follow each other, the list is what gathering everythi
     world.check();
   }
   CHECK(world.gathered() < 150);
+}
+
+TEST_CASE("Text follows its strings, and is cut the more finely the nearer the viewer is") {
+  World world(R"(
+    DEF Place Transform { children Shape { geometry DEF Words Text { string "Sea" } } }
+    Transform { translation 0 0 -500 children Shape { geometry USE Words } }
+    Shape { geometry DEF Later Text { } })");
+  REQUIRE(world.list().items.size() == 2);
+  world.check();
+  const auto triangles = [&](std::size_t item) { return world.list().items[item].mesh->indices.size() / 3; };
+  CHECK(triangles(0) > triangles(1));
+  world.send<vrml::MFString>("Words.set_string", {vrml::SFString("Sea shore")});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.gathered() == 1);
+  const std::size_t middle = triangles(0), coarse = triangles(1);
+  CHECK(middle > 1.2 * static_cast<double>(coarse));
+  world.move_to({1, 0, 1});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) > 1.2 * static_cast<double>(middle));
+  CHECK(triangles(1) == coarse);
+  world.move_to({0, 0, -490});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) == coarse);
+  CHECK(triangles(1) == middle);
+  CHECK_FALSE(world.update());
+  // Moved text counts as near or far where it is now.
+  world.send<vrml::SFVec3f>("Place.set_translation", {0, 0, -489});
+  CHECK(world.update());
+  world.check();
+  CHECK(triangles(0) > middle);
+  CHECK(world.gathered() == 1);
+  // One that showed nothing.
+  world.send<vrml::MFString>("Later.set_string", {vrml::SFString("now")});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().items.size() == 3);
+  CHECK(world.gathered() == 2);
+}
+
+TEST_CASE("The fog is that which is bound, as it is at the moment") {
+  World world(R"(
+    DEF Place Transform { children DEF Mist Fog { visibilityRange 30 } }
+    DEF Night Fog { visibilityRange 50 color 0 0 0 } Shape { geometry Box { } })");
+  world.check();
+  CHECK(world.list().fog.visibility_range == 30);
+  world.send<vrml::SFFloat>("Mist.set_visibilityRange", 20.0f);
+  world.send<vrml::SFColor>("Mist.set_color", {1, 0, 0});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().fog.visibility_range == 20);
+  CHECK(world.list().fog.color == glm::vec3(1, 0, 0));
+  world.send<vrml::SFVec3f>("Place.set_scale", {2, 2, 2});
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().fog.fog_from_world == glm::mat3(0.5f));
+  world.send<vrml::SFBool>("Night.set_bind", true);
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().fog.visibility_range == 50);
+  world.send<vrml::SFBool>("Night.set_bind", false);
+  world.send<vrml::SFBool>("Mist.set_bind", false);
+  CHECK(world.update());
+  CHECK(world.list().fog.visibility_range == 0);
+  CHECK(world.gathered() == 1);
 }
 
 }  // namespace gs::render::render_scene_test

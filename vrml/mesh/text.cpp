@@ -1,0 +1,202 @@
+#include "vrml/mesh/tessellators.h"
+#include "vrml/mesh/text_shaper.h"
+#include "vrml/scene/budget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::vrml {
+namespace {
+
+enum class Alignment : std::uint8_t { first, begin, middle, end };
+
+/// What the FontStyle of a Text says (VRML97 6.20); the defaults where there is none.
+struct FontStyle {
+  FontRequest font;
+  bool horizontal = true, left_to_right = true, top_to_bottom = true;
+  Alignment major = Alignment::begin, minor = Alignment::first;
+  double size = 1, spacing = 1;
+};
+
+Alignment alignment(const MFString& justify, std::size_t place, Alignment otherwise) {
+  if (place >= justify.size()) return otherwise;
+  const std::string_view name = justify[place].view();
+  if (name == "FIRST") return Alignment::first;
+  if (name == "BEGIN") return Alignment::begin;
+  if (name == "MIDDLE") return Alignment::middle;
+  if (name == "END") return Alignment::end;
+  return otherwise;
+}
+
+constexpr std::size_t kMostFamilies = 16, kMostName = 256;  // tried, bytes: USE could multiply long ones
+
+FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
+  FontStyle style;
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "fontStyle"), "FontStyle");
+  if (!node) return style;
+  const MFString& families = scene.get<MFString>(node, "family");
+  for (std::size_t i = 0; i < std::min(families.size(), kMostFamilies); ++i)
+    style.font.families.emplace_back(families[i].view().substr(0, kMostName));
+  const std::string_view name = scene.get<SFString>(node, "style").view();
+  style.font.bold = name == "BOLD" || name == "BOLDITALIC";
+  style.font.italic = name == "ITALIC" || name == "BOLDITALIC";
+  style.font.language = scene.get<SFString>(node, "language").view().substr(0, kMostName);
+  style.horizontal = scene.get<SFBool>(node, "horizontal");
+  style.left_to_right = scene.get<SFBool>(node, "leftToRight");
+  style.top_to_bottom = scene.get<SFBool>(node, "topToBottom");
+  const MFString& justify = scene.get<MFString>(node, "justify");
+  style.major = alignment(justify, 0, Alignment::begin);
+  style.minor = alignment(justify, 1, Alignment::first);
+  const float size = scene.get<SFFloat>(node, "size"), spacing = scene.get<SFFloat>(node, "spacing");
+  if (size > 0 && std::isfinite(size)) style.size = size;
+  if (std::isfinite(spacing)) style.spacing = std::max(spacing, 0.0f);
+  return style;
+}
+
+/// Of the major axis: the place of a line's start, along its direction, whose extent is `extent` (Tables 6.2, 6.3).
+double major_start(Alignment major, double extent) {
+  return major == Alignment::middle ? -extent / 2 : major == Alignment::end ? -extent : 0.0;
+}
+
+/// Of the minor axis, along the direction in which lines follow each other: the place of the first base line. `before`
+/// and `behind`: edges of a line from its base line, against and along that direction; `block`: from the first base
+/// line to the last (Tables 6.4, 6.5).
+double minor_start(Alignment minor, bool horizontal, double before, double behind, double block) {
+  switch (minor) {
+    case Alignment::first:
+      return horizontal ? 0.0 : before;
+    case Alignment::begin:
+      return before;
+    case Alignment::middle:
+      return (before - behind - block) / 2;
+    case Alignment::end:
+      return -block - behind;
+  }
+  return 0.0;
+}
+
+struct Line {
+  ShapedText shaped;
+  double extent = 0, stretch = 1;  // node space: as it is drawn; drawn to natural
+};
+
+/// Extents by `length` and `maxExtent` (6.47.1). Both in node space.
+void fit_lines(std::vector<Line>& lines, const MFFloat& lengths, double max_extent, double size) {
+  double longest = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    Line& line = lines[i];
+    const double natural = line.shaped.extent * size;
+    const double asked = i < lengths.size() && std::isfinite(lengths[i]) ? lengths[i] : 0.0;
+    if (asked > 0 && natural > 0) line.stretch = asked / natural;
+    line.extent = natural * line.stretch;
+    longest = std::max(longest, line.extent);
+  }
+  if (!(max_extent > 0) || longest <= max_extent) return;
+  for (Line& line : lines) {
+    line.stretch *= max_extent / longest;
+    line.extent *= max_extent / longest;
+  }
+}
+
+constexpr std::uint64_t kBytesOfCharacter = 96;  // while it is shaped, and its place
+constexpr std::uint64_t kBytesOfPoint = 2 * sizeof(glm::vec3) + sizeof(glm::vec2), kBytesOfIndex = 4;
+
+}  // namespace
+
+Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
+  Mesh mesh;
+  mesh.solid = false;  // "two-sided"
+  const MFString strings = scene.get<MFString>(geometry, "string");
+  if (!options.text_shaper || strings.empty()) return mesh;
+  TextShaper& shaper = *options.text_shaper;
+  const FontStyle style = font_style_of(scene, geometry);
+  const TextDirection direction = style.horizontal ? (style.left_to_right ? TextDirection::right : TextDirection::left)
+                                                   : (style.top_to_bottom ? TextDirection::down : TextDirection::up);
+
+  const std::shared_ptr<Budget>& budget = scene.budget();
+  Share share(budget, Resource::meshes);
+  std::size_t points = 0, corners = 0;
+  std::vector<Line> lines;
+  if (!share.grow(strings.size() * sizeof(Line))) {
+    mesh.left_out = true;
+    return mesh;
+  }
+  lines.resize(strings.size());
+  for (std::size_t i = 0; i < strings.size() && !mesh.left_out; ++i) {
+    const std::string_view text = strings[i].view();
+    if (text.empty()) continue;  // it keeps its place
+    if (budget->stopped() || !share.grow(text.size() * kBytesOfCharacter)) {
+      mesh.left_out = true;
+      break;
+    }
+    ShapedText& shaped = lines[i].shaped = shaper.shape(style.font, text, direction, options.text_level);
+    std::size_t more_points = 0, more_corners = 0;
+    for (const PlacedGlyph& glyph : shaped.glyphs) {
+      if (!glyph.shape) continue;
+      more_points += glyph.shape->points.size();
+      more_corners += glyph.shape->triangles.size();
+    }
+    if (points + more_points >= std::numeric_limits<std::uint32_t>::max() ||
+        !share.grow(more_points * kBytesOfPoint + more_corners * kBytesOfIndex)) {
+      mesh.left_out = true;
+      shaped = {};
+      break;
+    }
+    points += more_points;
+    corners += more_corners;
+  }
+  fit_lines(lines, scene.get<MFFloat>(geometry, "length"), scene.get<SFFloat>(geometry, "maxExtent"), style.size);
+  if (corners == 0) return mesh;
+
+  // Along the direction in which lines follow each other, and across it.
+  const LineEdges edges = style.horizontal ? shaper.edges(style.font) : LineEdges{0.5f, 0.5f};
+  const bool forth = style.horizontal ? style.top_to_bottom : style.left_to_right;
+  const double step = style.size * style.spacing, block = step * static_cast<double>(lines.size() - 1);
+  const double above = edges.above * style.size, below = edges.below * style.size;
+  const double first_line =
+      minor_start(style.minor, style.horizontal, forth ? above : below, forth ? below : above, block);
+  const double minor_sign = style.horizontal == forth ? -1.0 : 1.0;  // lines go down, or to the left
+  const bool forward = direction == TextDirection::right || direction == TextDirection::up;
+
+  glm::dvec2 origin(0);  // of the first string, where textures begin (6.47.3)
+  glm::vec3* position = mesh.positions.prepare(points);
+  glm::vec2* coordinate = options.texture_coordinates ? mesh.texture_coordinates.prepare(points) : nullptr;
+  std::uint32_t* index = mesh.indices.prepare(corners);
+  std::uint32_t made = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Line& line = lines[i];
+    const double start = (forward ? 1 : -1) * major_start(style.major, line.extent);
+    const double place = minor_sign * (first_line + step * static_cast<double>(i));
+    const glm::dvec2 from = style.horizontal ? glm::dvec2(start, place) : glm::dvec2(place, start);
+    if (i == 0) origin = from;
+    const glm::dvec2 scale =
+        style.size * (style.horizontal ? glm::dvec2(line.stretch, 1) : glm::dvec2(1, line.stretch));
+    for (const PlacedGlyph& glyph : line.shaped.glyphs) {
+      if (!glyph.shape) continue;
+      for (const std::uint32_t corner : glyph.shape->triangles) *index++ = made + corner;
+      for (const glm::vec2& point : glyph.shape->points) {
+        const glm::dvec2 p = from + scale * (glm::dvec2(glyph.at) + glm::dvec2(point));
+        *position++ = glm::vec3(static_cast<float>(p.x), static_cast<float>(p.y), 0);
+        if (coordinate) *coordinate++ = glm::vec2((p - origin) / style.size);
+        ++made;
+      }
+    }
+  }
+  mesh.positions.commit(points);
+  if (coordinate) mesh.texture_coordinates.commit(points);
+  mesh.indices.commit(corners);
+  for (const glm::vec3& p : mesh.positions) mesh.bounds.add(p);
+  const glm::vec3 size = mesh.bounds.size();
+  if (!std::isfinite(size.x) || !std::isfinite(size.y)) return {};  // numbers too large for a float
+  glm::vec3* normal = mesh.normals.prepare(points);
+  std::fill_n(normal, points, glm::vec3(0, 0, 1));
+  mesh.normals.commit(points);
+  mesh.font_size = static_cast<float>(style.size);
+  return mesh;
+}
+
+}  // namespace gs::vrml
