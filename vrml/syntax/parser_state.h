@@ -97,6 +97,7 @@ struct Parser::State {
   Step node_head(Token token, FieldValue* into);
   void place(NodeId node, FieldValue* into);
   void end_node();
+  void check_measures(NodeId node);
   Step route_statement(SourceLocation location);
   bool read_node_event(std::string& node, std::string& event, Step& step);
   void add_route(const Scope::UnresolvedRoute& route, bool last_chance);
@@ -154,6 +155,7 @@ struct Parser::State {
   bool end_reported = false;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // of declarations that don't count
   std::unordered_set<std::string_view> said_types;                 // names that were declared twice
+  std::unordered_set<std::uint64_t> said_measures;                 // places of nodes whose measures are none
   std::uint32_t said_reserved = 0;                                 // a bit for each of reserved_word()
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read

@@ -1,8 +1,11 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser_state.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -206,9 +209,33 @@ void Parser::State::place(NodeId node, FieldValue* into) {
 void Parser::State::end_node() {
   const NodeId node = frames.back().node;
   frames.pop_back();
+  check_measures(node);
   if (!scene.node(node).type->prototype) return;
+  const auto before = static_cast<std::uint32_t>(scene.node_count());
   if (!instantiate(scene, node) && !scene.budget()->stopped() && !std::exchange(said_limit, true))
     error(scene.node(node).location, why_not_expanded(scene, *scene.node(node).type) + "; what is missing stays empty");
+  for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i) check_measures(scene.id_at(i));
+}
+
+// Measures of geometries are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Those of a PROTO's body count as each
+// instance has them, and are said once for all.
+void Parser::State::check_measures(NodeId id) {
+  const Node& node = scene.node(id);
+  if (node.type->measures.empty() || node.in_prototype_body) return;
+  for (const int slot : node.type->measures) {
+    const auto* number = std::get_if<SFFloat>(&node.values[slot]);
+    const auto* vector = std::get_if<SFVec3f>(&node.values[slot]);
+    const std::vector<float> measures = number ? std::vector{*number} : std::vector{vector->x, vector->y, vector->z};
+    if (std::all_of(measures.begin(), measures.end(), [](float m) { return m > 0 && std::isfinite(m); })) continue;
+    if (!said_measures.insert(std::uint64_t{node.location.line} << 32 | node.location.column).second) return;
+    const bool flat = std::all_of(measures.begin(), measures.end(), [](float m) { return m >= 0 && std::isfinite(m); });
+    const auto declared = std::find_if(node.type->interfaces.begin(), node.type->interfaces.end(),
+                                       [&](const InterfaceDeclaration& field) { return field.slot == slot; });
+    report(flat ? Severity::warning : Severity::error, node.location,
+           node.type->name + '.' + declared->name + ": expected measures above 0; " +
+               (flat ? "0 is drawn flat" : "it is not drawn"));
+    return;
+  }
 }
 
 // `node.event`, also with blanks around the point. The last point parts them, so that illegal names
