@@ -25,38 +25,49 @@ struct ExtrusionFields {
   MFRotation orientation;
 };
 
-/// The places of the cross-section at each spine point, by VRML97 6.18.3, for spines without three points in a line.
+/// Z of a spine-aligned cross-section plane; nothing where the three points are in a line.
+std::optional<glm::dvec3> z_of(const glm::dvec3& before, const glm::dvec3& here, const glm::dvec3& after) {
+  const glm::dvec3 z = glm::cross(glm::normalize(after - here), glm::normalize(before - here));
+  return glm::length(z) < 1e-4 ? std::nullopt : std::optional(glm::normalize(z));
+}
+
+/// The places of the cross-section at each spine point, by VRML97 6.18.3, for spines with some points that are not in a
+/// line.
 std::vector<std::vector<glm::dvec3>> rings_of(const ExtrusionFields& fields) {
   const std::size_t count = fields.spine.size();
   std::vector<glm::dvec3> p;
   for (const glm::vec3& point : fields.spine) p.emplace_back(point);
   const bool closed = p.front() == p.back();
-  std::vector<glm::dvec3> y(count), z(count);
+  std::vector<glm::dvec3> y(count);
+  std::vector<std::optional<glm::dvec3>> z(count);
   for (std::size_t i = 1; i + 1 < count; ++i) {
     y[i] = glm::normalize(p[i + 1] - p[i - 1]);
-    z[i] = glm::normalize(glm::cross(p[i + 1] - p[i], p[i - 1] - p[i]));
+    z[i] = z_of(p[i - 1], p[i], p[i + 1]);
   }
   if (closed) {
     y[0] = y[count - 1] = glm::normalize(p[1] - p[count - 2]);
-    z[0] = z[count - 1] = glm::normalize(glm::cross(p[1] - p[0], p[count - 2] - p[0]));
+    z[0] = z[count - 1] = z_of(p[count - 2], p[0], p[1]);
   } else {
     y[0] = glm::normalize(p[1] - p[0]);
     y[count - 1] = glm::normalize(p[count - 1] - p[count - 2]);
-    z[0] = z[1];
-    z[count - 1] = z[count - 2];
   }
-  for (std::size_t i = 1; i < count; ++i)
-    if (glm::dot(z[i], z[i - 1]) < 0) z[i] = -z[i];
+  // Undefined ones are as the one before, at the start as the first that is defined; none turns round.
+  const auto first = std::find_if(z.begin(), z.end(), [](const auto& one) { return one.has_value(); });
+  if (!z[0]) z[0] = *first;
+  for (std::size_t i = 1; i < count; ++i) {
+    if (!z[i]) z[i] = z[i - 1];
+    if (glm::dot(*z[i], *z[i - 1]) < 0) z[i] = -*z[i];
+  }
   if (closed) z[count - 1] = z[0];
 
   std::vector<std::vector<glm::dvec3>> rings(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::dvec3 x = glm::normalize(glm::cross(y[i], z[i]));
+    const glm::dvec3 x = glm::normalize(glm::cross(y[i], *z[i]));
     const glm::dvec2 scale(fields.scale[std::min(i, fields.scale.size() - 1)]);
     const Rotation rotation = fields.orientation[std::min(i, fields.orientation.size() - 1)];
     for (const glm::vec2& c : fields.cross_section) {
       const glm::dvec3 v = turned({c.x * scale.x, 0, c.y * scale.y}, rotation);
-      rings[i].push_back(p[i] + x * v.x + y[i] * v.y + z[i] * v.z);
+      rings[i].push_back(p[i] + x * v.x + y[i] * v.y + *z[i] * v.z);
     }
   }
   return rings;
@@ -94,8 +105,12 @@ ExtrusionFields random_extrusion(Random& random) {
   if (corners == 2) fields.cross_section.resize(2);
   if (corners > 2 && random.flip()) fields.cross_section.push_back(fields.cross_section.front());
   const int points = 3 + random.below(7);
-  for (int i = 0; i < points; ++i)
-    fields.spine.push_back({random.number(-5, 5), random.number(-5, 5), random.number(-5, 5)});
+  for (int i = 0; i < points; ++i) {
+    const glm::vec3 next(random.number(-5, 5), random.number(-5, 5), random.number(-5, 5));
+    // Sometimes a point on the way: three in a line.
+    if (i > 0 && random.below(4) == 0) fields.spine.push_back((fields.spine.back() + next) * 0.5f);
+    fields.spine.push_back(next);
+  }
   if (points > 3 && random.flip()) fields.spine.push_back(fields.spine.front());
   const int scales = random.flip() ? 1 : points, turns = random.flip() ? 1 : points;
   for (int i = 0; i < scales; ++i) fields.scale.push_back({random.number(0.1, 3), random.number(0.1, 3)});
