@@ -70,6 +70,7 @@ class Builder {
   }
   [[nodiscard]] Mesh finish() {
     if (triangles_ == 0) return {};
+    mesh_.convex = true;
     mesh_.positions.commit(vertices_);
     mesh_.normals.commit(vertices_);
     mesh_.texture_coordinates.commit(vertices_);
