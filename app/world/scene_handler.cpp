@@ -238,7 +238,9 @@ void SceneHandler::missing(const std::string& why) {
   refused = true;
   if (!outer)
     world_.report(Severity::error, world_.world.path, {}, why.empty() ? "cannot be found" : why);
-  else if (!told && (role == Role::inlined || what != "EXTERNPROTO QNV"))
+  else if (role == Role::library)
+    for (vrml::NodeType* type : types) outer->miss_prototype(*type, why, told);
+  else if (!told)
     world_.report(Severity::warning, place_file, place, what + ": " + why_missing(urls, why));
   finished_reading();
 }

@@ -19,6 +19,10 @@
 
 namespace gs::app {
 
+/// What tells apart what is fetched: texts of different sites that name the same share nothing, since what one may
+/// have, another may not.
+[[nodiscard]] std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& from);
+
 /// Makes a scene of the bytes of a file of any type, as they come, and has what it refers to read.
 class SceneHandler final : public ContentHandler, public std::enable_shared_from_this<SceneHandler> {
  public:
@@ -86,13 +90,18 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void ask_for(Reference reference, vrml::NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency);
   void look_for_references();
   void visit(vrml::NodeId id);
-  void look_for_prototypes();
   void visit_inline(vrml::NodeId id);
   void visit_image(vrml::NodeId id);
   void visit_cloud(vrml::NodeId id);
   void visit_outlines(vrml::NodeId id);
   void replace_fallback(vrml::NodeId id, const vrml::NodeType& native);
+  // scene_prototypes.cpp
+  void look_for_prototypes();
+  void use_types_inside();
   void take_library(SceneHandler& library);
+  void take_own_prototypes();
+  bool stand_in(vrml::NodeType& type);
+  void miss_prototype(vrml::NodeType& type, const std::string& why, bool told_already);
   void take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file);
   void resolve_types();
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
@@ -121,7 +130,9 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::unordered_set<std::uint32_t> open_;     // indices of nodes that are being read
   std::unordered_set<const vrml::NodeType*> used_types_, asked_types_;
   std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // EXTERNPROTO, PROTO
-  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;  // by the QNV node that may take its place
+  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;        // EXTERNPROTOs that name a PROTO of this file
+  std::unordered_map<const vrml::NodeType*, std::string> own_fragments_;  // likewise, if what goes before is missing
+  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;             // by the QNV node that may take its place
   std::size_t awaited_libraries_ = 0, bytes_ = 0, errors_before_ = 0;
   double seconds_ = 0;
   bool is_gzip_known_ = false, whole_file_read_ = false, text_ended_ = false, settled_ = false;

@@ -13,14 +13,13 @@ namespace {
 using vrml::NodeId;
 using vrml::Severity;
 
-// Texts of different sites that name the same share nothing: what one may have, another may not.
-std::string key_of(const std::vector<net::Url>& places, const net::Origin& from) {
+}  // namespace
+
+std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& from) {
   std::string key = from.site() + "\n";
   for (const net::Url& url : places) key += url.text() + "\n";
   return key;
 }
-
-}  // namespace
 
 std::string why_missing(const vrml::MFString& urls, const std::string& why) {
   if (urls.empty()) return "has no url";
@@ -174,6 +173,7 @@ void SceneHandler::look_for_references() {
   for (const NodeId id : std::exchange(later_, {})) visit(id);
   // Looking may make nodes: those of PROTO instances.
   while (looked_at_ < scene->node_count()) visit(scene->id_at(++looked_at_));
+  if (role == Role::library && text_ended_) use_types_inside();
   look_for_prototypes();
 }
 
@@ -205,80 +205,6 @@ void SceneHandler::visit(NodeId id) {
   }
 }
 
-void SceneHandler::look_for_prototypes() {
-  std::unordered_map<std::string, SceneHandler*> fresh;  // EXTERNPROTOs of one file are one library
-  for (const auto& type : scene->types()) {
-    if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
-        !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
-      continue;
-    Reference reference = refer(type->url, *scene);
-    std::vector<net::Url> files = reference.places;
-    for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
-    const std::string fragment = files.empty() ? std::string() : reference.places.front().fragment;
-    SceneHandler*& known = fresh[key_of(files, reference.from)];
-    if (known) {
-      known->types.push_back(type.get());
-      known->fragments.push_back(fragment);
-      continue;
-    }
-    auto library = std::make_shared<SceneHandler>(world_, Role::library, this);
-    known = library.get();
-    library->what = "EXTERNPROTO " + type->name;
-    library->place_file = scene->file_name();
-    library->urls = type->url;
-    library->types = {type.get()};
-    library->fragments = {fragment};
-    libraries_.push_back(library);
-    ++awaited_libraries_;
-    ask_for(std::move(reference), {}, std::move(library), Urgency::prototypes);
-  }
-}
-
-void SceneHandler::take_library(SceneHandler& library) {
-  if (library.scene && !library.refused) {
-    origins_.insert(library.origins_.begin(), library.origins_.end());
-    vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
-    const std::string& file = attached.file_name();
-    for (std::size_t i = 0; i < library.types.size(); ++i) {
-      vrml::NodeType& type = *library.types[i];
-      const std::string& name = library.fragments[i];
-      const vrml::NodeType* source = vrml::find_prototype(attached, name);
-      if (!source || !source->prototype)
-        report(Severity::error, {},
-               file + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " + type.name);
-      else
-        take_prototype(type, *source, file);
-    }
-  }
-  --awaited_libraries_;
-  resolve_types();
-  look_for_references();
-  settle();
-}
-
-void SceneHandler::take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file) {
-  if (const vrml::InterfaceDeclaration* odd = vrml::unlike_prototype(type, source))
-    report(Severity::warning, type.location,
-           "PROTO " + source.name + " of " + file + " has no " + std::string(name_of(odd->access)) + ' ' +
-               std::string(name_of(odd->type)) + " '" + odd->name + "', as EXTERNPROTO " + type.name +
-               " says (VRML97 4.9.2)");
-  to_resolve_.emplace_back(&type, &source);
-}
-
-// Instances whose own fields are still being read must wait for them.
-void SceneHandler::resolve_types() {
-  std::unordered_set<const vrml::NodeType*> open_types;
-  if (parser_)
-    for (const NodeId id : parser_->open_nodes()) open_types.insert(scene->node(id).type);
-  std::erase_if(to_resolve_, [&](const auto& one) {
-    if (open_types.contains(one.first)) return false;
-    if (!vrml::resolve_external(*scene, *one.first, *one.second))
-      report(Severity::error, {}, "EXTERNPROTO instances make more nodes than the limit; the rest stay empty");
-    world_.changed = true;
-    return true;
-  });
-}
-
 void SceneHandler::visit_inline(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (scene->inlined(id) || list.empty()) return;
@@ -302,7 +228,7 @@ void SceneHandler::visit_image(NodeId id) {
     if (!list || list->empty()) continue;
     Reference reference = refer(*list, scene->text_of(id, slot));
     if (reference.places.empty()) continue;
-    auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
+    auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
     const bool fresh = !shared;
     if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), *list);
     shared->add({scene, id, i});
@@ -329,7 +255,7 @@ void SceneHandler::visit_cloud(NodeId id) {
   if (list.empty()) return;
   Reference reference = refer(id);
   if (reference.places.empty()) return;
-  auto& shared = world_.shared_clouds[key_of(reference.places, reference.from)];
+  auto& shared = world_.shared_clouds[fetch_key(reference.places, reference.from)];
   if (shared) {
     shared->nodes.emplace_back(shared_from_this(), id);
     if (shared->cloud) set_cloud(id, shared->cloud);

@@ -18,6 +18,8 @@ namespace {
 constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
 constexpr float kPointSize = 2;
 constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
+// Transparent triangles of one frame that are sorted within their meshes; the meshes behind keep their order.
+constexpr std::size_t kMostSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",          "NORMALS",  "TEXTURE",  "CUT_OUT",
                                     "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE", "FOG"};
 
@@ -157,6 +159,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   }
   if (!last_slice_) return;
   prepared.slice = last_slice_;
+  prepared.mesh = mesh_seen->get();
   const Material& material = item.material;
   const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
   const TextureStore::Entry* texture = nullptr;
@@ -224,9 +227,38 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
   std::sort(transparent_.begin(), transparent_.end(), [](const SortKey& a, const SortKey& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
   });
+  sort_triangles();
   instances_.clear();
   for (const auto* order : {&opaque_, &transparent_})
     for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
+}
+
+// The triangles of each transparent mesh in the order in which they are blended.
+void MeshPass::sort_triangles() {
+  sorted_indices_.clear();
+  std::size_t left = kMostSorted;
+  for (const SortKey& key : transparent_) {
+    Prepared& prepared = prepared_[key.prepared];
+    const vrml::Mesh& mesh = *prepared.mesh;
+    const std::size_t triangles = mesh.indices.size() / 3;
+    const bool hides_nothing = mesh.convex && mesh.solid;
+    if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
+    left -= triangles;
+    const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the least is the farthest
+    const glm::vec3 backwards(row[0], row[1], row[2]);
+    const std::uint32_t* index = mesh.indices.data();
+    triangle_depths_.resize(triangles);
+    for (std::size_t t = 0; t < triangles; ++t) {
+      const glm::vec3 sum =
+          mesh.positions[index[3 * t]] + mesh.positions[index[3 * t + 1]] + mesh.positions[index[3 * t + 2]];
+      const float depth = glm::dot(backwards, sum);
+      triangle_depths_[t] = {std::isnan(depth) ? 0 : depth, static_cast<std::uint32_t>(t)};
+    }
+    std::sort(triangle_depths_.begin(), triangle_depths_.end());
+    prepared.sorted = sorted_indices_.size();
+    for (const auto& [depth, t] : triangle_depths_)
+      sorted_indices_.insert(sorted_indices_.end(), index + 3 * std::size_t{t}, index + 3 * std::size_t{t} + 3);
+  }
 }
 
 void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) {
@@ -261,7 +293,11 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
   for (std::size_t begin = 0; begin < order.size();) {
     const SortKey& first = order[begin];
     std::size_t end = begin + 1;
-    while (end < order.size() && order[end].state == first.state && order[end].mesh == first.mesh) ++end;
+    const auto joins = [&](const SortKey& key) {
+      return key.state == first.state && key.mesh == first.mesh && prepared_[key.prepared].sorted == kUnsorted;
+    };
+    if (prepared_[first.prepared].sorted == kUnsorted)
+      while (end < order.size() && joins(order[end])) ++end;
     batches_.push_back({first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth, first_instance + begin,
                         end - begin, first.prepared});
     begin = end;
@@ -312,7 +348,12 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
     if (count == 0) continue;
     primitives_ += primitives * count;
     apply(prepared.state, clip_from_camera);
-    draw_slices(*prepared.slice, primitives, batch.first, count, pacer);
+    MeshStore::Slice slice = *prepared.slice;
+    if (prepared.sorted != kUnsorted) {
+      slice.first_index = prepared.sorted;
+      slice.sorted = true;
+    }
+    draw_slices(slice, primitives, batch.first, count, pacer);
     statistics.items += count;
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
@@ -342,6 +383,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   }
   lights_.upload();
   meshes_.set_instances(instances_);
+  if (!sorted_indices_.empty()) meshes_.set_sorted_indices(sorted_indices_);
 
   anything_applied_ = false;
   primitives_ = 0;

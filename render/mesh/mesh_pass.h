@@ -62,6 +62,7 @@ class MeshPass {
     bool repeat_s = true, repeat_t = true;
     glm::mat3 transform{1.0f};
   };
+  static constexpr std::size_t kUnsorted = SIZE_MAX;
   /// What all items of one draw have in common, besides the mesh.
   struct DrawState {
     unsigned variant = 0;
@@ -74,6 +75,8 @@ class MeshPass {
     Instance instance;
     DrawState state;
     const MeshStore::Slice* slice;
+    const vrml::Mesh* mesh;
+    std::size_t sorted = kUnsorted;  // where its triangles begin in sorted_indices_, the farthest first
   };
   struct SortKey {
     std::uint64_t state;
@@ -103,6 +106,7 @@ class MeshPass {
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
+  void sort_triangles();
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
   void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
@@ -122,6 +126,8 @@ class MeshPass {
   std::vector<SortKey> opaque_, transparent_;
   std::vector<Batch> batches_;
   std::vector<Instance> instances_;
+  std::vector<std::uint32_t> sorted_indices_;
+  std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   const vrml::Mesh* last_mesh_ = nullptr;

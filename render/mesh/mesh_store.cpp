@@ -63,7 +63,7 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 
 }  // namespace
 
-MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)) {
+MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
   // What meshes without colours have for them: w = 0, where an array of three components has 1.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
 }
@@ -224,21 +224,30 @@ void MeshStore::set_instances(const std::vector<Instance>& instances) {
                  GL_STREAM_DRAW);
 }
 
+void MeshStore::set_sorted_indices(const std::vector<std::uint32_t>& indices) {
+  gl_.BindBuffer(GL_ARRAY_BUFFER, sorted_indices_.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)), indices.data(),
+                 GL_STREAM_DRAW);
+}
+
 void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
+  const Page& page = *pages_[slice.page];
   if (bound_page_ != slice.page) {
-    gl_.BindVertexArray(pages_[slice.page]->vertex_array.name());
+    gl_.BindVertexArray(page.vertex_array.name());
     bound_page_ = slice.page;
   }
+  if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_indices_.name());
   const void* indices = offset_pointer(slice.first_index * sizeof(std::uint32_t));
   if (gl_.DrawElementsInstancedBaseVertexBaseInstance) {
     gl_.DrawElementsInstancedBaseVertexBaseInstance(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
                                                     static_cast<GLsizei>(count), slice.base_vertex,
                                                     static_cast<GLuint>(first));
-    return;
+  } else {
+    point_at_instances(first);
+    gl_.DrawElementsInstancedBaseVertex(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
+                                        static_cast<GLsizei>(count), slice.base_vertex);
   }
-  point_at_instances(first);
-  gl_.DrawElementsInstancedBaseVertex(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
-                                      static_cast<GLsizei>(count), slice.base_vertex);
+  if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, page.index_buffer.name());  // the vertex array keeps it
 }
 
 }  // namespace gs::render

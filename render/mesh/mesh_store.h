@@ -35,6 +35,7 @@ class MeshStore {
     GLsizei index_count = 0;
     GLenum primitive = GL_TRIANGLES;
     bool normals = false, colors = false, texture_coordinates = false;
+    bool sorted = false;  // first_index counts in the sorted indices, not in the page
   };
 
   explicit MeshStore(const Gl& gl);
@@ -47,6 +48,8 @@ class MeshStore {
 
   /// Fills the instance buffer for the draws that follow.
   void set_instances(const std::vector<Instance>& instances);
+  /// Likewise, the indices of slices that are sorted.
+  void set_sorted_indices(const std::vector<std::uint32_t>& indices);
   /// Draws `count` instances from number `first` on with the program in use.
   void draw(const Slice& slice, std::size_t first, std::size_t count);
   /// To be called before the first `draw` after somebody else used vertex arrays.
@@ -77,7 +80,7 @@ class MeshStore {
   void point_at_instances(std::size_t first);
 
   const Gl& gl_;
-  Buffer instances_;
+  Buffer instances_, sorted_indices_;
   std::vector<std::unique_ptr<Page>> pages_;  // null where a page was freed
   std::unordered_map<const vrml::Mesh*, Entry> entries_;
   std::uint32_t bound_page_ = kNoPage, next_order_ = 0;

@@ -39,10 +39,14 @@ class PinholeCloser {
       const std::uint16_t own = coverage(closed.at);
       if (own == kWhole) continue;
       std::uint16_t least = kWhole;
-      for (const auto& [dx, dy] : {std::array{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-        least = std::min(least, beside(x, y, dx, dy, closed));
-        if (least <= own) break;
-      }
+      // One side after the other: see Extrusion::sides for what GCC 12 makes of a loop over a list of them.
+      const auto look = [&](int dx, int dy) {
+        if (least > own) least = std::min(least, beside(x, y, dx, dy, closed));
+      };
+      look(1, 0);
+      look(-1, 0);
+      look(0, 1);
+      look(0, -1);
       if (least <= own || (own == 0 && closed.count == 0)) continue;
       closed.coverage = least;
       if (own > 0) closed.count = 0;

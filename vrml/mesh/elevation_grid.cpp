@@ -59,7 +59,9 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   faces.solid = scene.get<SFBool>(geometry, "solid");
   Mesh nothing;
   nothing.solid = faces.solid;
-  if (x_dimension < 2 || z_dimension < 2 || !(x_spacing > 0) || !(z_spacing > 0)) return nothing;
+  // Against the ranges of the node table, a spacing of 0 is drawn flat.
+  const auto is_spacing = [](float spacing) { return spacing >= 0 && std::isfinite(spacing); };
+  if (x_dimension < 2 || z_dimension < 2 || !is_spacing(x_spacing) || !is_spacing(z_spacing)) return nothing;
   // Rows of which heights are missing are left out; so the heights bound what is allocated.
   const auto columns = static_cast<std::size_t>(x_dimension);
   const std::size_t rows = std::min(

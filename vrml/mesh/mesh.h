@@ -50,6 +50,7 @@ struct Mesh {
   Array<std::uint32_t> indices;          // 3, 2 or 1 a primitive; every one < positions.size()
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
+  bool convex = false;                   // no front face hides another: they belong to a convex body
   bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
   float font_size = 0;                   // of a Text, in node space; 0 of what MeshOptions::text_level does not change
   Bounds bounds;                         // of the positions that are used

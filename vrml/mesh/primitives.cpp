@@ -14,6 +14,8 @@ namespace {
 constexpr int kMaximumSegments = 4096;
 
 [[nodiscard]] bool is_size(float value) { return std::isfinite(value) && value > 0; }
+/// Against the ranges of the node table, what is 0 is drawn flat.
+[[nodiscard]] bool is_size_or_flat(float value) { return std::isfinite(value) && value >= 0; }
 
 /// A measure of the node, or of its type.
 template <class T>
@@ -68,6 +70,7 @@ class Builder {
   }
   [[nodiscard]] Mesh finish() {
     if (triangles_ == 0) return {};
+    mesh_.convex = true;
     mesh_.positions.commit(vertices_);
     mesh_.normals.commit(vertices_);
     mesh_.texture_coordinates.commit(vertices_);
@@ -105,7 +108,7 @@ void add_disc(Builder& builder, const std::vector<Direction>& around, float radi
 
 Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto size = measure<SFVec3f>(scene, geometry, "size", options);
-  if (!is_size(size.x) || !is_size(size.y) || !is_size(size.z)) return {};
+  if (!is_size_or_flat(size.x) || !is_size_or_flat(size.y) || !is_size_or_flat(size.z)) return {};
   const glm::vec3 half = size * 0.5f;
 
   // Normal, and the directions in which s and t grow on that face (VRML97 6.7).
@@ -117,7 +120,9 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
       {{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}},  {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
   };
   Builder builder(24, 12);
+  const auto has_length = [&](const glm::vec3& direction) { return size * direction != glm::vec3(0); };
   for (const Face& face : kFaces) {
+    if (!has_length(face.right) || !has_length(face.up)) continue;
     const std::uint32_t a = builder.vertex(half * (face.normal - face.right - face.up), face.normal, {0, 0});
     const std::uint32_t b = builder.vertex(half * (face.normal + face.right - face.up), face.normal, {1, 0});
     const std::uint32_t c = builder.vertex(half * (face.normal + face.right + face.up), face.normal, {1, 1});
@@ -131,7 +136,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = measure<SFFloat>(scene, geometry, "bottomRadius", options);
   const auto height = measure<SFFloat>(scene, geometry, "height", options);
-  if (!is_size(radius) || !is_size(height)) return {};
+  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // without a radius it is a line
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
@@ -161,13 +166,13 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
   const auto height = measure<SFFloat>(scene, geometry, "height", options);
-  if (!is_size(radius) || !is_size(height)) return {};
+  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // without a radius it is a line
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
 
   Builder builder(4 * around.size(), 4 * around.size());
-  if (scene.get<SFBool>(geometry, "side")) {
+  if (height > 0 && scene.get<SFBool>(geometry, "side")) {
     for (int i = 0; i <= segments; ++i) {
       const Direction rim = around[static_cast<std::size_t>(i)];
       const float s = static_cast<float>(i) / static_cast<float>(segments);

@@ -22,6 +22,12 @@ void read_ranges(std::string_view text, NodeType& type) {
     if (comment != std::string_view::npos) type.interfaces[declaration].range = line.substr(comment + 2);
     ++declaration;
   }
+  if (!has(type.role, Role::geometry)) return;
+  for (const InterfaceDeclaration& declared : type.interfaces) {
+    const bool length = declared.type == FieldType::SFFloat || declared.type == FieldType::SFVec3f;
+    if (declared.access == AccessType::field && length && declared.range == "(0,inf)")
+      type.measures.push_back(declared.slot);
+  }
 }
 
 std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {

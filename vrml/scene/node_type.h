@@ -96,6 +96,8 @@ struct NodeType {
   Tessellate tessellate = nullptr;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
+  bool stands_in = false;     // for a type of other browsers (vrml/syntax/stand_ins.h), of which it has a part
+  std::vector<int> measures;  // slots of a built-in geometry's lengths: fields whose range is (0,inf)
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
   SourceLocation location;               // of the name in a PROTO or EXTERNPROTO

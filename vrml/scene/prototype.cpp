@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace gs::vrml {
@@ -225,6 +226,30 @@ const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
     if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name))
       return statement.type;
   return nullptr;
+}
+
+const NodeType* find_own_prototype(const SceneGraph& scene, std::string_view name) {
+  for (const Statement& statement : scene.statements())
+    if (statement.kind == Statement::Kind::prototype && statement.type->kind == NodeType::Kind::prototype &&
+        statement.type->prototype->complete && (name.empty() || statement.type->name == name))
+      return statement.type;
+  return nullptr;
+}
+
+bool stands_inside(const NodeType& type, const NodeType& source) {
+  std::vector<const NodeType*> waiting{&source};
+  std::unordered_set<const NodeType*> seen{&source};
+  while (!waiting.empty()) {
+    const NodeType& next = *waiting.back();
+    waiting.pop_back();
+    if (!next.prototype) continue;
+    for (const NodeId id : next.prototype->nodes) {
+      const NodeType* inner = next.prototype->scene->node(id).type;
+      if (inner == &type) return true;
+      if (seen.insert(inner).second) waiting.push_back(inner);
+    }
+  }
+  return false;
 }
 
 }  // namespace gs::vrml

@@ -35,4 +35,11 @@ void count_instance_nodes(const SceneGraph& scene, Prototype& prototype);
 /// name, the first (VRML97 4.9.2). Null where there is none.
 [[nodiscard]] const NodeType* find_prototype(const SceneGraph& scene, std::string_view name);
 
+/// The PROTO that a url list of an EXTERNPROTO means which names the file it stands in: the complete one of that name,
+/// or, without a name, the first that is no EXTERNPROTO itself. Null where there is none (yet).
+[[nodiscard]] const NodeType* find_own_prototype(const SceneGraph& scene, std::string_view name);
+
+/// Whether a node of `type` stands in the body of PROTO `source`, or in that of one whose instance does.
+[[nodiscard]] bool stands_inside(const NodeType& type, const NodeType& source);
+
 }  // namespace gs::vrml

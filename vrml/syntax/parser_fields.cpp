@@ -103,8 +103,9 @@ Step Parser::State::field(const Token& name) {
       return Step::done;
     }
     rubbish = false;
-    error(name.location, event ? describe(name) + " of " + type.name + " is an event and takes no value; skipped"
-                               : type.name + " has no field " + describe(name) + "; skipped");
+    if (!type.stands_in)
+      error(name.location, event ? describe(name) + " of " + type.name + " is an event and takes no value; skipped"
+                                 : type.name + " has no field " + describe(name) + "; skipped");
     skip_value();
     return Step::done;
   }
@@ -153,6 +154,7 @@ Step Parser::State::is_mapping(const Token& name) {
   if (!inner) inner = type.find_event_out(name.text);
   const NodeType& prototype = *scopes.back().prototype;
   const InterfaceDeclaration* outer = prototype.find(outer_name.text);
+  if (!inner && type.stands_in) return Step::done;
   if (!inner || !outer) {
     error(inner ? outer_name.location : name.location,
           inner ? "PROTO " + prototype.name + " has no " + describe(outer_name)

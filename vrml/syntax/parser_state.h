@@ -93,10 +93,11 @@ struct Parser::State {
   // parser_statements.cpp: statements, node heads, ROUTE, PROTO
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
-  Step x3d_statement(const Token& keyword);
+  Step other_statement(const Token& keyword);
   Step node_head(Token token, FieldValue* into);
   void place(NodeId node, FieldValue* into);
   void end_node();
+  void check_measures(NodeId node);
   Step route_statement(SourceLocation location);
   bool read_node_event(std::string& node, std::string& event, Step& step);
   void add_route(const Scope::UnresolvedRoute& route, bool last_chance);
@@ -110,6 +111,7 @@ struct Parser::State {
   void check_name(const Token& name);
   void check_reserved(const Token& name);
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
+  [[nodiscard]] const NodeType* find_stand_in(const Token& name);
   [[nodiscard]] bool in_prototype_body() const { return scopes.back().prototype && interfaces_open == 0; }
 
   // parser_fields.cpp: node bodies, interface declarations, IS, recovery
@@ -152,9 +154,11 @@ struct Parser::State {
   bool table_text = false;  // interface text of our own: no header, no scene
   bool rubbish = false;     // the last token was rubbish and has been complained about
   bool end_reported = false;
-  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;  // of declarations that don't count
-  std::unordered_set<std::string_view> said_types;                 // names that were declared twice
-  std::uint32_t said_reserved = 0;                                 // a bit for each of reserved_word()
+  std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;   // of declarations that don't count
+  std::unordered_set<std::string_view> said_types;                  // names that were declared twice
+  std::unordered_map<std::string_view, const NodeType*> stand_ins;  // that were needed
+  std::unordered_set<std::uint64_t> said_measures;                  // places of nodes whose measures are none
+  std::uint32_t said_reserved = 0;                                  // a bit for each of reserved_word()
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used
   FieldType number_type = FieldType::SFFloat;  // of the value that is being read
   bool said_bool_form = false, said_external_value = false, said_latin1 = false, said_route_in_list = false,

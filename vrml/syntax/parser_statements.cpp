@@ -1,8 +1,12 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser_state.h"
+#include "vrml/syntax/stand_ins.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -56,14 +60,15 @@ Step Parser::State::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
   if (keyword.text == "PROTO") return prototype_head(false);
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
-  for (const std::string_view x3d : {"META", "PROFILE", "COMPONENT", "UNIT", "IMPORT", "EXPORT"})
-    if (keyword.text == x3d && !find_type(x3d)) return x3d_statement(keyword);
+  for (const std::string_view other : {"META", "PROFILE", "COMPONENT", "UNIT", "IMPORT", "EXPORT"})
+    if (keyword.text == other && !find_type(other)) return other_statement(keyword);
   was_statement = false;
   return Step::done;
 }
 
-// A statement of X3D, which some files with a VRML97 header hold: passed over to the end of its line.
-Step Parser::State::x3d_statement(const Token& keyword) {
+// A statement of X3D or of a browser of its time, which some files with a VRML97 header hold: passed over to the end of
+// its line.
+Step Parser::State::other_statement(const Token& keyword) {
   for (;;) {
     const Lexer::Position before = lexer.position();
     const Token token = lexer.next();
@@ -72,7 +77,7 @@ Step Parser::State::x3d_statement(const Token& keyword) {
                          (token.kind == TokenKind::word || token.kind == TokenKind::string);
     if (belongs) continue;
     lexer.go_back(before);
-    error(keyword.location, describe(keyword) + " is a statement of X3D; skipped");
+    error(keyword.location, describe(keyword) + " is no statement of VRML97; skipped");
     return Step::done;
   }
 }
@@ -85,6 +90,16 @@ const NodeType* Parser::State::find_type(std::string_view name) const {
     return native ? native : found->second;
   }
   return built_in_node_type(name);
+}
+
+const NodeType* Parser::State::find_stand_in(const Token& name) {
+  const auto known = stand_ins.find(name.text);
+  if (known != stand_ins.end()) return known->second;
+  const NodeType* type = stand_in(scene, name.text);
+  if (!type) return nullptr;
+  stand_ins.emplace(type->name, type);
+  warn(name.location, describe(name) + " is no node of VRML97, but of other browsers; a stand-in takes its place");
+  return type;
 }
 
 // Annex A.1: `nodeStatement`. `token` is DEF, USE or a type name and has been read. A null `into` means
@@ -142,6 +157,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   rubbish = false;
   Frame frame;
   frame.start = token.location;
+  if (!type) type = find_stand_in(token);
   if (!type) {
     error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
     if (!name.empty()) scopes.back().names.try_emplace(*scene.keep_name(name), NodeId{});
@@ -206,9 +222,33 @@ void Parser::State::place(NodeId node, FieldValue* into) {
 void Parser::State::end_node() {
   const NodeId node = frames.back().node;
   frames.pop_back();
+  check_measures(node);
   if (!scene.node(node).type->prototype) return;
+  const auto before = static_cast<std::uint32_t>(scene.node_count());
   if (!instantiate(scene, node) && !scene.budget()->stopped() && !std::exchange(said_limit, true))
     error(scene.node(node).location, why_not_expanded(scene, *scene.node(node).type) + "; what is missing stays empty");
+  for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i) check_measures(scene.id_at(i));
+}
+
+// Measures of geometries are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Those of a PROTO's body count as each
+// instance has them, and are said once for all.
+void Parser::State::check_measures(NodeId id) {
+  const Node& node = scene.node(id);
+  if (node.type->measures.empty() || node.in_prototype_body) return;
+  for (const int slot : node.type->measures) {
+    const auto* number = std::get_if<SFFloat>(&node.values[slot]);
+    const auto* vector = std::get_if<SFVec3f>(&node.values[slot]);
+    const std::vector<float> measures = number ? std::vector{*number} : std::vector{vector->x, vector->y, vector->z};
+    if (std::all_of(measures.begin(), measures.end(), [](float m) { return m > 0 && std::isfinite(m); })) continue;
+    if (!said_measures.insert(std::uint64_t{node.location.line} << 32 | node.location.column).second) return;
+    const bool flat = std::all_of(measures.begin(), measures.end(), [](float m) { return m >= 0 && std::isfinite(m); });
+    const auto declared = std::find_if(node.type->interfaces.begin(), node.type->interfaces.end(),
+                                       [&](const InterfaceDeclaration& field) { return field.slot == slot; });
+    report(flat ? Severity::warning : Severity::error, node.location,
+           node.type->name + '.' + declared->name + ": expected measures above 0; " +
+               (flat ? "0 is drawn flat" : "it is not drawn"));
+    return;
+  }
 }
 
 // `node.event`, also with blanks around the point. The last point parts them, so that illegal names
@@ -286,6 +326,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
   const NodeType& to_type = *scene.node(route.to).type;
   route.event_out = from_type.find_event_out(wanted.event_out);
   route.event_in = to_type.find_event_in(wanted.event_in);
+  if ((!route.event_out && from_type.stands_in) || (!route.event_in && to_type.stands_in)) return;
   if (!route.event_out) {
     error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
     return;

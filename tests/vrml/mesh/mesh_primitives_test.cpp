@@ -51,7 +51,7 @@ TEST_CASE("Box") {
     CHECK(texture_at(mesh, {1, -2, 3}, {0, -1, 0}) == glm::vec2(1, 1));
   }
   SECTION("sizes that are none") {
-    for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) {
+    for (const float bad : {-1.0f, kNaN, kInfinity}) {
       CHECK(box.set<SFVec3f>("size", {bad, 1, 1}).mesh().empty());
       CHECK(box.set<SFVec3f>("size", {1, bad, 1}).mesh().empty());
       CHECK(box.set<SFVec3f>("size", {1, 1, bad}).mesh().empty());
@@ -118,7 +118,7 @@ TEST_CASE("Cylinder") {
     CHECK(cylinder.mesh(fine).positions.empty());
   }
   SECTION("sizes that are none") {
-    for (const float bad : {0.0f, -1.0f, kNaN, kInfinity}) {
+    for (const float bad : {-1.0f, kNaN, kInfinity}) {
       CHECK(GeometryScene("Cylinder").set<SFFloat>("radius", bad).mesh().empty());
       CHECK(GeometryScene("Cylinder").set<SFFloat>("height", bad).mesh().empty());
       CHECK(GeometryScene("Cone").set<SFFloat>("bottomRadius", bad).mesh().empty());
@@ -147,4 +147,45 @@ TEST_CASE("Cone") {
   CHECK(area_of(cone.mesh(fine)) == Approx(std::numbers::pi * 3 * 5).epsilon(0.001));
   cone.set("side", false);
   CHECK(cone.mesh(fine).empty());
+}
+
+TEST_CASE("A Box, Cone or Cylinder with a measure of 0 is flat, and a mesh of its own") {
+  struct Case {
+    const char* type;
+    const char* field;
+    double area;  // of both sides
+    glm::vec3 normal;
+  };
+  for (const Case& flat : {Case{"Cylinder", "height", 2 * std::numbers::pi, {0, 1, 0}},
+                           Case{"Cone", "height", 2 * std::numbers::pi, {0, 1, 0}}, Case{"Cylinder", "radius", 0, {}},
+                           Case{"Cone", "bottomRadius", 0, {}}, Case{"Sphere", "radius", 0, {}}}) {
+    INFO(flat.type << '.' << flat.field);
+    GeometryScene scene(flat.type);
+    scene.set<SFFloat>(flat.field, 0);
+    CHECK_FALSE(scale_of_primitive(scene.scene, scene.geometry));
+    const Mesh mesh = scene.mesh({.segments = 256});
+    check_promises(mesh);
+    CHECK(area_of(mesh) == Approx(flat.area).epsilon(1e-3));
+    CHECK(mesh.empty() == (flat.area == 0));
+    for (std::size_t t = 0; t < triangles_of(mesh); ++t) {
+      const glm::dvec3 looks = glm::normalize(area_vector(mesh, t));
+      REQUIRE(std::abs(glm::dot(looks, glm::dvec3(flat.normal))) == Approx(1));
+      for (std::size_t i = 3 * t; i < 3 * t + 3; ++i)
+        REQUIRE(glm::dot(looks, glm::dvec3(mesh.normals[mesh.indices[i]])) == Approx(1));
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::vec3 size(2, 3, 5);
+    size[axis] = 0;
+    GeometryScene box("Box");
+    box.set<SFVec3f>("size", size);
+    const Mesh mesh = box.mesh();
+    check_promises(mesh);
+    CHECK_FALSE(scale_of_primitive(box.scene, box.geometry));
+    CHECK(triangles_of(mesh) == 4);
+    CHECK(area_of(mesh) == Approx(2 * size[(axis + 1) % 3] * size[(axis + 2) % 3]));
+    CHECK(std::abs(mesh.normals[0][axis]) == 1);
+    size[(axis + 1) % 3] = 0;
+    CHECK(box.set<SFVec3f>("size", size).mesh().empty());
+  }
 }

@@ -1,0 +1,125 @@
+// Worlds that must look alike: small pictures of two texts, compared pixel by pixel.
+#pragma once
+
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "render/scene/camera.h"
+#include "render/scene/shape_resources.h"
+#include "tests/app/formats_helpers.h"
+#include "tests/render/drawing.h"
+#include "vrml/mesh/mesh.h"
+
+#include <catch2/catch.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::app::test {
+
+/// A number as the text of a world has it, exactly.
+inline std::string number(double value) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.9g ", value);
+  return text.data();
+}
+
+/// Files by name, "main.wrl" the one that is shown.
+using Files = std::map<std::string, std::string>;
+
+/// Draws worlds of 64 x 64 pixels, as their first Viewpoint sees them.
+class Studio {
+ public:
+  [[nodiscard]] render::Image picture(const Files& files) {
+    auto network = std::make_shared<net::MemoryNetwork>();
+    LoadOptions options;
+    options.memory = network;
+    for (const auto& [name, text] : files) {
+      net::MemoryResource resource;
+      const bool world = name.ends_with(".wrl");
+      resource.bytes = gs::test::bytes_of(world ? "#VRML V2.0 utf8\n" + text : text);
+      network->put("memory://a/" + name, std::move(resource));
+    }
+    WorldLoading loading("memory://a/main.wrl", options);
+    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(50));
+    render::Camera camera = render::testing::camera_at({0, 0, 10});
+    render::RenderList list = loading.collect({0, 0, 10});
+    if (!list.viewpoints.empty()) {
+      camera.world_from_camera = list.viewpoints.front().world_from_camera;
+      camera.field_of_view = list.viewpoints.front().field_of_view;
+      list = loading.collect(glm::vec3(camera.world_from_camera[3]));  // what depends on where the viewer is
+    }
+    drawing_.options.headlight = list.navigation.headlight;
+    const OpenedWorld world = loading.take();
+    for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
+    return drawing_.draw(list, camera);
+  }
+  [[nodiscard]] render::Image picture(const std::string& text) { return picture(Files{{"main.wrl", text}}); }
+
+ private:
+  render::testing::Drawing drawing_;
+};
+
+struct PictureDifference {
+  std::size_t pixels = 0;  // that differ by more than the rounding of a colour
+  int most = 0;            // of 255
+};
+inline PictureDifference compare_pictures(const render::Image& a, const render::Image& b, int rounding = 2) {
+  REQUIRE(a.pixels.size() == b.pixels.size());
+  PictureDifference difference;
+  for (std::size_t pixel = 0; pixel < a.pixels.size(); pixel += a.components) {
+    int most = 0;
+    for (std::size_t i = pixel; i < pixel + a.components; ++i)
+      most = std::max(most, std::abs(int{a.pixels[i]} - int{b.pixels[i]}));
+    difference.pixels += most > rounding;
+    difference.most = std::max(difference.most, most);
+  }
+  return difference;
+}
+
+/// How many pixels are not black, the colour of an empty world.
+inline std::size_t shown_pixels(const render::Image& image) {
+  std::size_t count = 0;
+  for (std::size_t pixel = 0; pixel < image.pixels.size(); pixel += image.components)
+    count += image.pixels[pixel] + image.pixels[pixel + 1] + image.pixels[pixel + 2] > 0;
+  return count;
+}
+
+/// An IndexedFaceSet with the triangles, normals and texture coordinates of a mesh.
+inline std::string faces_of(const vrml::Mesh& mesh) {
+  std::string text =
+      "IndexedFaceSet { solid " + std::string(mesh.solid ? "TRUE" : "FALSE") + " coord Coordinate { point [ ";
+  for (const glm::vec3& p : mesh.positions) text += number(p.x) + number(p.y) + number(p.z);
+  text += "] } normal Normal { vector [ ";
+  for (const glm::vec3& n : mesh.normals) text += number(n.x) + number(n.y) + number(n.z);
+  text += "] } texCoord TextureCoordinate { point [ ";
+  for (const glm::vec2& t : mesh.texture_coordinates) text += number(t.x) + number(t.y);
+  text += "] } coordIndex [ ";
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i)
+    text += std::to_string(mesh.indices[i]) + (i % 3 == 2 ? " -1 " : " ");
+  return text + "] }";
+}
+
+/// Two worlds that must look alike: but for some pixels at edges, of which rounding decides.
+inline void check_alike(Studio& studio, const std::string& what, const Files& a, const Files& b,
+                        std::size_t edge_pixels = 12) {
+  INFO(what);
+  const render::Image first = studio.picture(a), second = studio.picture(b);
+  CHECK(shown_pixels(first) > 120);
+  const PictureDifference difference = compare_pictures(first, second);
+  INFO("differ by up to " << difference.most);
+  CHECK(difference.pixels <= edge_pixels);
+}
+inline void check_alike(Studio& studio, const std::string& what, const std::string& a, const std::string& b,
+                        std::size_t edge_pixels = 12) {
+  check_alike(studio, what, Files{{"main.wrl", a}}, Files{{"main.wrl", b}}, edge_pixels);
+}
+
+}  // namespace gs::app::test

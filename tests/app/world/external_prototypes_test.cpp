@@ -1,0 +1,160 @@
+// EXTERNPROTOs of PROTOs of their own file, and of those that cannot be had.
+#include "app/world/world_loading.h"
+
+#include "net/load/transport_memory.h"
+#include "tests/app/formats_helpers.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+
+namespace {
+
+/// The colours of what a world shows, and what is said of it.
+struct Shown {
+  std::vector<glm::vec3> colors;
+  std::string messages;
+};
+
+Shown show(const std::string& path, const LoadOptions& options = {}) {
+  WorldLoading loading(path, options);
+  while (!loading.done()) (void)loading.step(std::chrono::milliseconds(50));
+  const render::RenderList list = loading.collect({0, 0, 10});
+  Shown shown;
+  for (const render::DrawItem& item : list.items) shown.colors.push_back(item.material.emissive);
+  shown.messages = said(loading.take());
+  return shown;
+}
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+const std::string kX =
+    "PROTO X [ field SFColor c 1 0 0 ] { Shape { appearance Appearance { material Material { emissiveColor IS c } } "
+    "geometry Box { } } }\n";
+const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
+
+}  // namespace
+
+TEST_CASE("an EXTERNPROTO may name a PROTO of its own file (VRML97 4.9.2)") {
+  const ScratchFolder folder;
+  const std::string nodes = "Y { } Y { c 0 1 0 }\n";
+  // Before the PROTO and behind it, by a fragment alone and by the file's name, and without the PROTO's.
+  for (const std::string url : {"\"#X\"", "\"my world.wrl#X\"", "\"my%20world.wrl\"", "[ \"gone.wrl#X\" \"#X\" ]"})
+    for (const bool before : {true, false}) {
+      const std::string declared = "EXTERNPROTO Y [ field SFColor c ] " + url + "\n";
+      const Shown shown = show(folder.write(
+          "my world.wrl",
+          kHeader + (before ? declared + nodes + kX : kX + "PROTO Z [ ] { Group { } }\n" + declared + nodes)));
+      INFO(url << ": " << shown.messages);
+      CHECK(shown.messages.empty());
+      CHECK(shown.colors == std::vector<glm::vec3>{kRed, kGreen});
+    }
+}
+
+TEST_CASE("an EXTERNPROTO of its own file comes in pieces, and in libraries too") {
+  auto network = std::make_shared<net::MemoryNetwork>();
+  LoadOptions options;
+  options.memory = network;
+  const auto put = [&](const std::string& url, std::string_view text) {
+    net::MemoryResource resource;
+    resource.bytes = test::bytes_of(text);
+    network->put(url, std::move(resource));
+  };
+  put("memory://a/main.wrl", kHeader + "EXTERNPROTO L [ field SFColor c ] \"lib.wrl#L\"\nL { c 0 0 1 }\nL { }\n");
+  put("memory://a/lib.wrl", kHeader + "EXTERNPROTO Own [ field SFColor c ] \"#X\"\n" +
+                                "PROTO L [ field SFColor c 0 1 0 ] { Own { c IS c } }\n" + kX);
+  Shown shown = show("memory://a/main.wrl", options);
+  INFO(shown.messages);
+  CHECK(shown.messages.empty());
+  CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
+  // A library's PROTO is made of one of a second library, which hands on that of a third; what else it names is not
+  // read.
+  put("memory://a/lib.wrl", kHeader + "EXTERNPROTO Two [ field SFColor c ] \"two.wrl#Two\"\n" +
+                                "EXTERNPROTO Gone [ ] \"gone.wrl\"\nPROTO Unused [ ] { Gone { } }\n" +
+                                "PROTO L [ field SFColor c 0 1 0 ] { Group { children Two { c IS c } } }\n");
+  put("memory://a/two.wrl", kHeader + "EXTERNPROTO Two [ field SFColor c ] \"three.wrl#X\"\n");
+  put("memory://a/three.wrl", kHeader + kX);
+  shown = show("memory://a/main.wrl", options);
+  INFO(shown.messages);
+  CHECK(shown.messages.find("EXTERNPROTO Gone") == std::string::npos);
+  CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
+}
+
+TEST_CASE("an EXTERNPROTO of its own file that is not there, or stands inside itself, is said, and the rest shows") {
+  const ScratchFolder folder;
+  const Shown missing =
+      show(folder.write("a.wrl", kHeader + "EXTERNPROTO Y [ field SFColor c ] \"#Q\"\nY { }\n" + kX + "X { }\n"));
+  CHECK(missing.colors == std::vector<glm::vec3>{kRed});
+  CHECK(missing.messages.find("a.wrl:2:13: error: no PROTO 'Q' in this file for EXTERNPROTO Y") != std::string::npos);
+  // Inside its own body at once, and by a way round.
+  for (const std::string text :
+       {"EXTERNPROTO Y [ ] \"#P\"\nPROTO P [ ] { Group { children Y { } } }\nP { } X { }\n",
+        "EXTERNPROTO Y [ ] \"#P\"\nEXTERNPROTO Z [ ] \"#Q\"\nPROTO P [ ] { Group { children Z { } } }\n"
+        "PROTO Q [ ] { Group { children Y { } } }\nP { } Q { } X { }\n",
+        "EXTERNPROTO Y [ ] \"#Y\"\nY { } X { }\n"}) {
+    const Shown shown = show(folder.write("b.wrl", kHeader + kX + text));
+    INFO(shown.messages);
+    CHECK(shown.colors == std::vector<glm::vec3>{kRed});
+    CHECK(shown.messages.find("error: ") != std::string::npos);
+  }
+}
+
+TEST_CASE("an EXTERNPROTO that cannot be had shows its children, with one warning a type") {
+  const ScratchFolder folder;
+  const std::string box =
+      "Shape { appearance Appearance { material Material { emissiveColor 1 0 0 } } geometry Box { } }";
+  const Shown shown = show(folder.write(
+      "a.wrl", kHeader +
+                   "EXTERNPROTO Region [ exposedField MFNode children eventIn MFNode addChildren field SFString note ] "
+                   "[ \"urn:nobody:Region\" \"gone.wrl\" ]\n"
+                   "EXTERNPROTO Other [ field MFNode children ] \"gone.wrl#Other\"\n"
+                   "EXTERNPROTO Nothing [ field SFFloat a ] \"gone2.wrl\"\n"
+                   "Region { children " +
+                   box + " } Region { note \"x\" children [ " + box + " ] } Other { children " + box +
+                   " }\nNothing { a 3 }\n"));
+  CHECK(shown.colors == std::vector<glm::vec3>{kRed, kRed, kRed});
+  const auto count = [&](const std::string& what) {
+    std::size_t found = 0;
+    for (auto at = shown.messages.find(what); at != std::string::npos; at = shown.messages.find(what, at + 1)) ++found;
+    return found;
+  };
+  INFO(shown.messages);
+  CHECK(count("a.wrl:2:13: warning: EXTERNPROTO Region: cannot find 'urn:nobody:Region' or the 1 others") == 1);
+  CHECK(count("EXTERNPROTO Region") == 1);
+  CHECK(count("EXTERNPROTO Other: cannot find 'gone.wrl#Other'") == 1);
+  CHECK(count("a stand-in takes its place") == 2);
+  CHECK(count("EXTERNPROTO Nothing: cannot find 'gone2.wrl'") == 1);
+  CHECK(count("warning: ") == 3);
+  CHECK(count("error: ") == 0);
+}
+
+TEST_CASE("nodes of Blaxxun and Cosmo worlds have stand-ins, by EXTERNPROTO and without") {
+  const ScratchFolder folder;
+  const std::string box =
+      "Shape { appearance Appearance { material Material { emissiveColor 1 0 0 } } geometry Box { } }";
+  for (const std::string type : {"Occlusion", "BspGroup", "HUD", "Layer", "Layer2D", "Layer3D"}) {
+    const std::string body = type + " { enabled FALSE children " + box + " }\n";
+    const Shown declared = show(folder.write(
+        "a.wrl", kHeader + "EXTERNPROTO " + type +
+                     " [ exposedField MFNode children exposedField SFBool enabled ] \"urn:inet:blaxxun.com:node:" +
+                     type + "\"\n" + body));
+    const Shown undeclared = show(folder.write("a.wrl", kHeader + body + body));
+    INFO(type << ": " << declared.messages << undeclared.messages);
+    CHECK(declared.colors == std::vector<glm::vec3>{kRed});
+    CHECK(undeclared.colors == std::vector<glm::vec3>{kRed, kRed});
+    CHECK(declared.messages.find("error: ") == std::string::npos);
+    // Once, and fields that the stand-in has not are passed over.
+    const std::string warning =
+        "a.wrl:2:1: warning: '" + type + "' is no node of VRML97, but of other browsers; a stand-in takes its place\n";
+    CHECK(undeclared.messages.ends_with(warning));
+    CHECK(undeclared.messages.find('\n') + 1 == undeclared.messages.size());
+  }
+}

@@ -1,0 +1,78 @@
+#include "vrml/syntax/stand_ins.h"
+
+#include "tests/vrml/events/trace.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <string>
+
+namespace gs::vrml::traces {
+
+TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
+  for (const std::string name : {"BlaxxunZone", "BspGroup", "DeviceSensor", "HUD", "Layer", "Layer2D", "Layer3D",
+                                 "LayerSet", "Occlusion", "Particles", "SharedEvent", "SharedObject"}) {
+    INFO(name);
+    SceneGraph scene("text.wrl");
+    const NodeType* type = stand_in(scene, name);
+    REQUIRE(type);
+    CHECK(type->name == name);
+    CHECK(type->stands_in);
+    CHECK(type->kind == NodeType::Kind::prototype);
+    CHECK(has(type->role, Role::child));
+    CHECK(built_in_node_type(name) == nullptr);
+  }
+  SceneGraph scene("text.wrl");
+  CHECK(stand_in(scene, "Nobody") == nullptr);
+  CHECK(stand_in(scene, "") == nullptr);
+}
+
+TEST_CASE("a stand-in for an EXTERNPROTO needs its name or its children") {
+  SceneGraph scene("text.wrl");
+  NodeType external;
+  external.name = "Region";
+  external.kind = NodeType::Kind::external_prototype;
+  CHECK(stand_in_for(scene, external) == nullptr);
+  external.declare({AccessType::field, FieldType::SFNode, "children", SFNode{}, {}});
+  CHECK(stand_in_for(scene, external) == nullptr);  // not a list
+  external.name = "HUD";
+  REQUIRE(stand_in_for(scene, external));
+  CHECK(stand_in_for(scene, external)->name == "HUD");
+  NodeType group;
+  group.name = "Region";
+  group.kind = NodeType::Kind::external_prototype;
+  group.declare({AccessType::exposedField, FieldType::MFNode, "children", MFNode{}, {}});
+  REQUIRE(stand_in_for(scene, group));
+  CHECK(stand_in_for(scene, group)->find_event_in("addChildren"));
+}
+
+TEST_CASE("a HUD goes with the viewer, wherever it stands") {
+  World world("Transform { translation 5 1 2 scale 2 2 2 children DEF Overlay HUD { children DEF Sign Group { } } }");
+  world.start();
+  SceneGraph& scene = world.scene();
+  const NodeId group = scene.resolve_as(world.node("Overlay"), "Group");
+  REQUIRE(group);
+  const MFNode inside = scene.get<MFNode>(group, "children");
+  REQUIRE(inside.size() == 2);
+  const NodeId frame = inside[1];
+  CHECK(scene.get<MFNode>(frame, "children")[0] == world.node("Sign"));
+  CHECK(scene.get<SFVec3f>(frame, "translation") == SFVec3f(-2.5f, -0.5f, 4));  // the viewer at 0 0 10
+  world.execution().set_viewer(glm::translate(glm::dmat4(1), {9, 1, 2}));
+  world.step(1);
+  CHECK(scene.get<SFVec3f>(frame, "translation") == SFVec3f(2, 0, 0));
+  world.send("Overlay.removeChildren", MFNode{world.node("Sign")});
+  CHECK(scene.get<MFNode>(frame, "children").empty());
+}
+
+TEST_CASE("what a stand-in does not have is passed over, in nodes, ROUTEs and PROTO bodies") {
+  World world(
+      "DEF Clock TimeSensor { } DEF Wave SharedEvent { name \"wave\" url [ \"a\" \"b\" ] node Group { } } "
+      "ROUTE Clock.isActive TO Wave.set_bool ROUTE Wave.bool_changed TO Clock.set_enabled "
+      "PROTO Own [ field MFNode inside [ ] field SFBool on TRUE ] { Occlusion { children IS inside enabled IS on } } "
+      "DEF O Own { inside DEF Inner Group { } }");
+  CHECK(world.scene().routes().empty());
+  const NodeId group = world.scene().resolve_as(world.node("O"), "Group");
+  REQUIRE(group);
+  CHECK(world.scene().get<MFNode>(group, "children")[0] == world.node("Inner"));
+}
+
+}  // namespace gs::vrml::traces

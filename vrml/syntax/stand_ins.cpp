@@ -1,0 +1,76 @@
+#include "vrml/syntax/stand_ins.h"
+
+#include "vrml/scene/diagnostic.h"
+#include "vrml/scene/prototype.h"
+#include "vrml/syntax/parser.h"
+
+#include <memory>
+#include <string>
+
+namespace gs::vrml {
+namespace {
+
+// Interfaces and bodies. Other fields and events of these nodes are passed over (NodeType::stands_in).
+constexpr std::string_view kGroup = R"( [
+  exposedField MFNode children []
+  eventIn MFNode addChildren
+  eventIn MFNode removeChildren
+] {
+  Group { children IS children addChildren IS addChildren removeChildren IS removeChildren }
+})";
+// Children in the coordinates of the viewer.
+constexpr std::string_view kOverlay = R"( [
+  exposedField MFNode children []
+  eventIn MFNode addChildren
+  eventIn MFNode removeChildren
+] {
+  Group {
+    children [
+      DEF Viewer ProximitySensor { size 1e9 1e9 1e9 }
+      DEF Frame Transform { children IS children addChildren IS addChildren removeChildren IS removeChildren }
+    ]
+  }
+  ROUTE Viewer.position_changed TO Frame.set_translation
+  ROUTE Viewer.orientation_changed TO Frame.set_rotation
+})";
+constexpr std::string_view kLayers = R"( [
+  exposedField MFNode layers []
+] {
+  Group { children IS layers }
+})";
+// Shared worlds, devices: nothing is seen of them.
+constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
+
+struct Row {
+  std::string_view name, text;
+};
+constexpr Row kRows[] = {
+    {"BlaxxunZone", kNothing}, {"BspGroup", kGroup},    {"DeviceSensor", kNothing}, {"HUD", kOverlay},
+    {"Layer", kGroup},         {"Layer2D", kGroup},     {"Layer3D", kGroup},        {"LayerSet", kLayers},
+    {"Occlusion", kGroup},     {"Particles", kNothing}, {"SharedEvent", kNothing},  {"SharedObject", kNothing},
+};
+
+const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view text) {
+  auto library = std::make_unique<SceneGraph>("stand-in for " + std::string(name), scene.budget());
+  Diagnostics diagnostics;
+  (void)parse("#VRML V2.0 utf8\nPROTO " + std::string(name) + std::string(text), *library, diagnostics);
+  if (!find_prototype(*library, name)) return nullptr;  // the budget is spent
+  library->types().front()->stands_in = true;
+  return find_prototype(scene.attach_library(std::move(library)), name);
+}
+
+}  // namespace
+
+const NodeType* stand_in(SceneGraph& scene, std::string_view name) {
+  for (const Row& row : kRows)
+    if (row.name == name) return make(scene, row.name, row.text);
+  return nullptr;
+}
+
+const NodeType* stand_in_for(SceneGraph& scene, const NodeType& external) {
+  if (const NodeType* of_table = stand_in(scene, external.name)) return of_table;
+  const InterfaceDeclaration* children = external.find_field("children");
+  return children && children->type == FieldType::MFNode ? make(scene, "Group", kGroup) : nullptr;
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "vrml/scene/scene_graph.h"
+
+#include <string_view>
+
+namespace gs::vrml {
+
+/// What takes the place of a node type that other browsers brought along, as worlds for Blaxxun Contact and Cosmo
+/// Player use them without a PROTO of their own: a PROTO of that name in a library of `scene`, out of a table that is
+/// written in VRML97. Null where the table has no such name. Made anew by each call.
+[[nodiscard]] const NodeType* stand_in(SceneGraph& scene, std::string_view name);
+
+/// For an EXTERNPROTO of `scene` that cannot be had: that of its name; else, where it declares an MFNode field
+/// `children`, a Group of these; else null.
+[[nodiscard]] const NodeType* stand_in_for(SceneGraph& scene, const NodeType& external);
+
+}  // namespace gs::vrml
