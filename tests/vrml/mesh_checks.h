@@ -17,6 +17,7 @@ namespace gs::vrml::test {
 
 inline constexpr float kPi = std::numbers::pi_v<float>;
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 inline constexpr Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 
 /// A scene with one geometry node and what its fields need.

@@ -11,7 +11,6 @@ using namespace gs::vrml::test;
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 using Ring = std::vector<glm::dvec2>;
 

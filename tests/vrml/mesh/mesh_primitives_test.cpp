@@ -6,10 +6,6 @@
 using namespace gs::vrml;
 using namespace gs::vrml::test;
 
-namespace {
-const float kInfinity = std::numeric_limits<float>::infinity();
-}  // namespace
-
 TEST_CASE("A node that is no geometry has no mesh") {
   const GeometryScene group("Group");
   CHECK(group.mesh().empty());
