@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-using namespace gs;
-using namespace gs::app;
-using namespace gs::app::test;
+namespace gs::app::pairs_geometry_test {
+
+using namespace test;
 
 namespace {
 
@@ -192,3 +192,5 @@ TEST_CASE("lines and points look alike, however they are listed (VRML97 6.24, 6.
               "0 0, 1 0 0, 1 0 0 ] } }"),
         shape("PointSet { coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0 ] } }", glowing("1 0 0")));
 }
+
+}  // namespace gs::app::pairs_geometry_test

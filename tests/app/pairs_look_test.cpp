@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-using namespace gs;
-using namespace gs::app;
-using namespace gs::app::test;
+namespace gs::app::pairs_look_test {
+
+using namespace test;
 
 namespace {
 
@@ -265,3 +265,5 @@ TEST_CASE("transparent surfaces look alike in any order, of shapes and within a 
   const std::string a = pane(0.5, -0.3, "0xff000080"), b = pane(-0.5, 0.3, "0x0000ff80");
   check_alike(studio, "textures", view + a + b, view + b + a, 0);
 }
+
+}  // namespace gs::app::pairs_look_test

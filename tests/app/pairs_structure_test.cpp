@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-using namespace gs;
-using namespace gs::app;
-using namespace gs::app::test;
+namespace gs::app::pairs_structure_test {
+
+using namespace test;
 
 namespace {
 
@@ -187,3 +187,5 @@ TEST_CASE("Inlines, PROTOs and EXTERNPROTOs look like what they stand for (VRML9
                   "shininess 0.5 specularColor 1 1 1 } } geometry Sphere { } }",
               0);
 }
+
+}  // namespace gs::app::pairs_structure_test

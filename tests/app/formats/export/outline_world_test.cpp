@@ -85,9 +85,9 @@ std::string outline_stream_of(const Encoded& from, int bits = 16) {
 }
 
 /// Draws without a window.
-class Studio {
+class OutlineStudio {
  public:
-  Studio() {
+  OutlineStudio() {
     auto opened = render::open_headless_context("auto");
     if (auto* context = std::get_if<std::unique_ptr<render::GlContext>>(&opened)) context_ = std::move(*context);
     if (!context_) return;
@@ -225,7 +225,7 @@ TEST_CASE("The fallback of a world of outlines shows the polygons that stay") {
 }
 
 TEST_CASE("Merging what is coplanar changes no pixel of flat-shaded CAD parts", "[optimised]") {
-  Studio studio;
+  OutlineStudio studio;
   if (!studio.good()) {
     WARN("nothing can be drawn here; not tested");
     return;
