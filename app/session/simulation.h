@@ -18,6 +18,8 @@
 
 namespace gs::app {
 
+class WorldLoading;
+
 /// The simulated clock begins at 2000-01-01T00:00:00Z, and goes on in steps of at most this, in seconds.
 inline constexpr double kSimulatedStart = 946684800;
 inline constexpr double kSimulationStep = 1.0 / 60;
@@ -36,6 +38,9 @@ class Simulation {
   [[nodiscard]] std::optional<std::string> begin_at(const std::string& viewpoint);
   /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
   void run(double seconds, const std::function<bool()>& go_on = {});
+
+  /// Urls that are set from now on are read by this, which has read the world, before time goes on.
+  void fetch_with(WorldLoading& loading) { loading_ = &loading; }
 
   [[nodiscard]] vrml::Execution& execution() { return living_.execution(); }
   /// The world as it is now, seen as a picture of it is: from the bound Viewpoint, else so that all is in view.
@@ -57,6 +62,7 @@ class Simulation {
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
   std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
   void act(double time);
+  void fetch();
   void point(const InputRow& row);
 
   OpenedWorld& world_;
@@ -71,6 +77,7 @@ class Simulation {
   std::optional<render::Camera> camera_;
   Pose pose_;
   Picker picker_;
+  WorldLoading* loading_ = nullptr;
   bool down_ = false;
 };
 

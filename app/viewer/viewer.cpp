@@ -114,6 +114,9 @@ bool Viewer::let_live() {
     if (std::exchange(document->viewer, leader) != leader) document->living->execution().viewer_jumped();
     document->living->execution().set_viewer(world_from_viewer(leader->navigation.pose));
     const bool moved = document->living->step(time);
+    if (document->reader)
+      if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())
+        document->reader->request(std::move(urls));
     if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();
     for (View* seen : views) any = follow_world(*seen) || any;
     any = follow_bound_viewpoint(*leader) || any;
@@ -209,7 +212,7 @@ bool Viewer::take_news() {
   for (std::size_t i = 0; i < readers_.size();) {
     Reader& one = readers_[i];
     if (*one.reading.cancelled) {
-      one.reader->cancel();
+      one.reader->retire();
       retired_.push_back(std::move(one.reader));
     } else {
       WorldReader::News news = one.reader->take();

@@ -126,10 +126,11 @@ struct RenderList {
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
   Background background;
   NavigationState navigation;
-  vrml::Bounds bounds;                       // world space, of all items
-  std::vector<LeftOut> left_out;             // one for each reason
-  std::vector<Place> places;                 // of everything above, parents before children
-  std::vector<glm::dmat4> world_from_frame;  // coordinate systems of places
+  vrml::Bounds bounds;                                          // world space, of all items
+  std::vector<LeftOut> left_out;                                // one for each reason
+  std::vector<Place> places;                                    // of everything above, parents before children
+  std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
+  std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // of Inlines that `places` name, kept for as long
 };
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.

@@ -124,6 +124,10 @@ struct NodeType {
 [[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types();
 /// The built-in type of this name, or null.
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
+/// The url of a node whose content is fetched; null: it has none.
+[[nodiscard]] inline const InterfaceDeclaration* url_of(const NodeType& type) {
+  return type.url_content == UrlContent::none ? nullptr : type.find_field("url");
+}
 /// Our own node that a PROTO or EXTERNPROTO stands for in browsers that do not know it: of the same name, with no
 /// other interface than the node's, and drawn from its fields alone. Null for any other.
 [[nodiscard]] const NodeType* stood_for(const NodeType& prototype);
