@@ -10,7 +10,7 @@
 namespace gs::qnv {
 namespace {
 
-std::vector<std::byte> header_of(Payload payload) {
+std::vector<std::byte> begin_of_stream(Payload payload) {
   StreamHeader header;
   header.payload = payload;
   header.description.box = {glm::vec3(0), glm::vec3(1)};
@@ -25,7 +25,7 @@ TEST_CASE("the payload of a stream is told by its first twelve bytes") {
   for (const PayloadRow& row : payload_rows()) {
     CHECK(&row_of(row.payload) == &row);
     CHECK(names.insert(row.name).second);
-    const std::vector<std::byte> header = header_of(row.payload);
+    const std::vector<std::byte> header = begin_of_stream(row.payload);
     for (std::size_t bytes = 0; bytes < 12; ++bytes) CHECK(!payload_of(std::span(header).first(bytes)));
     CHECK(payload_of(std::span(header).first(12)) == &row);
     std::vector<std::byte> other = header;
