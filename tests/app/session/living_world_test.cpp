@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-namespace gs::app {
+namespace gs::app::living_world_test {
 namespace {
 
 struct World {
@@ -117,4 +117,4 @@ TEST_CASE("a world that is replaced is shown as the new one") {
   CHECK(world.list().items[0].world_from_node[3].x == 7);
 }
 
-}  // namespace gs::app
+}  // namespace gs::app::living_world_test

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace gs::app {
+namespace gs::app::url_requests_test {
 namespace {
 
 const std::string kHeader = "#VRML V2.0 utf8\n";
@@ -218,4 +218,4 @@ TEST_CASE("a reader goes on to read what is asked for while the world lives") {
   }
 }
 
-}  // namespace gs::app
+}  // namespace gs::app::url_requests_test
