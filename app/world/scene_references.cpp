@@ -307,7 +307,7 @@ void SceneHandler::visit_image(NodeId id) {
   Reference reference = refer(id);
   if (reference.places.empty()) return;
   auto& shared = world_.shared_images[key_of(reference.places, reference.from)];
-  const bool fresh = !shared;
+  const bool fresh = !shared || shared->is_spent();
   const vrml::Node& node = scene->node(id);
   if (fresh)
     shared = std::make_shared<WorldLoading::State::SharedImage>(world_, node.text->file_name(), node.location, list);
