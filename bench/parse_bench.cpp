@@ -90,7 +90,7 @@ std::size_t array_bytes(const vrml::SceneGraph& scene) {
   std::unordered_set<const void*> seen;
   std::size_t bytes = 0;
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Node& node = scene.node(scene.id_at(i));
+    const vrml::Node& node = scene.node_at(i);
     for (const vrml::FieldValue& value : std::span(node.values, node.type->defaults.size())) {
       std::visit(
           [&](const auto& v) {

@@ -6,6 +6,7 @@
 #include "app/world/cloud_reader.h"
 #include "net/base/file.h"
 #include "net/base/url.h"
+#include "qnv/codec/payloads.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/lod/lod.h"
 #include "qnv/outline/outline_stream.h"
@@ -151,7 +152,7 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
     complain("%s: error: vectors take %s; the finer ones are not counted", path.c_str(),
              budget.refusal(vrml::Resource::vectors).c_str());
   const qnv::Cloud cloud = decoder.cloud();
-  json["payload"] = header->payload == qnv::Payload::packed ? "packed" : "records";
+  json["payload"] = std::string(qnv::row_of(header->payload).name);
   put_cloud(json, cloud);
   json["vectors_at_full_detail"] = header->vectors;
   json["chunks"] = header->chunks;

@@ -4,6 +4,7 @@
 #include "app/view/navigation.h"
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
 #include "net/base/file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -83,12 +84,14 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 
 int run_snapshot(const Options& options, const std::string& file) {
   const Clock::time_point start = Clock::now();
-  OpenedWorld world = load_world(file, load_options(options));
+  WorldLoading loading(file, load_options(options));
+  OpenedWorld world = load_world(loading, file);
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});
+  simulation.fetch_with(loading);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;

@@ -2,6 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/session/simulation.h"
 #include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
 #include "net/base/file.h"
 #include "vrml/syntax/printer.h"
 
@@ -31,10 +32,12 @@ bool plan_input(const Options& options, Simulation& simulation) {
 }
 
 int run_trace(const Options& options) {
-  OpenedWorld world = load_world(options.files.front(), load_options(options));
+  WorldLoading loading(options.files.front(), load_options(options));
+  OpenedWorld world = load_world(loading, options.files.front());
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});
+  simulation.fetch_with(loading);
   if (!plan_input(options, simulation)) return kFailed;
   vrml::NodeNames names(*simulation.world().scene);
   std::string line;

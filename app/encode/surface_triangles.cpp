@@ -1,5 +1,5 @@
 #include "app/encode/surface_triangles.h"
-#include "app/base/finite.h"
+#include "qnv/base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -10,6 +10,8 @@
 
 namespace gs::app {
 namespace {
+
+using qnv::finite;
 
 constexpr std::size_t kTriangleBatch = 4096;
 // A textured triangle is divided until its pieces are this many texels long, but not more often than this.

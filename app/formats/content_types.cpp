@@ -10,7 +10,7 @@
 #include "app/formats/mesh/stl.h"
 #include "app/formats/mesh/ucd.h"
 #include "app/formats/volume/volume.h"
-#include "qnv/stream/container.h"
+#include "qnv/codec/payloads.h"
 
 #include <algorithm>
 #include <vector>
@@ -139,9 +139,8 @@ std::string content_type_list() {
 }
 
 bool is_outline_stream(std::span<const std::byte> bytes) {
-  constexpr std::size_t kPayloadAt = 11;  // qnv/FORMAT.md, "Header"
-  return qnv::is_stream(bytes) && bytes.size() > kPayloadAt &&
-         std::to_integer<std::uint8_t>(bytes[kPayloadAt]) == static_cast<std::uint8_t>(qnv::Payload::outlines);
+  const qnv::PayloadRow* payload = qnv::payload_of(bytes);
+  return payload && payload->reader == qnv::PayloadReader::polygons;
 }
 
 }  // namespace gs::app

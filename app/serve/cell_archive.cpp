@@ -1,8 +1,7 @@
 #include "app/serve/cell_archive.h"
 
 #include "app/streams/cell_regions.h"
-#include "qnv/records/records_payload.h"
-#include "qnv/stream/container.h"
+#include "qnv/codec/payloads.h"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +19,7 @@ namespace gs::app {
 namespace {
 
 // Ten symbols of the erasure code: what a server sends in the first round trip, before it knows the line (RFC 6928).
-constexpr std::size_t kBaseBytes = 12'000, kRecordsHeader = 48;
+constexpr std::size_t kBaseBytes = 12'000;
 constexpr std::uint32_t kMostIndexed = std::uint32_t{1} << 20;
 constexpr std::size_t kMostDirectoryBytes = std::size_t{64} << 20;
 
@@ -40,7 +39,7 @@ class QnvSource : public net::CellSource {
   [[nodiscard]] std::uint32_t version() const override { return version_; }
   [[nodiscard]] std::span<const std::byte> base() const override { return base_; }
   [[nodiscard]] std::size_t streams() const override { return 1; }
-  [[nodiscard]] bool records(std::size_t) const override { return records_; }
+  [[nodiscard]] bool records(std::size_t) const override { return payload_->record_bytes > 0; }
   [[nodiscard]] std::uint32_t chunks(std::size_t) const override { return static_cast<std::uint32_t>(places_.size()); }
   [[nodiscard]] std::optional<net::CellBox> box(std::size_t, std::uint32_t chunk) const override {
     return chunk < places_.size() ? places_[chunk].box : std::nullopt;
@@ -54,7 +53,7 @@ class QnvSource : public net::CellSource {
 
   net::ServedFile file_;
   std::uint32_t version_ = 0;
-  bool records_ = false;
+  const qnv::PayloadRow* payload_ = qnv::payload_rows().data();
   std::vector<std::byte> base_;
   std::vector<Place> places_;
 };
@@ -96,21 +95,15 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   return places;
 }
 
-std::uint32_t little(std::span<const std::byte> bytes, std::size_t at) {
-  return std::to_integer<std::uint32_t>(bytes[at]) | std::to_integer<std::uint32_t>(bytes[at + 1]) << 8U;
-}
-
 // Where the file has no directory: from chunk to chunk, until what follows is
 // none.
 std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
   std::vector<Place> places;
   while (places.size() < kMostIndexed) {
-    const auto head = bytes(begin, qnv::kChunkHeaderBytes);
-    if (head.size() < qnv::kChunkHeaderBytes || little(head, 0) != 0x4351) break;
-    const auto length = static_cast<std::uint32_t>(qnv::kChunkHeaderBytes + little(head, 2));
-    const auto type = static_cast<qnv::ChunkType>(head[4]);
-    if (type == qnv::ChunkType::records || type == qnv::ChunkType::packed) places.push_back({begin, length, {}});
-    begin += length;
+    const auto head = qnv::chunk_head(bytes(begin, qnv::kChunkHeaderBytes));
+    if (!head) break;
+    if (qnv::carries(*payload_, head->type)) places.push_back({begin, static_cast<std::uint32_t>(head->bytes), {}});
+    begin += head->bytes;
   }
   return places;
 }
@@ -123,7 +116,7 @@ std::optional<std::string> QnvSource::read() {
   if (const auto* problem = std::get_if<qnv::StreamProblem>(&decoded)) return problem->message;
   if (need_more || header_bytes == 0) return "the file ends in its header";
   const auto& header = std::get<qnv::StreamHeader>(decoded);
-  records_ = header.payload == qnv::Payload::records;
+  payload_ = &qnv::row_of(header.payload);
   std::vector<Place> all = from_directory(header);
   if (all.empty()) all = from_chunks(header_bytes);
   // The base is the start of the file: the header, and as many chunks as follow
@@ -145,21 +138,11 @@ std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number
   if (number >= places_.size()) return std::nullopt;
   const Place& place = places_[number];
   if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMostChunkBytes) return std::nullopt;
-  std::vector<std::byte> all = bytes(place.offset, place.bytes);
+  const std::vector<std::byte> all = bytes(place.offset, place.bytes);
   // Another version, or a directory that lies.
-  if (all.size() != place.bytes || all.size() <= qnv::kChunkHeaderBytes || little(all, 0) != 0x4351 ||
-      qnv::kChunkHeaderBytes + little(all, 2) != place.bytes || !(net::stamp_of(file_.descriptor) == file_.stamp))
-    return std::nullopt;
-  net::CellChunk chunk;
-  if (!records_) {
-    chunk.body = std::move(all);
-    return chunk;
-  }
-  constexpr std::size_t kHead = qnv::kChunkHeaderBytes + kRecordsHeader;
-  if (all.size() <= kHead || (all.size() - kHead) % 8 != 0) return std::nullopt;
-  chunk.head.assign(all.begin(), all.begin() + kHead);
-  chunk.body.assign(all.begin() + kHead, all.end());
-  return chunk;
+  const auto parts = all.size() == place.bytes ? qnv::cut_chunk(*payload_, all) : std::nullopt;
+  if (!parts || !(net::stamp_of(file_.descriptor) == file_.stamp)) return std::nullopt;
+  return net::CellChunk{{parts->head.begin(), parts->head.end()}, {parts->body.begin(), parts->body.end()}};
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ void inspect(Document& document) {
     const vrml::SceneGraph& scene = *scenes.back();
     scenes.pop_back();
     for (std::uint32_t index = 1; index <= scene.node_count(); ++index) {
-      const vrml::Node& node = scene.node(scene.id_at(index));
+      const vrml::Node& node = scene.node_at(index);
       if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
       document.viewer_dependent |= vrml::has(node.type->role, vrml::Role::viewer_dependent);
     }

@@ -1,5 +1,6 @@
 #include "app/session/living_world.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -20,7 +21,9 @@ double world_time() {
 }
 
 LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
-    : world_(world), meshes_(meshes), execution_(*world.scene) {}
+    : world_(world), meshes_(meshes), execution_(*world.scene) {
+  execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
+}
 
 void LivingWorld::start(double now) {
   execution_.start(now);
@@ -45,16 +48,76 @@ bool LivingWorld::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::st
 // What has no room in the present timestamp waits for the next one.
 void LivingWorld::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
-    return !one.scene->contains(one.node) || execution_.progress(*one.scene, one.node, one.fraction);
+    return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
+           execution_.progress(*one.scene, one.node, one.fraction);
   });
 }
 
+// For nodes that are removed, of scenes that are, and of former urls nothing comes any more.
+bool LivingWorld::is_gone(const Arrivals::Place& place) const {
+  if (!execution_.has_scene(place.scene) || !place.scene->contains(place.node)) return true;
+  const auto number = url_numbers_.find({&place.scene->node(place.node), place.url});
+  return place.request != (number == url_numbers_.end() ? 0 : number->second);
+}
+
+void LivingWorld::show_content(Arrivals::Content&& arrival) {
+  if (is_gone(arrival.place)) return;
+  vrml::SceneGraph& scene = *arrival.place.scene;
+  execution_.remove_content(scene, arrival.place.node);
+  if (!arrival.content) return;
+  scene.attach_inline(arrival.place.node, std::move(arrival.content));
+  execution_.attach(scene);
+  execution_.content_changed(scene, arrival.place.node);
+}
+
 void LivingWorld::arrive(Arrivals&& arrivals) {
+  for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
+  const auto gone = [this](const Arrivals::Place& place) { return is_gone(place); };
+  for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
+  std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return is_gone(one.place); });
   progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
   std::vector<vrml::NodeChange> changes;
   for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
     changes.push_back({place.scene, place.node, 0});
   if (!changes.empty()) add_changes(std::move(changes));
+}
+
+void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
+  constexpr std::size_t kMost = 10'000;  // that nobody takes
+  for (const vrml::NodeChange& change : changes) {
+    const vrml::Node& node = change.scene->node(change.node);
+    if (node.type->url_content == vrml::UrlContent::none) continue;
+    const auto fields = node.type->url_fields();
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const int slot = fields[i]->slot;
+      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMost) continue;
+      const vrml::SourceText& text = change.scene->text_of(change.node, slot);
+      url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
+                               &node,
+                               node.type->url_content,
+                               *std::get_if<vrml::MFString>(&node.values[slot]),
+                               &text.origin(),
+                               node.type->name,
+                               text.file_name(),
+                               node.location});
+    }
+  }
+}
+
+// A node that is removed, or all of a scene: its place in memory may become another's.
+void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
+  const auto forget_one = [&](const vrml::Node& one) {
+    for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i) {
+      world_.images.erase({&one, i});
+      url_numbers_.erase({&one, i});
+    }
+    world_.clouds.erase(&one);
+    meshes_.remove(scene, &one);
+  };
+  if (node) return forget_one(scene.node(node));
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
+  for (std::vector<vrml::NodeChange>& batch : batches_)
+    std::erase_if(batch, [&](const vrml::NodeChange& change) { return change.scene == &scene; });
 }
 
 void LivingWorld::add_changes(std::vector<vrml::NodeChange> changes) {
@@ -65,6 +128,13 @@ void LivingWorld::add_changes(std::vector<vrml::NodeChange> changes) {
 
 bool LivingWorld::take_changes() {
   const auto changes = execution_.take_changes();
+  note_urls(changes);
+  if (std::exchange(replaced_, execution_.replaced()) != execution_.replaced()) {
+    batches_.clear();
+    ++version_;  // no batch leads to it: all lists are gathered anew
+    render::forget_changed(meshes_, changes);
+    return true;
+  }
   if (changes.empty()) return false;
   render::forget_changed(meshes_, changes);
   add_changes({changes.begin(), changes.end()});

@@ -13,6 +13,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -41,6 +43,11 @@ class LivingWorld {
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
   /// Takes in what has come.
   void arrive(Arrivals&& arrivals);
+  /// The urls that have been set since the last call, for who fetches; what comes goes to `arrive`.
+  [[nodiscard]] std::vector<UrlRequest> take_url_requests() {
+    (void)take_changes();
+    return std::exchange(url_requests_, {});
+  }
   /// When there is something to do next; see Execution::next_time.
   [[nodiscard]] std::optional<double> next_time() const {
     return progress_.empty() ? execution_.next_time() : execution_.now();
@@ -59,13 +66,21 @@ class LivingWorld {
   bool take_changes();
   void tell_progress();
   void add_changes(std::vector<vrml::NodeChange> changes);
+  void forget(vrml::SceneGraph& scene, vrml::NodeId node);
+  void note_urls(std::span<const vrml::NodeChange> changes);
+  [[nodiscard]] bool is_gone(const Arrivals::Place& place) const;
+  void show_content(Arrivals::Content&& arrival);
 
   OpenedWorld& world_;
   render::MeshCache& meshes_;
   vrml::Execution execution_;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // those that led to the last versions, the newest behind
   std::uint64_t version_ = 0;
+  std::uint32_t replaced_ = 0;         // Execution::replaced, of the newest version
   std::vector<UrlProgress> progress_;  // that is to be told
+  std::vector<UrlRequest> url_requests_;
+  /// Arrivals::Place::request of the newest, where not 0.
+  std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
   std::weak_ptr<LivingScene> shared_;
 };
 

@@ -103,6 +103,9 @@ bool Session::let_live(bool look) {
     if (before && before != leader) execution.viewer_jumped();
     place_viewer(execution, *leader);
     const bool moved = document->living->step(now_);
+    if (document->reader)
+      if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())
+        document->reader->request(std::move(urls));
     const bool rebound = leader->bound != document->living->bound().viewpoint;
     if (look || rebound)
       for (View* seen : views) any = follow_world(*seen) || any;

@@ -35,7 +35,7 @@ bool Session::take_news() {
   for (std::size_t i = 0; i < readers_.size();) {
     Reader& one = readers_[i];
     if (*one.reading.cancelled) {
-      one.reader->cancel();
+      one.reader->retire();
       retired_.push_back(std::move(one.reader));
     } else {
       WorldReader::News news = one.reader->take();

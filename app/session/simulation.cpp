@@ -1,9 +1,12 @@
 #include "app/session/simulation.h"
 
+#include "app/streams/stream_feed.h"
 #include "app/view/navigation.h"
+#include "app/world/world_loading.h"
 #include "vrml/syntax/parser.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -187,11 +190,25 @@ void Simulation::act(double time) {
   }
 }
 
+// What comes may be of use in the next step: so many steps, so many urls.
+void Simulation::fetch() {
+  if (!loading_) return;
+  std::vector<UrlRequest> requests = document_->living->take_url_requests();
+  if (requests.empty()) return;
+  loading_->request(std::move(requests));
+  constexpr std::chrono::milliseconds kWait{1000};
+  while (!loading_->done()) (void)loading_->step(kWait);
+  Arrivals arrivals = loading_->take_arrivals();
+  for (const auto& feed : arrivals.feeds) (void)feed->apply();
+  document_->living->arrive(std::move(arrivals));
+}
+
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   begin_world(*document_, kSimulatedStart);
   session_.show(document_);
   step(0, false);
   act(0);
+  fetch();
   // The grid's times are multiples, not sums: errors of rounding do not add up.
   double time = 0;
   for (std::uint64_t steps = 1; time < seconds && (!go_on || go_on());) {
@@ -202,6 +219,7 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     time = next;
     step(time, false);
     act(time);
+    fetch();
   }
 }
 

@@ -16,6 +16,8 @@
 
 namespace gs::app {
 
+class WorldLoading;
+
 /// The simulated clock begins at 2000-01-01T00:00:00Z, and goes on in steps of at most this, in seconds.
 inline constexpr double kSimulatedStart = 946684800;
 inline constexpr double kSimulationStep = 1.0 / 60;
@@ -34,6 +36,9 @@ class Simulation {
   [[nodiscard]] std::optional<std::string> begin_at(const std::string& viewpoint);
   /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
   void run(double seconds, const std::function<bool()>& go_on = {});
+
+  /// Urls that are set from now on are read by this, which has read the world, before time goes on.
+  void fetch_with(WorldLoading& loading) { loading_ = &loading; }
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
@@ -60,6 +65,7 @@ class Simulation {
   void step(double time, bool look);
   void choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node);
   void act(double time);
+  void fetch();
 
   std::shared_ptr<Document> document_;
   SessionInput input_;  // of the steps
@@ -72,6 +78,7 @@ class Simulation {
   // As the rows have left them.
   glm::vec2 pointer_{0};
   bool shift_ = false, control_ = false;
+  WorldLoading* loading_ = nullptr;
 };
 
 /// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 namespace gs::app {
@@ -29,9 +30,17 @@ WorldReader::WorldReader(std::string path, LoadOptions options, std::function<vo
         ended_ = true;
       }) {}
 
-WorldReader::~WorldReader() {
+WorldReader::~WorldReader() { retire(); }
+
+void WorldReader::retire() {
   stop_ = true;
   cancel();
+}
+
+void WorldReader::request(std::vector<UrlRequest> requests) {
+  const std::lock_guard lock(mutex_);
+  requests_.insert(requests_.end(), std::make_move_iterator(requests.begin()), std::make_move_iterator(requests.end()));
+  if (loading_) loading_->wake();
 }
 
 void WorldReader::cancel() {
@@ -86,6 +95,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     (void)loading.step(kWait);
     if (loading.done()) break;
     if (lives) {
+      take_requests(loading);
       News news{nullptr, loading.take_arrivals(), false, loading.streams_grew(), loading.state()};
       if (!news.arrivals.empty() || news.streams_grew || !(news.state == told)) {
         told = news.state;
@@ -121,9 +131,16 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     if (!lives) give_away(loading);
     tell({nullptr, loading.take_arrivals(), true, false, loading.state()});
   }
-  while (!stop_ && loading.streaming()) {
-    (void)loading.step(kStreamWait);
-    if (loading.streams_grew()) tell({nullptr, loading.take_arrivals(), false, true, loading.state()});
+  while (!stop_) {
+    take_requests(loading);
+    if (loading.done() && !loading.streaming()) {
+      loading.rest(kStreamWait);
+      continue;
+    }
+    (void)loading.step(loading.done() ? kStreamWait : kWait);
+    const bool grew = loading.streams_grew();
+    if (Arrivals arrivals = loading.take_arrivals(); grew || !arrivals.empty())
+      tell({nullptr, std::move(arrivals), false, grew, loading.state()});
   }
   const std::lock_guard lock(mutex_);
   loading_ = nullptr;
@@ -138,6 +155,15 @@ void WorldReader::give_away(WorldLoading& loading) {
   auto document = make_document(std::move(world), std::move(meshes));
   budget->stop_when({});
   tell({std::move(document), {}, false, false, loading.state()});
+}
+
+void WorldReader::take_requests(WorldLoading& loading) {
+  std::vector<UrlRequest> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    requests.swap(requests_);
+  }
+  if (!requests.empty()) loading.request(std::move(requests));
 }
 
 void WorldReader::exchange_priorities(WorldLoading& loading) {

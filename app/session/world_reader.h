@@ -12,6 +12,7 @@
 #include <thread>
 #include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 namespace gs::app {
 
@@ -27,7 +28,7 @@ class WorldReader {
     /// Null: no other than before.
     std::shared_ptr<Document> document;
     Arrivals arrivals;          // for the living world
-    bool over = false;          // no more will come but bytes of streams
+    bool over = false;          // no more will come but bytes of streams, and what `request` asks for
     bool streams_grew = false;  // such bytes have come
     LoadingState state;
   };
@@ -43,6 +44,10 @@ class WorldReader {
   void cancel();
   /// How large what still comes over the network is seen.
   void prioritize(std::unordered_map<const vrml::Node*, float> importance);
+  /// Urls have been set in the living world; what they name is among the arrivals of later news.
+  void request(std::vector<UrlRequest> requests);
+  /// Nobody waits for it any more: the thread ends as soon as it can.
+  void retire();
   /// The nodes for which it comes.
   [[nodiscard]] std::unordered_set<const vrml::Node*> wanted();
   /// The thread has ended, so that the destructor does not wait.
@@ -53,6 +58,7 @@ class WorldReader {
   void run(const std::string& path, LoadOptions options);
   void tell(News news);
   void give_away(WorldLoading& loading);
+  void take_requests(WorldLoading& loading);
   void exchange_priorities(WorldLoading& loading);
 
   std::function<void()> wake_;
@@ -63,6 +69,7 @@ class WorldReader {
   std::unordered_map<const vrml::Node*, float> importance_;  // guarded by mutex_
   std::unordered_set<const vrml::Node*> wanted_;             // guarded by mutex_
   bool importance_is_new_ = false;                           // guarded by mutex_
+  std::vector<UrlRequest> requests_;                         // guarded by mutex_
   std::jthread thread_;                                      // last: joined before what it uses goes
 };
 

@@ -19,10 +19,6 @@ constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
 constexpr std::uint64_t kMostDirectory = std::uint64_t{256} << 20;
 constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // of vectors; see Urgency
 
-std::size_t payload_bytes(std::span<const std::byte> chunk) {
-  return std::to_integer<std::size_t>(chunk[2]) | std::to_integer<std::size_t>(chunk[3]) << 8;
-}
-
 }  // namespace
 
 RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place)
@@ -117,9 +113,8 @@ void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
   std::uint64_t at = data.offset - run.size();
   run.insert(run.end(), data.bytes.begin(), data.bytes.end());
   std::span<const std::byte> rest(run);
-  while (rest.size() >= qnv::kChunkHeaderBytes) {
-    const std::size_t size = qnv::kChunkHeaderBytes + payload_bytes(rest);
-    if (rest.size() < size) break;
+  for (auto head = qnv::chunk_head(rest); head && head->bytes <= rest.size(); head = qnv::chunk_head(rest)) {
+    const std::size_t size = head->bytes;
     asked_.insert(at);
     feed_->add(at, {rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size)});
     at += size;

@@ -1,5 +1,5 @@
 #include "app/view/navigation.h"
-#include "app/base/finite.h"
+#include "qnv/base/finite.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -11,6 +11,8 @@
 
 namespace gs::app {
 namespace {
+
+using qnv::finite;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr glm::vec3 kUp(0, 1, 0);            // of the world (VRML97 4.4.5)

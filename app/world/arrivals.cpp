@@ -11,6 +11,7 @@ void Arrivals::append(Arrivals&& later) {
   const auto move = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
+  move(contents, later.contents);
   move(images, later.images);
   move(clouds, later.clouds);
   move(feeds, later.feeds);
@@ -50,11 +51,18 @@ std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {
   std::vector<Arrivals::Place> changed;
   for (const Arrivals::Image& one : arrivals.images)
     for (const Arrivals::Place& texture : one.textures) {
-      world.images[{&texture.scene->node(texture.node), texture.url}] = one.image;
+      const render::ImagePlace place(&texture.scene->node(texture.node), texture.url);
+      if (one.image)
+        world.images[place] = one.image;
+      else
+        world.images.erase(place);
       changed.push_back(texture);
     }
   for (const Arrivals::Cloud& one : arrivals.clouds) {
-    set_cloud(world, one);
+    if (one.cloud)
+      set_cloud(world, one);
+    else
+      world.clouds.erase(&one.place.scene->node(one.place.node));
     changed.push_back(one.place);
   }
   world.feeds.insert(world.feeds.end(), arrivals.feeds.begin(), arrivals.feeds.end());

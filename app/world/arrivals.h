@@ -5,7 +5,9 @@
 #include "vrml/scene/scene_graph.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace gs::app {
@@ -17,16 +19,23 @@ struct Arrivals {
     vrml::SceneGraph* scene = nullptr;  // the root or the content of an Inline; touched by the world's thread only
     vrml::NodeId node;
     std::size_t url = 0;  // of NodeType::url_fields, for images
+    // Which of the urls that the field has had: 0 that of the file, then one more each time it is set.
+    std::uint32_t request = 0;
   };
   struct Image {
     std::vector<Place> textures;
-    std::shared_ptr<const render::Image> image;
+    std::shared_ptr<const render::Image> image;  // null: there is none
+  };
+  struct Content {
+    Place place;                                // of an Inline
+    std::shared_ptr<vrml::SceneGraph> content;  // null: there is none
   };
   struct Cloud {
-    Place place;            // of a QNV node
-    vrml::NodeId fallback;  // the PROTO instance in whose place it is shown; null: none
-    std::shared_ptr<const qnv::Cloud> cloud;
+    Place place;                              // of a QNV node
+    vrml::NodeId fallback;                    // the PROTO instance in whose place it is shown; null: none
+    std::shared_ptr<const qnv::Cloud> cloud;  // null: there is none
   };
+  std::vector<Content> contents;  // in front of all that belongs into them
   std::vector<Image> images;
   std::vector<Cloud> clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
@@ -35,16 +44,28 @@ struct Arrivals {
   std::vector<OutsideFolder> outside;
 
   [[nodiscard]] bool empty() const {
-    return images.empty() && clouds.empty() && feeds.empty() && progress.empty() && diagnostics.entries().empty() &&
-           outside.empty();
+    return contents.empty() && images.empty() && clouds.empty() && feeds.empty() && progress.empty() &&
+           diagnostics.entries().empty() && outside.empty();
   }
   /// Puts what has come later behind.
   void append(Arrivals&& later);
 };
 
+/// The url of a node of a living world was set, or is that of a node made at run time.
+struct UrlRequest {
+  Arrivals::Place place;
+  const vrml::Node* node = nullptr;  // whose importance counts; not to be looked at by the thread that reads
+  vrml::UrlContent content = vrml::UrlContent::none;
+  vrml::MFString urls;
+  const vrml::SourceText* text = nullptr;  // in whose name; likewise
+  std::string type, file;                  // of the node, and place in its text, for messages
+  vrml::SourceLocation location;
+};
+
 /// Gives a QNV node its vectors; a transfer function of its own goes before that of the stream.
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
-/// Gives all to the world but `progress`, which is its events'. The nodes that look otherwise from then on.
+/// Gives all to the world but `progress`, which is its events', and `contents`. The nodes that look otherwise from then
+/// on.
 [[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
 
 }  // namespace gs::app

@@ -1,6 +1,6 @@
 #include "app/world/cloud_handler.h"
 #include "app/base/temporary_file.h"
-#include "qnv/stream/container.h"
+#include "qnv/codec/payloads.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -113,11 +113,12 @@ void CloudHandler::choose_way() {
     return;
   }
   const auto& known = std::get<qnv::StreamHeader>(header);
-  if (known.payload == qnv::Payload::outlines) {
+  const qnv::PayloadReader reader = qnv::row_of(known.payload).reader;
+  if (reader == qnv::PayloadReader::polygons) {
     way_ = Way::whole;  // whose reader says what they are
     return;
   }
-  if (known.payload == qnv::Payload::packed) {
+  if (reader == qnv::PayloadReader::levels) {
     directory_ = known.directory;
     auto begun = qnv::LodStream::begin(bytes_);
     if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {

@@ -3,11 +3,11 @@
 #include "app/base/gunzip.h"
 #include "app/formats/volume/volume.h"
 #include "net/base/file.h"
+#include "qnv/codec/loss.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_volume.h"
 #include "qnv/lod/lod.h"
 #include "qnv/records/record.h"
-#include "qnv/stream/loss.h"
 
 #include <algorithm>
 #include <cmath>

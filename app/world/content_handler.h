@@ -30,13 +30,14 @@ struct Found {
 };
 
 class Fetch;
+class SceneHandler;
 
 /// Takes the bytes of one resource.
 class ContentHandler {
  public:
   ContentHandler() = default;
-  /// Whether it changes the nodes of scenes; while one does, the world cannot be given away.
-  [[nodiscard]] virtual bool makes_nodes() const { return false; }
+  /// Whose nodes it changes; null: nobody's. While one does, the world, or the Inline's content, cannot be given away.
+  [[nodiscard]] virtual const SceneHandler* makes_nodes_of() const { return nullptr; }
   ContentHandler(const ContentHandler&) = delete;
   ContentHandler& operator=(const ContentHandler&) = delete;
   virtual ~ContentHandler() = default;

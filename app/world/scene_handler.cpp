@@ -152,8 +152,7 @@ void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
     if (!cloud_node_) return;
     attach();
   }
-  world_.world.clouds[&scene->node(cloud_node_)] = cloud;
-  world_.changed = true;
+  world_.cloud_arrived({{scene, cloud_node_}, {}, cloud});
 }
 
 void SceneHandler::end(const std::optional<std::string>& problem) {
@@ -207,7 +206,7 @@ void SceneHandler::end_text(bool had_problem) {
 void SceneHandler::complete_outlines() {
   for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
     const vrml::NodeId id = scene->id_at(i);
-    const vrml::Node& node = scene->node(id);
+    const vrml::Node& node = scene->node_at(i);
     if (node.type->url_content != vrml::UrlContent::outlines) continue;
     scene->set<vrml::SFBool>(id, "complete", true);
     shown_open_.push_back(&node);
@@ -258,7 +257,7 @@ void SceneHandler::finished_reading() {
 
 // An Inline's content shows as soon as there is any.
 void SceneHandler::attach() {
-  if (role != Role::inlined || !own_ || refused || own_->roots().empty()) return;
+  if (role != Role::inlined || given_to || !own_ || refused || own_->roots().empty()) return;
   outer->scene->attach_inline(inline_node, std::move(own_));
 }
 

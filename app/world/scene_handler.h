@@ -30,7 +30,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   using World = WorldLoading::State;
 
   SceneHandler(World& world, Role role, SceneHandler* outer);
-  bool makes_nodes() const override { return true; }
+  [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return this; }
   bool begin(const Found& found) override;
   bool whole_file(const net::MappedFile& file, const std::string& path) override;
   void receive(std::span<const std::byte> bytes) override;
@@ -47,6 +47,12 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
   /// An OutlineGroup that has got more polygons.
   void outlines_changed(vrml::NodeId id);
+  /// A node's url was set in the living world: fetches what that names now.
+  void load(const UrlRequest& request);
+  /// The handler whose scene this is, of this one and what is inside; null: none.
+  [[nodiscard]] SceneHandler* handler_of(const vrml::SceneGraph* wanted);
+  /// Whether it belongs to what `top` reads.
+  [[nodiscard]] bool is_inside(const SceneHandler& top) const;
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
@@ -60,6 +66,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::vector<vrml::NodeType*> types;  // library: outer's types that wait for it
   std::vector<std::string> fragments;  // of each
   vrml::SceneGraph* scene = nullptr;
+  std::optional<Arrivals::Place> given_to;  // the Inline of a living world that gets the content when all is there
   bool refused = false, whole = true;
 
  private:
@@ -83,11 +90,12 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
     net::Origin from;
     std::string first;  // as the text has it
   };
-  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SceneGraph& text) const;
+  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SourceText& text) const;
   [[nodiscard]] Reference refer(vrml::NodeId id) const;
   [[nodiscard]] std::vector<net::Url> below_folders(const net::Url& base, const net::Url& rooted,
                                                     const net::Origin& from) const;
-  void ask_for(Reference reference, vrml::NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency);
+  void ask_for(Reference reference, const vrml::Node* node, std::shared_ptr<ContentHandler> handler, Urgency urgency);
+  void load_inline(const UrlRequest& request, Reference reference);
   void look_for_references();
   void visit(vrml::NodeId id);
   void visit_inline(vrml::NodeId id);
@@ -114,7 +122,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   World& world_;
   Found found_;
   std::unique_ptr<vrml::SceneGraph> own_;                             // until it is attached or handed over
-  std::unordered_map<const vrml::SceneGraph*, net::Origin> origins_;  // of this text, and of libraries'
+  std::unordered_map<const vrml::SourceText*, net::Origin> origins_;  // of this text, and of libraries'
   std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
   vrml::Share waiting_share_;
   const ContentType* type_ = nullptr;

@@ -61,7 +61,7 @@ void SceneHandler::look_for_prototypes() {
     library->fragments = {fragment};
     libraries_.push_back(library);
     ++awaited_libraries_;
-    ask_for(std::move(reference), {}, std::move(library), Urgency::prototypes);
+    ask_for(std::move(reference), nullptr, std::move(library), Urgency::prototypes);
   }
   take_own_prototypes();
 }

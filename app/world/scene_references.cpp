@@ -30,11 +30,11 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 
 /// A picture that textures show.
 struct WorldLoading::State::SharedImage final : ContentHandler {
-  SharedImage(State& state, const vrml::Node& node, vrml::MFString list)
+  SharedImage(State& state, std::string type_name, std::string text, vrml::SourceLocation location, vrml::MFString list)
       : world(state),
-        type(node.type->name),
-        file(node.text->file_name()),
-        place(node.location),
+        type(std::move(type_name)),
+        file(std::move(text)),
+        place(location),
         urls(std::move(list)),
         held(state.budget, vrml::Resource::files) {}
 
@@ -63,6 +63,8 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   }
   void leave_out(const std::string& why) {
     over = true;
+    has_none = true;
+    world.image_arrived({std::exchange(textures, {}), nullptr});
     world.report(Severity::warning, file, place, type + " " + name + ": " + why + "; left out");
   }
   void decode(std::span<const std::byte> from) {
@@ -70,20 +72,25 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
     auto decoded = decode_texture(from, world.budget);
     if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
     Texture& texture = std::get<Texture>(decoded);
-    if (!texture.note.empty()) world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
-    image = std::move(texture.image);
-    world.image_arrived({std::exchange(textures, {}), image});
+    if (!texture.note.empty())
+      world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
+    image = texture.image;
+    world.image_arrived({std::exchange(textures, {}), std::move(texture.image)});
   }
   void missing(const std::string& why) override {
     over = true;
+    has_none = true;
     if (!told) world.report(Severity::warning, file, place, type + ": " + why_missing(urls, why));
+    world.image_arrived({std::exchange(textures, {}), nullptr});
   }
   void add(const Arrivals::Place& texture) {
-    if (image)
-      world.image_arrived({{texture}, image});
-    else if (!over)
+    if (!over)
       textures.push_back(texture);
+    else
+      world.image_arrived({{texture}, image.lock()});
   }
+  /// Nobody has what came any more.
+  [[nodiscard]] bool is_spent() const { return over && !has_none && image.expired(); }
 
   State& world;
   std::string type, file, name;  // of the node that asked first; of its text; of the picture
@@ -92,8 +99,8 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   std::vector<std::byte> bytes;
   vrml::Share held;  // of these
   std::vector<Arrivals::Place> textures;
-  std::shared_ptr<const render::Image> image;
-  bool over = false;
+  std::weak_ptr<const render::Image> image;
+  bool over = false, has_none = false;
 };
 
 /// Vectors that QNV nodes show.
@@ -103,7 +110,7 @@ struct WorldLoading::State::SharedCloud {
 };
 
 // In the order of VRML97 4.5.3: as seen from the file that uses a PROTO, then from the one that declares it.
-SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list, const vrml::SceneGraph& text) const {
+SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list, const vrml::SourceText& text) const {
   const auto own = origins_.find(scene), source = origins_.find(&text);
   // Of a text that nobody knows, nothing is trusted.
   Reference reference{{},
@@ -152,12 +159,13 @@ SceneHandler::Reference SceneHandler::refer(NodeId id) const {
   return refer(scene->get<vrml::MFString>(id, "url"), scene->text_of(id, slot));
 }
 
-void SceneHandler::ask_for(Reference reference, NodeId id, std::shared_ptr<ContentHandler> handler, Urgency urgency) {
+void SceneHandler::ask_for(Reference reference, const vrml::Node* node, std::shared_ptr<ContentHandler> handler,
+                           Urgency urgency) {
   auto fetch = std::make_unique<Fetch>();
   fetch->candidates = std::move(reference.places);
   fetch->from = std::move(reference.from);
   fetch->reference = std::move(reference.first);
-  fetch->node = id ? &scene->node(id) : nullptr;
+  fetch->node = node;
   fetch->handler = std::move(handler);
   world_.fetch(std::move(fetch), urgency);
 }
@@ -217,22 +225,25 @@ void SceneHandler::visit_inline(NodeId id) {
   inner->place_file = scene->node(id).text->file_name();
   inner->place = scene->node(id).location;
   inner_.push_back(inner);
-  ask_for(std::move(reference), id, std::move(inner), Urgency::inline_scene);
+  ask_for(std::move(reference), &scene->node(id), std::move(inner), Urgency::inline_scene);
 }
 
 void SceneHandler::visit_image(NodeId id) {
-  const auto fields = scene->node(id).type->url_fields();
+  const vrml::Node& node = scene->node(id);
+  const auto fields = node.type->url_fields();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const int slot = fields[i]->slot;
-    const auto* list = std::get_if<vrml::MFString>(&scene->node(id).values[slot]);
+    const auto* list = std::get_if<vrml::MFString>(&node.values[slot]);
     if (!list || list->empty()) continue;
     Reference reference = refer(*list, scene->text_of(id, slot));
     if (reference.places.empty()) continue;
     auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
-    const bool fresh = !shared;
-    if (fresh) shared = std::make_shared<WorldLoading::State::SharedImage>(world_, scene->node(id), *list);
+    const bool fresh = !shared || shared->is_spent();
+    if (fresh)
+      shared = std::make_shared<WorldLoading::State::SharedImage>(world_, node.type->name, node.text->file_name(),
+                                                                  node.location, *list);
     shared->add({scene, id, i});
-    if (fresh) ask_for(std::move(reference), id, shared, Urgency::texture);
+    if (fresh) ask_for(std::move(reference), &node, shared, Urgency::texture);
   }
 }
 
@@ -246,7 +257,8 @@ void SceneHandler::visit_cloud(NodeId id) {
     if (const auto* problem = std::get_if<std::string>(&made))
       report_at(node, "QNV: " + *problem);
     else if (auto held = hold_cloud(std::move(std::get<qnv::Cloud>(made)), world_.budget))
-      world_.world.clouds[&node] = std::move(held);
+      world_.taken ? world_.cloud_arrived({{scene, id}, {}, std::move(held)})
+                   : void(world_.world.clouds[&node] = std::move(held));
     else
       report_at(node, "QNV: " + world_.budget->refusal(vrml::Resource::vectors) + "; left out");
     return;
@@ -273,7 +285,7 @@ void SceneHandler::visit_cloud(NodeId id) {
         for (const auto& [scene_handler, of] : shared->nodes)
           world_.note_progress({scene_handler->scene, of, fraction});
       });
-  ask_for(std::move(reference), id, std::move(handler), Urgency::vectors);
+  ask_for(std::move(reference), &node, std::move(handler), Urgency::vectors);
 }
 
 /// Polygons of an OutlineGroup that its url names.
@@ -286,7 +298,7 @@ struct WorldLoading::State::OutlineHandler final : ContentHandler {
         world(state),
         reader(state, *owner->scene, id) {}
 
-  bool makes_nodes() const override { return true; }
+  [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return owner.get(); }
   bool begin(const Found& found) override {
     name = found.path;
     return true;
@@ -326,13 +338,95 @@ struct WorldLoading::State::OutlineHandler final : ContentHandler {
 void SceneHandler::visit_outlines(NodeId id) {
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  ask_for(refer(id), id, std::make_shared<WorldLoading::State::OutlineHandler>(world_, shared_from_this(), id, list),
+  ask_for(refer(id), &scene->node(id),
+          std::make_shared<WorldLoading::State::OutlineHandler>(world_, shared_from_this(), id, list),
           Urgency::vectors);
 }
 
 void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
   const auto fallback = fallbacks_.find(id.index);
   world_.cloud_arrived({{scene, id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
+}
+
+// ---- In a living world
+
+// What the node shows so far stays until there is something else, or nothing.
+void SceneHandler::load(const UrlRequest& request) {
+  Reference reference = refer(request.urls, *request.text);
+  const Arrivals::Place& at = request.place;
+  switch (request.content) {
+    case vrml::UrlContent::scene:
+      return load_inline(request, std::move(reference));
+    case vrml::UrlContent::image: {
+      if (reference.places.empty()) return world_.image_arrived({{at}, nullptr});
+      std::erase_if(world_.shared_images, [](const auto& one) { return one.second->is_spent(); });
+      auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
+      const bool fresh = !shared || shared->has_none;
+      if (fresh)
+        shared =
+            std::make_shared<WorldLoading::State::SharedImage>(world_, request.type, request.file, request.location,
+                                                                     request.urls);
+      shared->add(at);
+      if (fresh) ask_for(std::move(reference), request.node, shared, Urgency::texture);
+      return;
+    }
+    case vrml::UrlContent::vectors: {
+      if (reference.places.empty()) return world_.cloud_arrived({at, {}, nullptr});
+      auto handler = std::make_shared<CloudHandler>(
+          world_, CloudHandler::Place{request.file, request.location, request.urls, true},
+          [this, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
+            world_.cloud_arrived({at, {}, cloud});
+          },
+          [this, at](double fraction) {
+            world_.note_progress({at.scene, at.node, fraction});
+          });
+      return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
+    }
+    case vrml::UrlContent::outlines:  // its nodes are the owner's now
+    case vrml::UrlContent::none:
+      return;
+  }
+}
+
+void SceneHandler::load_inline(const UrlRequest& request, Reference reference) {
+  // Of the former url nothing is wanted any more.
+  const auto is_former = [&](const std::shared_ptr<SceneHandler>& one) {
+    return one->inline_node == request.place.node;
+  };
+  for (const auto& one : inner_)
+    if (is_former(one)) world_.withdraw(*one);
+  std::erase_if(inner_, is_former);
+  if (reference.places.empty()) {
+    world_.arrivals.contents.push_back({request.place, nullptr});
+    return;
+  }
+  auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);
+  inner->what = "Inline";
+  inner->urls = request.urls;
+  inner->inline_node = request.place.node;
+  inner->given_to = request.place;
+  inner->place_file = request.file;
+  inner->place = request.location;
+  inner_.push_back(inner);
+  world_.withheld.push_back(inner);
+  ask_for(std::move(reference), request.node, std::move(inner), Urgency::inline_scene);
+}
+
+SceneHandler* SceneHandler::handler_of(const vrml::SceneGraph* wanted) {
+  std::vector<SceneHandler*> waiting{this};
+  while (!waiting.empty()) {
+    SceneHandler* const one = waiting.back();
+    waiting.pop_back();
+    if (one->scene == wanted) return one;
+    for (const auto& inner : one->inner_) waiting.push_back(inner.get());
+  }
+  return nullptr;
+}
+
+bool SceneHandler::is_inside(const SceneHandler& top) const {
+  const SceneHandler* one = this;
+  while (one && one != &top) one = one->outer;
+  return one != nullptr;
 }
 
 // A PROTO of the name of our own node is how a world looks in browsers that do not know it. Where its vectors are

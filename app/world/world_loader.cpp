@@ -17,6 +17,12 @@ OpenedWorld world_without_memory(const std::string& path) {
 
 OpenedWorld load_world(const std::string& path, const LoadOptions& options) try {
   WorldLoading loading(path, options);
+  return load_world(loading, path);
+} catch (const std::bad_alloc&) {
+  return world_without_memory(path);
+}
+
+OpenedWorld load_world(WorldLoading& loading, const std::string& path) try {
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
   OpenedWorld world = loading.take();
   for (const auto& feed : world.feeds) (void)feed->apply();

@@ -37,6 +37,9 @@ struct LoadOptions {
 /// `scene` is null when there is nothing to show; the diagnostics say why. Any thread; touches nothing else. Safe for
 /// untrusted files and servers.
 [[nodiscard]] OpenedWorld load_world(const std::string& path, const LoadOptions& options = {});
+class WorldLoading;
+/// The same by one who goes on to ask for what its nodes name later.
+[[nodiscard]] OpenedWorld load_world(WorldLoading& loading, const std::string& path);
 /// What has become of a world for which there is not enough memory.
 [[nodiscard]] OpenedWorld world_without_memory(const std::string& path);
 

@@ -23,7 +23,7 @@ constexpr std::size_t kLocalBytes = std::size_t{4} << 20;  // of a local file, b
 std::string title_of(const vrml::SceneGraph& scene) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
-    const vrml::Node& node = scene.node(id);
+    const vrml::Node& node = scene.node_at(i);
     if (node.in_prototype_body || node.type->name != "WorldInfo" || node.type->kind != vrml::NodeType::Kind::built_in)
       continue;
     std::string title = scene.get<vrml::SFString>(id, "title").str();
@@ -264,7 +264,8 @@ void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
   changed = true;
   if (!taken) return set_cloud(world, cloud);
   for (Arrivals::Cloud& earlier : arrivals.clouds)
-    if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node) {
+    if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&
+        earlier.place.request == cloud.place.request) {
       earlier.cloud = std::move(cloud.cloud);
       return;
     }
@@ -285,7 +286,7 @@ void WorldLoading::State::image_arrived(Arrivals::Image image) {
   changed = true;
   if (taken) {
     arrivals.images.push_back(std::move(image));
-  } else {
+  } else if (image.image) {
     for (const Arrivals::Place& texture : image.textures)
       world.images[{&texture.scene->node(texture.node), texture.url}] = image.image;
   }
@@ -328,17 +329,12 @@ bool WorldLoading::structure_complete() const {
   const State& s = *state_;
   if (!s.root || !s.root->scene || s.root->refused || s.taken) return false;
   return std::none_of(s.fetches.begin(), s.fetches.end(), [&](const auto& fetch) {
-    return fetch->handler->makes_nodes() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
+    return fetch->handler->makes_nodes_of() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
   });
 }
-Arrivals WorldLoading::take_arrivals() {
-  State& s = *state_;
-  Arrivals arrivals = std::exchange(s.arrivals, {});
-  arrivals.feeds = std::exchange(s.world.feeds, {});
-  arrivals.outside = std::exchange(s.world.outside, {});
-  arrivals.diagnostics = std::exchange(s.world.diagnostics, vrml::Diagnostics());
-  return arrivals;
-}
+Arrivals WorldLoading::take_arrivals() { return state_->take_arrivals(); }
+void WorldLoading::request(std::vector<UrlRequest> requests) { state_->request(std::move(requests)); }
+void WorldLoading::rest(std::chrono::milliseconds wait) { state_->waker->wait(wait); }
 void WorldLoading::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
   state_->importance = std::move(importance);
 }

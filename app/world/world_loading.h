@@ -54,6 +54,11 @@ class WorldLoading {
   [[nodiscard]] bool structure_complete() const;
   /// After `take`: what has come since the last time.
   [[nodiscard]] Arrivals take_arrivals();
+  /// After `take`: urls have been set. `step` until it is done again; what they name is among the arrivals, each Inline
+  /// when all its nodes are there.
+  void request(std::vector<UrlRequest> requests);
+  /// Waits for `wake`, at most for `wait`.
+  void rest(std::chrono::milliseconds wait);
   /// After `take`: how large what waits is seen; nodes of `wanted`.
   void prioritize(std::unordered_map<const vrml::Node*, float> importance);
   /// The nodes for which something is still to come over the network.

@@ -72,6 +72,11 @@ struct WorldLoading::State {
   void cloud_arrived(Arrivals::Cloud cloud);
   void image_arrived(Arrivals::Image image);
   void note_progress(const UrlProgress& progress);
+  // world_requests.cpp: urls that are set in a living world
+  void request(std::vector<UrlRequest> requests);
+  /// What the handler and those inside it read is not wanted any more.
+  void withdraw(const SceneHandler& handler);
+  Arrivals take_arrivals();
   net::Loader* network();
   // world_cells.cpp
   bool begin_cells(Fetch& fetch, const net::Url& url);
@@ -89,6 +94,7 @@ struct WorldLoading::State {
   WorldBudget budget;
   OpenedWorld world;                                        // once it was taken: only what goes with the arrivals
   Arrivals arrivals;                                        // since then
+  std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines that are not all there
   std::unordered_map<const vrml::Node*, float> importance;  // likewise, as the owner of the world sees it
   render::MeshCache meshes;
   std::shared_ptr<SceneHandler> root;

@@ -1,14 +1,19 @@
 #pragma once
 
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <cmath>
 
 namespace gs::qnv {
 
-/// Whether all three components are finite numbers. Pure; any thread.
-[[nodiscard]] inline bool finite(const glm::vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+/// Whether no component is infinite or not a number. Pure; any thread.
+[[nodiscard]] inline bool finite(float x) { return std::isfinite(x); }
+[[nodiscard]] inline bool finite(const glm::vec2& v) { return finite(v.x) && finite(v.y); }
+[[nodiscard]] inline bool finite(const glm::vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }
+[[nodiscard]] inline bool finite(const glm::quat& q) {
+  return finite(q.w) && finite(q.x) && finite(q.y) && finite(q.z);
 }
 
 }  // namespace gs::qnv

@@ -213,6 +213,22 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   return header;
 }
 
+std::optional<ChunkHead> chunk_head(std::span<const std::byte> bytes) {
+  if (bytes.size() < kChunkHeaderBytes) return {};
+  ByteReader read(bytes);
+  const auto sync = read.integer<std::uint16_t>();
+  const std::size_t length = read.integer<std::uint16_t>();
+  const auto type = read.integer<std::uint8_t>(), zero = read.integer<std::uint8_t>();
+  if (sync != kSync || zero != 0) return {};
+  return ChunkHead{static_cast<ChunkType>(type), kChunkHeaderBytes + length};
+}
+
+std::optional<std::uint8_t> payload_number(std::span<const std::byte> bytes) {
+  constexpr std::size_t kPayloadAt = 11;
+  if (bytes.size() <= kPayloadAt || !is_stream(bytes)) return {};
+  return std::to_integer<std::uint8_t>(bytes[kPayloadAt]);
+}
+
 std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> payload) {
   std::vector<std::byte> out;
   out.reserve(kChunkHeaderBytes + payload.size());

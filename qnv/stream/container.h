@@ -69,8 +69,19 @@ struct StreamProblem {
 /// The entries of the payload of one directory chunk. Safe for untrusted bytes.
 [[nodiscard]] std::vector<DirectoryEntry> decode_directory(std::span<const std::byte> payload, const Box& box);
 
+/// What a chunk says of itself.
+struct ChunkHead {
+  ChunkType type = ChunkType::records;
+  std::size_t bytes = 0;  // with this
+};
+/// Of the chunk that begins here, however much of it there is; nothing where none does, or its head is not there as a
+/// whole. Its checksum is not looked at. Safe for untrusted bytes.
+[[nodiscard]] std::optional<ChunkHead> chunk_head(std::span<const std::byte> bytes);
+
 /// Whether bytes begin like a QNV stream (8 bytes tell).
 [[nodiscard]] bool is_stream(std::span<const std::byte> bytes);
+/// What a stream that begins so says its payload is (12 bytes tell); nothing where it is none, or too little is there.
+[[nodiscard]] std::optional<std::uint8_t> payload_number(std::span<const std::byte> bytes);
 
 /// Reads a header that is there as a whole: nothing when more bytes are needed. Safe for untrusted bytes.
 [[nodiscard]] std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byte> bytes,

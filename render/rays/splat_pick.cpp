@@ -1,8 +1,8 @@
 #include "render/rays/splat_pick.h"
 
+#include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
 #include "qnv/lod/lod.h"
-#include "render/scene/finite.h"
 #include "render/splat/splat_constants.h"
 
 #include <glm/geometric.hpp>
@@ -18,6 +18,8 @@
 
 namespace gs::render {
 namespace {
+
+using qnv::finite;
 
 constexpr std::size_t kPickedRange = 65536;  // vectors that one task looks at
 constexpr std::size_t kPickedBlock = 256;    // vectors that are looked at together

@@ -1,6 +1,6 @@
 #include "render/scene/collect_nodes.h"
 
-#include "render/scene/finite.h"
+#include "qnv/base/finite.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -12,6 +12,8 @@
 
 namespace gs::render {
 namespace {
+
+using qnv::finite;
 
 using glm::dmat3;
 using glm::dmat4;

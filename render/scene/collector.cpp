@@ -191,7 +191,10 @@ void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
   const vrml::SceneGraph* inlined = parent.scene->inlined(id);
   if (!inlined || inlined->roots().empty()) return;
   const auto [open, fresh] = open_nodes_.try_emplace(inlined);
-  if (fresh) open->second.resize(inlined->node_count() + 1);
+  if (fresh) {
+    open->second.resize(inlined->node_count() + 1);
+    list_.scenes.push_back(parent.scene->inlines().at(id.index));
+  }
   Frame frame{inlined, &open->second, 0, inlined->roots().begin(), inlined->roots().end(), parent.world_from_local,
               0,       false};
   frame.frame = parent.frame;

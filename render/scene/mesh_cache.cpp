@@ -1,5 +1,7 @@
 #include "render/scene/mesh_cache.h"
 
+#include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace gs::render {
@@ -20,6 +22,26 @@ void MeshCache::forget(const vrml::Node* node) {
   for (auto each = geometries_of_.lower_bound({node, nullptr}); each != geometries_of_.end() && each->first == node;
        ++each)
     meshes.erase(each->second);
+}
+
+void MeshCache::remove(const vrml::SceneGraph& scene, const vrml::Node* node) {
+  meshes.erase(node);
+  pixel_images.erase(node);
+  if (geometries_of_.empty()) return;
+  geometries_of_.erase(geometries_of_.lower_bound({node, nullptr}), geometries_of_.lower_bound({node + 1, nullptr}));
+  for (std::size_t i = 0; i < node->type->defaults.size(); ++i)
+    if (const auto* part = std::get_if<vrml::SFNode>(&node->values[i]))
+      if (const vrml::NodeId id = scene.resolve(*part)) geometries_of_.erase({&scene.node(id), node});
+}
+
+void MeshCache::made(const vrml::Node* geometry) {
+  constexpr std::size_t kFew = 1024;
+  if (unlisted_.size() > kFew + 2 * meshes.size()) {
+    std::sort(unlisted_.begin(), unlisted_.end(), std::less<>());
+    unlisted_.erase(std::unique(unlisted_.begin(), unlisted_.end()), unlisted_.end());
+    std::erase_if(unlisted_, [&](const vrml::Node* one) { return !meshes.contains(one); });
+  }
+  unlisted_.push_back(geometry);
 }
 
 }  // namespace gs::render

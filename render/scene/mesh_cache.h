@@ -46,8 +46,10 @@ struct MeshCache {
 
   /// This node has changed: a geometry, or a node that geometries are made of (Coordinate, Color, FontStyle, ...).
   void forget(const vrml::Node* node);
+  /// This node of `scene` is about to be removed; its place in memory may become another's.
+  void remove(const vrml::SceneGraph& scene, const vrml::Node* node);
   /// A mesh was made of this geometry.
-  void made(const vrml::Node* geometry) { unlisted_.push_back(geometry); }
+  void made(const vrml::Node* geometry);
   void clear() { *this = {}; }
 
  private:

@@ -135,10 +135,11 @@ struct RenderList {
   Background background;
   NavigationState navigation;
   Fog fog;
-  vrml::Bounds bounds;                       // world space, of all items
-  std::vector<LeftOut> left_out;             // one for each reason
-  std::vector<Place> places;                 // of everything above, parents before children
-  std::vector<glm::dmat4> world_from_frame;  // coordinate systems of places
+  vrml::Bounds bounds;                                          // world space, of all items
+  std::vector<LeftOut> left_out;                                // one for each reason
+  std::vector<Place> places;                                    // of everything above, parents before children
+  std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
+  std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // of Inlines that `places` name, kept for as long
 };
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.

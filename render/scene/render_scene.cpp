@@ -63,6 +63,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
   bool any = false, whole = gathered_ == 0;
   for (std::size_t i = 0; i < changes.size() && !whole; ++i) {
     const vrml::NodeChange& change = changes[i];
+    if (!change.scene->contains(change.node)) continue;  // removed since; so was what showed it
     const vrml::Node& node = change.scene->node(change.node);
     const Effect effect = effect_of(change, node);
     if (effect == Effect::none) continue;
@@ -407,6 +408,7 @@ void RenderScene::sum_bounds() {
 
 void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes) {
   for (const vrml::NodeChange& change : changes) {
+    if (!change.scene->contains(change.node)) continue;
     const vrml::Node& node = change.scene->node(change.node);
     if (vrml::has(node.type->role, kGeometryParts)) meshes.forget(&node);
   }

@@ -118,7 +118,7 @@ vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::Nod
   const auto [at, fresh] = refiners_.try_emplace(&scene);
   for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
-    if (scene.node(id).type != kOutlineGroup || scene.node(id).in_prototype_body) continue;
+    if (scene.node_at(i).type != kOutlineGroup || scene.node_at(i).in_prototype_body) continue;
     if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), "OutlineGroup"))
       at->second.emplace(refined.index, id);
   }

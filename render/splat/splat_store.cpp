@@ -1,7 +1,7 @@
 #include "render/splat/splat_store.h"
 
+#include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
-#include "render/scene/finite.h"
 #include "render/splat/splat_constants.h"
 
 #include <algorithm>
@@ -12,6 +12,8 @@
 
 namespace gs::render {
 namespace {
+
+using qnv::finite;
 
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // codes
 constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // encoded at a time

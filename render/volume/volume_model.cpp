@@ -1,9 +1,9 @@
 #include "render/volume/volume_model.h"
 
+#include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
 #include "qnv/encode/encode_volume.h"
 #include "render/scene/color_ramps.h"
-#include "render/scene/finite.h"
 
 #include <glm/geometric.hpp>
 
@@ -13,6 +13,8 @@
 
 namespace gs::render {
 namespace {
+
+using qnv::finite;
 
 constexpr std::size_t kModelRange = 16384;  // vectors that one task looks at
 constexpr float kFinestCells = 128;         // along the longest edge of the box

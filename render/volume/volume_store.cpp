@@ -1,7 +1,7 @@
 #include "render/volume/volume_store.h"
 
+#include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
-#include "render/scene/finite.h"
 
 #include <glm/geometric.hpp>
 
@@ -13,6 +13,8 @@
 
 namespace gs::render {
 namespace {
+
+using qnv::finite;
 
 constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors at a time
 constexpr std::size_t kTask = 16384;

@@ -1,9 +1,9 @@
 // Any bytes, whole and in pieces, must decode without harm and to the same sound cloud, and be drawn at any detail.
 // Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
+#include "qnv/codec/loss.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/lod/lod.h"
 #include "qnv/outline/outline_stream.h"
-#include "qnv/stream/loss.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <zlib.h>

@@ -26,7 +26,7 @@ struct CloudWorld {
     for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
     for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
-      const vrml::Node& node = scene->node(scene->id_at(i));
+      const vrml::Node& node = scene->node_at(i);
       if (node.type->name != "QNV") continue;
       const auto* url = std::get_if<vrml::MFString>(&node.values[node.type->find_field("url")->slot]);
       REQUIRE(url);

@@ -41,6 +41,8 @@ struct Behaviour {
   /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
   /// nothing below it is ever met.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
+  /// The node is removed from the world: what state_of names is given back. It sends nothing any more.
+  void (*on_remove)(Execution& execution, EventNode node) = nullptr;
 };
 
 // The rows' behaviours.

@@ -27,9 +27,10 @@ struct EventSchema {
 
   const NodeType* type = nullptr;
   const Behaviour* behaviour = nullptr;
-  bool instance = false;                                       // of a PROTO: events pass on to the nodes of the body
-  std::vector<Interface> interfaces;                           // in the order of the type's
-  std::vector<FieldType> outs;                                 // of eventOut values
+  std::size_t users = 0;              // nodes; without any the schema of a type of the world's own goes
+  bool instance = false;              // of a PROTO: events pass on to the nodes of the body
+  std::vector<Interface> interfaces;  // in the order of the type's
+  std::vector<FieldType> outs;        // of eventOut values
   std::array<std::uint32_t, Behaviour::kMostEvents> events{};  // places in `interfaces` of Behaviour::events, or kNone
 
  private:

@@ -53,19 +53,26 @@ FieldValue* Execution::place_to_send(EventNode node, int event) {
   // The value of an exposedField changes, whether that can be told or not.
   if (interface.out >= 0 && slots_[at.first_slot + place].sent == stamp_) return nullptr;
   if (interface.out < 0) mark_changed(node, interface.slot);
+  if (interface.out >= 0 && holds_nodes(interface.declaration->type)) note_referring(node);
   queue(node, place);
   return &stored(at, interface);
 }
 
-void Execution::mark_changed(EventNode node, std::int32_t slot) {
+NodeChange& Execution::change_of(EventNode node) {
   Member& at = nodes_[node];
   if (at.change == 0) {
     changes_.push_back({at.scene, at.id, 0});
     changed_.push_back(node);
     at.change = static_cast<std::uint32_t>(changes_.size());
   }
+  return changes_[at.change - 1];
+}
+
+void Execution::mark_changed(EventNode node, std::int32_t slot) {
+  Member& at = nodes_[node];
   if (std::holds_alternative<MFNode>(at.node->values[slot])) placement_.forget();
-  changes_[at.change - 1].slots |= std::uint64_t{1} << std::min(slot, kLastChangeBit);
+  if (holds_nodes(vrml::type_of(at.node->values[slot]))) note_referring(node);
+  change_of(node).slots |= std::uint64_t{1} << std::min(slot, kLastChangeBit);
 }
 
 std::span<const NodeChange> Execution::take_changes() {
@@ -92,6 +99,14 @@ bool Execution::afford(std::size_t bytes) {
     return false;
   }
   afforded_ += bytes;
+  return true;
+}
+
+bool Execution::afford_most(EventNode node, std::size_t bytes) {
+  Member& at = nodes_[node];
+  if (bytes <= at.most) return true;
+  if (!afford(bytes - at.most)) return false;
+  at.most = bytes;
   return true;
 }
 
@@ -378,6 +393,8 @@ void Execution::drain() {
   } while (!queue_.empty());
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
   removed_connections_.clear();
+  if (next_world_) do_replace_world();
+  remove_if_many();
 }
 
 void Execution::deliver(Sent sent) {
@@ -451,6 +468,7 @@ void Execution::pass_up(EventNode node, std::uint32_t place, const FieldValue& v
   FieldValue& kept = stored(at, interface);
   if (&kept != &value) kept = value;
   if (interface.slot >= 0) mark_changed(node, interface.slot);
+  if (interface.out >= 0 && holds_nodes(interface.declaration->type)) note_referring(node);
   queue(node, place);
 }
 

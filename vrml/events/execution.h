@@ -30,7 +30,7 @@ struct SentEvent {
 struct NodeChange {
   SceneGraph* scene = nullptr;
   NodeId node;
-  std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all others
+  std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all else
 };
 
 /// What the viewer sees: tangents of half the angles to the right and up.
@@ -57,6 +57,9 @@ class Execution {
 
   /// Takes in what the root and its Inlines have got since the last call: nodes, ROUTEs, bodies of EXTERNPROTOs.
   void attach();
+  /// The same of one scene of the world, after vrml::read_into. ROUTEs between nodes made at run time leave
+  /// SceneGraph::routes: they are kept here alone.
+  void attach(SceneGraph& scene);
   /// Begins at `now`, with the first cascade: the first bindable node of each type that is not in an Inline is bound
   /// (4.6.10), and time-dependent nodes that are active at that time begin (4.6.9). Call once.
   void start(double now);
@@ -72,6 +75,34 @@ class Execution {
   bool add_route(SceneGraph& scene, const Route& route);
   /// False where there is none.
   bool remove_route(SceneGraph& scene, const Route& route);
+
+  // Nodes made at run time (read_into) are removed when nothing holds them: no field or SFNode or MFNode eventOut of a
+  // node that is held, and nobody by `hold`. Nodes of the world's files are held; a PROTO instance and the nodes of its
+  // body hold each other; a ROUTE holds its source as long as its target is held, and a target that is a Script as long
+  // as its source is, since Scripts act on more than fields. Held nodes keep their names, types and texts.
+
+  /// The node is held, once more with each call, for one who may yet use it, such as a variable of a script.
+  void hold(const SceneGraph& scene, NodeId node);
+  void release(const SceneGraph& scene, NodeId node);
+  /// Removes what nothing holds, now. It happens by itself, too, when a cascade is over and many nodes have been made.
+  /// Bound nodes among them are unbound (4.6.10). The number of nodes removed.
+  std::size_t remove_unheld();
+  /// The Inline shows nothing any more: what it holds is removed, with all Inlines inside, and is in memory only as
+  /// long as somebody else has it.
+  void remove_content(SceneGraph& scene, NodeId inline_node);
+  /// The content of the Inline is another one: to be called behind SceneGraph::attach_inline and `attach`.
+  void content_changed(SceneGraph& scene, NodeId inline_node);
+  /// In place of the world there are only these nodes of the root's scene (4.12.10.8, replaceWorld), as soon as the
+  /// cascade is over: what they do not hold is removed, files' nodes as well, and their first bindable nodes are bound.
+  /// False where one is no node of the root's scene.
+  bool replace_world(const MFNode& nodes);
+  /// How often the world has been replaced.
+  [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
+  /// Is told of each node, or with a null node of a whole scene, before it is removed. Not for work on this object.
+  using RemovalObserver = std::function<void(SceneGraph&, NodeId)>;
+  void observe_removal(RemovalObserver observer) { removal_observer_ = std::move(observer); }
+  /// Whether the scene is the root or the content of an Inline of this world.
+  [[nodiscard]] bool has_scene(const SceneGraph* scene) const { return scene_places_.contains(scene); }
 
   [[nodiscard]] double now() const { return now_; }
   /// When a step has something to do next: at once while nodes run. Nothing: only events from outside go on.
@@ -147,6 +178,8 @@ class Execution {
   [[nodiscard]] bool spend(std::size_t elements);
   /// Draws memory from the world's budget.
   [[nodiscard]] bool afford(std::size_t bytes);
+  /// The same for a list of the node's own, which has `bytes` now: what exceeds the most that it has had.
+  [[nodiscard]] bool afford_most(EventNode node, std::size_t bytes);
   /// The node goes to the top of the stack of its type, or off it (4.6.10).
   void bind(EventNode node, bool to_top);
   /// Nodes are about to leave the children of a node: when the cascade is over, bindable nodes that have left the world
@@ -192,6 +225,8 @@ class Execution {
   };
   struct Connection {
     std::uint32_t next = 0, previous = 0;
+    std::uint32_t next_in = 0, previous_in = 0;  // of those that lead to `to`
+    EventNode source = 0;
     std::uint32_t from = 0;  // slot
     EventNode to = 0;
     std::uint32_t event_in = 0;  // place in the target's interfaces
@@ -201,15 +236,18 @@ class Execution {
     SceneGraph* scene = nullptr;
     Node* node = nullptr;
     NodeId id;
-    const EventSchema* schema = nullptr;
+    EventSchema* schema = nullptr;
     std::uint32_t first_slot = 0;  // by interface; of PROTO instances the ways down follow
     std::uint32_t first_out = 0;   // of out_values_
+    std::uint32_t first_in = 0;    // connections that lead here; 0: none
+    std::size_t most = 0;          // bytes, see afford_most
     std::uint32_t state = 0;
     std::uint32_t bound_below = 0, bound_above = 0;  // bindable nodes: the stack of the type
     std::uint32_t change = 0;                        // of changes_, from 1
     std::uint32_t alarm = 0;                         // number of the call_at that counts; 0: none
     bool on_stack = false, running = false, listed = false, looking = false;
     bool placed = false;  // on a stack, and seen in the transformation hierarchy since
+    bool refers = false;  // is one of referring_
   };
   struct Sent {
     EventNode node;
@@ -224,11 +262,13 @@ class Execution {
     }
   };
   struct SceneState {
-    SceneGraph* scene;
+    explicit SceneState(SceneGraph* of = nullptr) : scene(of) {}
+    SceneGraph* scene = nullptr;     // null: the place is free
     std::vector<EventNode> members;  // by node index
     std::size_t nodes_seen = 1, routes_seen = 0;
-    std::vector<NodeId> waiting;  // instances without content
-    bool main = false;
+    std::vector<NodeId> waiting;      // instances without content
+    std::vector<NodeId> at_run_time;  // nodes made then
+    bool files_hold = true;           // the nodes of its file are held
   };
   struct Stack {
     const NodeType* type;
@@ -237,12 +277,25 @@ class Execution {
 
   // execution_attach.cpp
   std::size_t scene_state(SceneGraph& scene);
+  void attach_all(std::vector<std::size_t> order);
   void attach_scene(std::size_t index);
+  void attach_node(SceneState& state, NodeId id);
   bool attach_instance(SceneState& state, NodeId id);
   EventNode member(SceneState& state, NodeId id);
-  const EventSchema& schema_of(const NodeType& type);
-  std::uint32_t connect(std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
+  EventSchema& schema_of(const NodeType& type);
+  std::uint32_t connect(EventNode source, std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
+  void disconnect(std::uint32_t connection);
   void bind_first_nodes();
+
+  // execution_remove.cpp
+  class Marking;
+  void note_referring(EventNode node);
+  void remove_if_many();
+  void remove_nodes(SceneState& state, const std::vector<NodeId>& nodes);
+  void remove_scene(SceneGraph& scene);
+  void remove_member(EventNode node);
+  void drop_removed();
+  void do_replace_world();
   struct Ends;
   bool find_ends(SceneGraph& scene, const Route& route, Ends& ends);
 
@@ -255,6 +308,7 @@ class Execution {
   void pass_up(EventNode node, std::uint32_t interface, const FieldValue& value);
   void queue(EventNode node, std::uint32_t interface);
   [[nodiscard]] FieldValue& stored(const Member& at, const EventSchema::Interface& interface);
+  NodeChange& change_of(EventNode node);
   void mark_changed(EventNode node, std::int32_t slot);
   Stack& stack_of(const NodeType& type);
   std::vector<EventNode> bindables_on_stacks();
@@ -273,6 +327,17 @@ class Execution {
   std::vector<Slot> slots_;
   std::vector<Connection> connections_;  // [0] is unused
   std::vector<std::uint32_t> free_connections_, removed_connections_;
+  // Of removed nodes, to be used again; slots and values by how many there are in a row.
+  std::vector<EventNode> free_members_, removed_members_;
+  std::unordered_map<std::size_t, std::vector<std::uint32_t>> free_slots_, free_outs_;
+  std::vector<std::size_t> free_scenes_;
+  std::vector<EventNode> referring_;  // nodes whose fields or eventOuts of nodes have changed
+  std::unordered_map<const SceneGraph*, std::unordered_map<std::uint32_t, std::size_t>> held_;  // by index of node
+  RemovalObserver removal_observer_;
+  std::size_t made_since_ = 0, next_removal_ = 0;  // nodes at run time, since something was removed last
+  bool removing_ = false;
+  std::optional<MFNode> next_world_;
+  std::uint32_t replaced_ = 0;
   std::deque<FieldValue> out_values_;
   std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to
   std::unordered_map<const NodeType*, std::unique_ptr<EventSchema>> schemas_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace gs::vrml {
@@ -31,46 +32,85 @@ Execution::Execution(SceneGraph& root)
   now_ = previous_ = -std::numeric_limits<double>::infinity();
   nodes_.emplace_back();
   connections_.emplace_back();
-  scenes_.push_back({&root, {}, 1, 0, {}, true});
+  scenes_.emplace_back(&root);
   scene_places_[&root] = 0;
   attach();
 }
 
 std::size_t Execution::scene_state(SceneGraph& scene) {
   const auto [place, fresh] = scene_places_.try_emplace(&scene, scenes_.size());
-  if (fresh) scenes_.push_back({&scene, {}, 1, 0, {}, false});
+  if (!fresh) return place->second;
+  if (free_scenes_.empty()) {
+    scenes_.emplace_back(&scene);
+  } else {
+    place->second = free_scenes_.back();
+    free_scenes_.pop_back();
+    scenes_[place->second] = SceneState(&scene);
+  }
   return place->second;
 }
 
 void Execution::attach() {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < scenes_.size(); ++i)
+    if (scenes_[i].scene) order.push_back(i);
+  attach_all(std::move(order));
+}
+
+void Execution::attach(SceneGraph& scene) {
+  if (const auto place = scene_places_.find(&scene); place != scene_places_.end()) attach_all({place->second});
+}
+
+// Inlines inside Inlines stand behind those that hold them.
+void Execution::attach_all(std::vector<std::size_t> order) {
   placement_.forget();
   pointing_->forget();
-  // Inlines inside Inlines stand behind those that hold them.
-  for (std::size_t i = 0; i < scenes_.size(); ++i) {
-    attach_scene(i);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    attach_scene(order[i]);
+    const SceneGraph& scene = *scenes_[order[i]].scene;
     std::vector<std::uint32_t> places;
-    for (const auto& [place, content] : scenes_[i].scene->inlines())
+    for (const auto& [place, content] : scene.inlines())
       if (content && !scene_places_.contains(content.get())) places.push_back(place);
     std::sort(places.begin(), places.end());
-    for (const std::uint32_t place : places)
-      (void)scene_state(*scenes_[i].scene->inlined(scenes_[i].scene->id_at(place)));
+    for (const std::uint32_t place : places) order.push_back(scene_state(*scene.inlined(scene.id_at(place))));
   }
+}
+
+void Execution::attach_node(SceneState& state, NodeId id) {
+  const Node& node = state.scene->node(id);
+  if (node.in_prototype_body) return;
+  if (node.owner != 0) {
+    state.at_run_time.push_back(id);
+    ++made_since_;
+  }
+  has_pointing_sensors_ = has_pointing_sensors_ || (node.type->behaviour && node.type->behaviour->pointing);
+  if (node.type->behaviour && node.type->behaviour->initialize) (void)member(state, id);
+  // What its url names is to be fetched like that of a set_url.
+  if (node.owner != 0 && node.type->url_content != UrlContent::none)
+    for (const InterfaceDeclaration* url : node.type->url_fields())
+      if (const EventNode made = member(state, id)) mark_changed(made, url->slot);
+  if (node.type->prototype || node.type->kind == NodeType::Kind::external_prototype) (void)attach_instance(state, id);
 }
 
 void Execution::attach_scene(std::size_t index) {
   SceneState& state = scenes_[index];
   SceneGraph& scene = *state.scene;
-  for (const NodeId id : std::exchange(state.waiting, {})) (void)attach_instance(state, id);
+  for (const NodeId id : std::exchange(state.waiting, {}))
+    if (scene.contains(id)) (void)attach_instance(state, id);
   for (; state.nodes_seen <= scene.node_count(); ++state.nodes_seen) {
-    const NodeId id = scene.id_at(static_cast<std::uint32_t>(state.nodes_seen));
-    const Node& node = scene.node(id);
-    if (node.in_prototype_body) continue;
-    has_pointing_sensors_ = has_pointing_sensors_ || (node.type->behaviour && node.type->behaviour->pointing);
-    if (node.type->behaviour && node.type->behaviour->initialize) (void)member(state, id);
-    if (node.type->prototype || node.type->kind == NodeType::Kind::external_prototype) (void)attach_instance(state, id);
+    const Node& node = scene.node_at(static_cast<std::uint32_t>(state.nodes_seen));
+    if (!node.in_prototype_body && node.owner == 0 && !node.recycled)
+      attach_node(state, scene.id_at(static_cast<std::uint32_t>(state.nodes_seen)));
   }
-  for (; state.routes_seen < scene.routes().size(); ++state.routes_seen)
-    (void)add_route(scene, scene.routes()[state.routes_seen]);
+  for (const NodeId id : scene.take_made())
+    if (scene.contains(id)) attach_node(state, id);
+  std::vector<Route>& routes = scene.routes();
+  for (std::size_t i = state.routes_seen; i < routes.size(); ++i) (void)add_route(scene, routes[i]);
+  const auto at_run_time = [&](NodeId id) { return !scene.contains(id) || scene.node(id).owner != 0; };
+  routes.erase(std::remove_if(routes.begin() + static_cast<std::ptrdiff_t>(state.routes_seen), routes.end(),
+                              [&](const Route& route) { return at_run_time(route.from) || at_run_time(route.to); }),
+               routes.end());
+  state.routes_seen = routes.size();
 }
 
 // The ways between the interface of a PROTO instance and the nodes of its body, as IS says.
@@ -84,11 +124,9 @@ bool Execution::attach_instance(SceneState& state, NodeId id) {
   const Prototype& prototype = *node.type->prototype;
   for (const IsMapping& mapping : prototype.mappings) {
     if (mapping.outer->access == AccessType::field) continue;
-    const auto place = std::lower_bound(prototype.nodes.begin(), prototype.nodes.end(), mapping.node,
-                                        [](NodeId a, NodeId b) { return a.index < b.index; });
-    if (place == prototype.nodes.end() || *place != mapping.node) continue;
-    const NodeId inner_id =
-        scene.id_at(node.expansion_first + static_cast<std::uint32_t>(place - prototype.nodes.begin()));
+    const std::optional<std::uint32_t> place = place_in_body(prototype, mapping.node);
+    if (!place) continue;
+    const NodeId inner_id = scene.id_at(node.expansion_first + *place);
     // An EXTERNPROTO has declarations of its own, maybe fewer.
     const InterfaceDeclaration* outer = node.type->find(mapping.outer->name);
     if (!scene.contains(inner_id) || !outer || outer->type != mapping.inner->type) continue;
@@ -99,16 +137,16 @@ bool Execution::attach_instance(SceneState& state, NodeId id) {
     if (outer_place == EventSchema::kNone || inner_place == EventSchema::kNone) continue;
     const auto ways_down = nodes_[instance].first_slot + static_cast<std::uint32_t>(outside.interfaces.size());
     if (receives(*outer) && receives(*mapping.inner) &&
-        connect(ways_down + outer_place, inner, inner_place, Way::down) == 0)
+        connect(instance, ways_down + outer_place, inner, inner_place, Way::down) == 0)
       return false;
     if (sends(*outer) && sends(*mapping.inner) &&
-        connect(nodes_[inner].first_slot + inner_place, instance, outer_place, Way::up) == 0)
+        connect(inner, nodes_[inner].first_slot + inner_place, instance, outer_place, Way::up) == 0)
       return false;
   }
   return true;
 }
 
-const EventSchema& Execution::schema_of(const NodeType& type) {
+EventSchema& Execution::schema_of(const NodeType& type) {
   std::unique_ptr<EventSchema>& schema = schemas_[&type];
   if (!schema) schema = std::make_unique<EventSchema>(type);
   return *schema;
@@ -122,26 +160,50 @@ EventNode Execution::member(SceneState& state, NodeId id) {
   }
   if (state.members[id.index] != 0) return state.members[id.index];
   Node& node = state.scene->node(id);
-  const EventSchema& schema = schema_of(*node.type);
+  EventSchema& schema = schema_of(*node.type);
   const std::size_t slots = schema.interfaces.size() * (schema.instance ? 2 : 1);
+  // What removed nodes have left is drawn from the budget already.
+  const auto place_of = [](auto& free, std::size_t count) -> std::optional<std::uint32_t> {
+    const auto places = free.find(count);
+    if (places == free.end() || places->second.empty()) return {};
+    const std::uint32_t place = places->second.back();
+    places->second.pop_back();
+    return place;
+  };
+  const auto free_slots = place_of(free_slots_, slots), free_outs = place_of(free_outs_, schema.outs.size());
   constexpr std::size_t kBuffers = 2;  // vectors have about so much room as they grow
-  if (!afford(kBuffers * (sizeof(Member) + slots * sizeof(Slot) + schema.outs.size() * sizeof(FieldValue)))) return 0;
-  const auto made = static_cast<EventNode>(nodes_.size());
-  Member& at = nodes_.emplace_back();
+  const std::size_t fresh = (free_members_.empty() ? sizeof(Member) : 0) + (free_slots ? 0 : slots * sizeof(Slot)) +
+                            (free_outs ? 0 : schema.outs.size() * sizeof(FieldValue));
+  if (!afford(kBuffers * fresh)) {
+    if (free_slots) free_slots_[slots].push_back(*free_slots);
+    if (free_outs) free_outs_[schema.outs.size()].push_back(*free_outs);
+    return 0;
+  }
+  if (free_members_.empty()) {
+    free_members_.push_back(static_cast<EventNode>(nodes_.size()));
+    nodes_.emplace_back();
+  }
+  const EventNode made = free_members_.back();
+  free_members_.pop_back();
+  Member& at = nodes_[made] = {};
   at.scene = state.scene;
   at.node = &node;
   at.id = id;
   at.schema = &schema;
-  at.first_slot = static_cast<std::uint32_t>(slots_.size());
-  at.first_out = static_cast<std::uint32_t>(out_values_.size());
-  slots_.resize(slots_.size() + slots);
-  for (const FieldType type : schema.outs) out_values_.push_back(initial_value(type));
+  at.first_slot = free_slots.value_or(static_cast<std::uint32_t>(slots_.size()));
+  at.first_out = free_outs.value_or(static_cast<std::uint32_t>(out_values_.size()));
+  if (!free_slots) slots_.resize(slots_.size() + slots);
+  for (std::size_t i = 0; i < schema.outs.size(); ++i) {
+    if (!free_outs) out_values_.emplace_back();
+    out_values_[at.first_out + i] = initial_value(schema.outs[i]);
+  }
+  ++schema.users;
   state.members[id.index] = made;
   if (schema.behaviour && schema.behaviour->initialize) schema.behaviour->initialize(*this, made);
   return made;
 }
 
-std::uint32_t Execution::connect(std::uint32_t from, EventNode to, std::uint32_t event_in, Way way) {
+std::uint32_t Execution::connect(EventNode source, std::uint32_t from, EventNode to, std::uint32_t event_in, Way way) {
   std::uint32_t made = 0;
   if (!free_connections_.empty()) {
     made = free_connections_.back();
@@ -152,17 +214,34 @@ std::uint32_t Execution::connect(std::uint32_t from, EventNode to, std::uint32_t
     connections_.emplace_back();
   }
   Slot& slot = slots_[from];
-  connections_[made] = {0, slot.last, from, to, event_in, way};
-  if (slot.last != 0) {
-    connections_[slot.last].next = made;
-  } else {
-    slot.first = made;
-  }
+  Member& target = nodes_[to];
+  connections_[made] = {0, slot.last, target.first_in, 0, source, from, to, event_in, way};
+  (slot.last != 0 ? connections_[slot.last].next : slot.first) = made;
   slot.last = made;
+  if (target.first_in != 0) connections_[target.first_in].previous_in = made;
+  target.first_in = made;
   return made;
 }
 
+// A cascade may stand on it; it can be used again when that is over.
+void Execution::disconnect(std::uint32_t place) {
+  Connection& removed = connections_[place];
+  Slot& slot = slots_[removed.from];
+  (removed.previous != 0 ? connections_[removed.previous].next : slot.first) = removed.next;
+  (removed.next != 0 ? connections_[removed.next].previous : slot.last) = removed.previous;
+  (removed.previous_in != 0 ? connections_[removed.previous_in].next_in : nodes_[removed.to].first_in) =
+      removed.next_in;
+  if (removed.next_in != 0) connections_[removed.next_in].previous_in = removed.previous_in;
+  if (removed.way == Way::route) {
+    routes_.erase(key_of(removed.from, nodes_[removed.to].first_slot + removed.event_in));
+    afforded_ -= kRouteEntry;
+  }
+  removed.way = Way::removed;
+  removed_connections_.push_back(place);
+}
+
 struct Execution::Ends {
+  EventNode source = 0;
   std::uint32_t from = 0, to = 0;  // slots
   EventNode target = 0;
   std::uint32_t event_in = 0;
@@ -179,6 +258,7 @@ bool Execution::find_ends(SceneGraph& scene, const Route& route, Ends& ends) {
   const std::uint32_t event_out = nodes_[from].schema->find(*route.event_out);
   ends.event_in = nodes_[ends.target].schema->find(*route.event_in);
   if (event_out == EventSchema::kNone || ends.event_in == EventSchema::kNone) return false;
+  ends.source = from;
   ends.from = nodes_[from].first_slot + event_out;
   ends.to = nodes_[ends.target].first_slot + ends.event_in;
   return true;
@@ -188,8 +268,11 @@ bool Execution::add_route(SceneGraph& scene, const Route& route) {
   Ends ends;
   if (!find_ends(scene, route, ends) || routes_.contains(key_of(ends.from, ends.to)) || !afford(kRouteEntry))
     return false;
-  const std::uint32_t made = connect(ends.from, ends.target, ends.event_in, Way::route);
-  if (made == 0) return false;
+  const std::uint32_t made = connect(ends.source, ends.from, ends.target, ends.event_in, Way::route);
+  if (made == 0) {
+    afforded_ -= kRouteEntry;
+    return false;
+  }
   routes_.emplace(key_of(ends.from, ends.to), made);
   return true;
 }
@@ -199,15 +282,7 @@ bool Execution::remove_route(SceneGraph& scene, const Route& route) {
   if (!find_ends(scene, route, ends)) return false;
   const auto found = routes_.find(key_of(ends.from, ends.to));
   if (found == routes_.end()) return false;
-  const std::uint32_t place = found->second;
-  routes_.erase(found);
-  Connection& removed = connections_[place];
-  Slot& slot = slots_[removed.from];
-  (removed.previous != 0 ? connections_[removed.previous].next : slot.first) = removed.next;
-  (removed.next != 0 ? connections_[removed.next].previous : slot.last) = removed.previous;
-  // A cascade may stand on it; it can be used again when that is over.
-  removed.way = Way::removed;
-  removed_connections_.push_back(place);
+  disconnect(found->second);
   return true;
 }
 

@@ -33,7 +33,7 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
   }
   if (made.size() == old.size()) return false;
   if (!add) execution.nodes_leave();
-  if (made.size() > old.size() && !execution.afford((made.size() - old.size()) * sizeof(NodeId))) return false;
+  if (add && !execution.afford_most(node, made.size() * sizeof(NodeId))) return false;
   execution.send(node, GroupingEvents::children, std::move(made));
   return false;
 }

@@ -40,12 +40,9 @@ bool set_fraction_of_list(Execution& execution, EventNode node, int event, const
   const KeyPlace place = find_key(keys.span(), std::get<SFFloat>(value));
   std::uint32_t& state = execution.state_of(node);
   auto& spares = execution.states().spares;
-  if (state == 0) {
-    state = static_cast<std::uint32_t>(spares.size());
-    spares.emplace_back();
-  }
+  if (state == 0) state = spares.take();
   MFVec3f& spare = spares[state];
-  if (spare.capacity() < count && !execution.afford(2 * (count - spare.capacity()) * sizeof(SFVec3f))) return false;
+  if (!execution.afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
   if (spare.shared()) spare = {};
   spare.resize(count);
   SFVec3f* to = spare.mutable_data();
@@ -57,6 +54,10 @@ bool set_fraction_of_list(Execution& execution, EventNode node, int event, const
   return false;
 }
 
+void list_is_removed(Execution& execution, EventNode node) {
+  execution.states().spares.give_back(execution.state_of(node));
+}
+
 constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEvents = {"set_fraction", "keyValue",
                                                                                       "value_changed", "key"};
 
@@ -64,10 +65,10 @@ constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEven
 
 const Behaviour kColorInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFColor, between_colors>,
                                                nullptr};
-const Behaviour kCoordinateInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction_of_list<between_points>,
-                                                    nullptr};
-const Behaviour kNormalInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction_of_list<between_normals>,
-                                                nullptr};
+const Behaviour kCoordinateInterpolatorBehaviour = {
+    .events = kInterpolatorEvents, .on_event = set_fraction_of_list<between_points>, .on_remove = list_is_removed};
+const Behaviour kNormalInterpolatorBehaviour = {
+    .events = kInterpolatorEvents, .on_event = set_fraction_of_list<between_normals>, .on_remove = list_is_removed};
 const Behaviour kOrientationInterpolatorBehaviour = {kInterpolatorEvents, nullptr,
                                                      set_fraction<SFRotation, between_rotations>, nullptr};
 const Behaviour kPositionInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFVec3f, between_points>,

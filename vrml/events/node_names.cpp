@@ -1,6 +1,7 @@
 #include "vrml/events/node_names.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gs::vrml {
 
@@ -18,9 +19,13 @@ NodeNames::NodeNames(const SceneGraph& root) {
 }
 
 void NodeNames::count(Numbers& numbers) {
-  for (auto i = static_cast<std::uint32_t>(numbers.of_node.size()); i <= numbers.scene->node_count(); ++i) {
-    const Node& node = numbers.scene->node(numbers.scene->id_at(i));
-    numbers.of_node.push_back(node.in_prototype_body ? 0 : ++counts_[node.type->name]);
+  if (std::exchange(numbers.revision, numbers.scene->revision()) == numbers.scene->revision()) return;
+  numbers.of_node.resize(numbers.scene->node_count() + 1);
+  for (std::uint32_t i = 1; i <= numbers.scene->node_count(); ++i) {
+    const Node& node = numbers.scene->node_at(i);
+    Number& known = numbers.of_node[i];
+    if (known.generation == node.generation) continue;
+    known = {node.generation, node.in_prototype_body ? 0 : ++counts_[node.type->name]};
   }
 }
 
@@ -35,23 +40,19 @@ std::string NodeNames::of(const SceneGraph& scene, NodeId id) {
   if (!node.name.empty()) return std::string(node.name);
   Numbers& numbers = numbers_of(scene);
   count(numbers);
-  return node.type->name + '#' + std::to_string(numbers.of_node[id.index]);
+  return node.type->name + '#' + std::to_string(numbers.of_node[id.index].number);
 }
 
 void NodeNames::find_names() {
   const SceneGraph& scene = *scenes_.front().scene;
-  if (named_seen_ == scene.node_count()) return;
-  named_seen_ = scene.node_count();
-  std::vector<bool> inside(scene.node_count() + 1);
+  if (std::exchange(named_at_, scene.revision()) == scene.revision()) return;
   std::unordered_map<std::string_view, NodeId> inner;
   named_.clear();
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const NodeId id = scene.id_at(i);
-    const Node& node = scene.node(id);
+    const Node& node = scene.node_at(i);
     if (node.in_prototype_body) continue;
-    if (!node.expansion.empty() && node.type->prototype)
-      for (std::size_t k = 0; k < node.type->prototype->nodes.size(); ++k) inside[node.expansion_first + k] = true;
-    if (!node.name.empty()) (inside[i] ? inner : named_)[node.name] = id;
+    if (!node.name.empty()) (node.instance != 0 ? inner : named_)[node.name] = id;
   }
   named_.merge(inner);
 }
@@ -65,9 +66,9 @@ NodeId NodeNames::find(std::string_view name) {
   const std::size_t mark = name.rfind('#');
   for (std::uint32_t i = 1; mark != std::string_view::npos && i <= numbers.scene->node_count(); ++i) {
     const NodeId id = numbers.scene->id_at(i);
-    const Node& node = numbers.scene->node(id);
-    if (numbers.of_node[i] != 0 && node.type->name == name.substr(0, mark) &&
-        std::to_string(numbers.of_node[i]) == name.substr(mark + 1))
+    const Node& node = numbers.scene->node_at(i);
+    if (numbers.of_node[i].number != 0 && node.type->name == name.substr(0, mark) &&
+        std::to_string(numbers.of_node[i].number) == name.substr(mark + 1))
       return id;
   }
   return {};

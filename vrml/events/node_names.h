@@ -23,18 +23,22 @@ class NodeNames {
   [[nodiscard]] NodeId find(std::string_view name);
 
  private:
+  struct Number {
+    std::uint32_t generation = 0, number = 0;  // number 0: part of a PROTO's declaration
+  };
   struct Numbers {
     const SceneGraph* scene;
-    std::vector<std::uint32_t> of_node{0};  // by index; 0: part of a PROTO's declaration
+    std::vector<Number> of_node{1};  // by index
+    std::uint64_t revision = 0;
   };
   void count(Numbers& numbers);
   void find_names();
   Numbers& numbers_of(const SceneGraph& scene);
 
   std::vector<Numbers> scenes_;
-  std::unordered_map<std::string_view, std::uint32_t> counts_;  // by type name
-  std::unordered_map<std::string_view, NodeId> named_;          // of the root
-  std::size_t named_seen_ = 0;                                  // nodes of the root when `named_` was made
+  std::unordered_map<std::string, std::uint32_t> counts_;  // by type name
+  std::unordered_map<std::string_view, NodeId> named_;     // of the root
+  std::uint64_t named_at_ = ~std::uint64_t{0};             // revision of the root when `named_` was made
 };
 
 }  // namespace gs::vrml

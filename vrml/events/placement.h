@@ -40,6 +40,8 @@ class Placement {
   void look_for(const SceneGraph& scene, NodeId node) {
     if (paths_.try_emplace(&scene.node(node)).second) known_ = false;
   }
+  /// The node is removed.
+  void remove(const Node& node) { paths_.erase(&node); }
   /// Whether the last search saw the whole hierarchy.
   [[nodiscard]] bool whole() const { return whole_; }
   /// The nodes that it came by.

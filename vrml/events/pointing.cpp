@@ -77,10 +77,9 @@ void Pointing::add_sensor(const SceneGraph& scene, NodeId id, const glm::dmat4& 
 
 bool Pointing::make_state(EventNode node) {
   if (execution_.state_of(node) != 0) return true;
-  if (!execution_.afford(sizeof(PointingState))) return false;
   auto& states = execution_.states().pointing;
-  execution_.state_of(node) = static_cast<std::uint32_t>(states.size());
-  states.emplace_back();
+  if (!states.has_spare() && !execution_.afford(sizeof(PointingState))) return false;
+  execution_.state_of(node) = states.take();
   return true;
 }
 
@@ -248,6 +247,16 @@ void Pointing::settle(EventNode node) {
   pay(state.owes_active, sensor.is_active);
   pay(state.owes_over, sensor.is_over);
   execution_.run(node, state.owes_active || state.owes_over);
+}
+
+void Pointing::remove(EventNode node) {
+  const auto is_it = [&](const Sensed& one) { return one.node == node; };
+  std::erase_if(over_, is_it);
+  std::erase_if(grabbed_, is_it);
+  for (Look& look : waiting_) std::erase_if(look.sensed, is_it);
+  auto& states = execution_.states().pointing;
+  if (execution_.state_of(node) != 0 && states[execution_.state_of(node)].active) --active_;
+  states.give_back(execution_.state_of(node));
 }
 
 PointedAt Pointing::pointed_at() const {

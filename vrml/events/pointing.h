@@ -85,6 +85,8 @@ class Pointing {
 
   /// Of the behaviours of sensors: `enabled` was received.
   void enable(EventNode node, bool enabled);
+  /// The sensor is removed from the world.
+  void remove(EventNode node);
   /// Sends what a sensor owes that was disabled.
   void settle(EventNode node);
 

@@ -169,9 +169,8 @@ void proximity_time(Execution& execution, EventNode node) {
 
 void proximity_begins(Execution& execution, EventNode node) {
   auto& states = execution.states().proximities;
-  if (!execution.afford(2 * sizeof(ProximityState))) return;
-  execution.state_of(node) = static_cast<std::uint32_t>(states.size());
-  states.emplace_back();
+  if (!states.has_spare() && !execution.afford(2 * sizeof(ProximityState))) return;
+  execution.state_of(node) = states.take();
   execution.look_again(node);
 }
 
@@ -183,9 +182,13 @@ bool proximity_event(Execution& execution, EventNode node, int, const FieldValue
 }  // namespace
 
 const Behaviour kProximitySensorBehaviour = {
-    {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime", "exitTime"},
-    proximity_begins,
-    proximity_event,
-    proximity_time};
+    .events = {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime",
+               "exitTime"},
+    .initialize = proximity_begins,
+    .on_event = proximity_event,
+    .on_time = proximity_time,
+    .on_remove = [](Execution& execution,
+                    EventNode node) { execution.states().proximities.give_back(execution.state_of(node)); },
+};
 
 }  // namespace gs::vrml

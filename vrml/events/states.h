@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -50,12 +51,40 @@ struct PointingState {
   glm::dmat4 sensor_from_world{1.0};
 };
 
-/// What behaviours keep of their nodes, by state_of; [0] is unused.
+/// States of one kind, by number from 1; those of removed nodes are used again.
+template <class T>
+class StatePool {
+ public:
+  [[nodiscard]] T& operator[](std::uint32_t place) { return states_[place]; }
+  [[nodiscard]] const T& operator[](std::uint32_t place) const { return states_[place]; }
+  /// Whether `take` needs no new memory.
+  [[nodiscard]] bool has_spare() const { return !free_.empty(); }
+  [[nodiscard]] std::uint32_t take() {
+    if (free_.empty()) {
+      states_.emplace_back();
+      return static_cast<std::uint32_t>(states_.size() - 1);
+    }
+    const std::uint32_t place = free_.back();
+    free_.pop_back();
+    return place;
+  }
+  void give_back(std::uint32_t place) {
+    if (place == 0) return;
+    states_[place] = {};
+    free_.push_back(place);
+  }
+
+ private:
+  std::deque<T> states_{1};
+  std::vector<std::uint32_t> free_;
+};
+
+/// What behaviours keep of their nodes, by state_of; 0 is none.
 struct Execution::States {
-  std::deque<TimeState> times{1};
-  std::deque<ProximityState> proximities{1};
-  std::deque<MFVec3f> spares{1};  // the array that an interpolator writes next
-  std::deque<PointingState> pointing{1};
+  StatePool<TimeState> times;
+  StatePool<ProximityState> proximities;
+  StatePool<MFVec3f> spares;  // the array that an interpolator writes next
+  StatePool<PointingState> pointing;
 };
 
 }  // namespace gs::vrml

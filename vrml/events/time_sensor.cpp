@@ -144,18 +144,21 @@ bool time_sensor_event(Execution& execution, EventNode node, int event, const Fi
 
 void time_sensor_begin(Execution& execution, EventNode node) {
   auto& times = execution.states().times;
-  if (!execution.afford(sizeof(TimeState))) return;
-  execution.state_of(node) = static_cast<std::uint32_t>(times.size());
-  times.emplace_back();
+  if (!times.has_spare() && !execution.afford(sizeof(TimeState))) return;
+  execution.state_of(node) = times.take();
   execution.look_again(node);
 }
 
 }  // namespace
 
 const Behaviour kTimeSensorBehaviour = {
-    {"cycleInterval", "enabled", "loop", "startTime", "stopTime", "cycleTime", "fraction_changed", "isActive", "time"},
-    time_sensor_begin,
-    time_sensor_event,
-    time_sensor_time};
+    .events = {"cycleInterval", "enabled", "loop", "startTime", "stopTime", "cycleTime", "fraction_changed", "isActive",
+               "time"},
+    .initialize = time_sensor_begin,
+    .on_event = time_sensor_event,
+    .on_time = time_sensor_time,
+    .on_remove = [](Execution& execution,
+                    EventNode node) { execution.states().times.give_back(execution.state_of(node)); },
+};
 
 }  // namespace gs::vrml

@@ -32,6 +32,12 @@ class Budget {
   /// there is enough of that, the limit for all that is held.
   [[nodiscard]] std::string refusal(Resource resource) const;
 
+  /// The first of `count` numbers that no other node of the world has got, for the generations of NodeIds. They begin
+  /// anew behind 2^32, where only an id that was kept all the while could be taken for another.
+  [[nodiscard]] std::uint32_t take_generations(std::uint32_t count) {
+    return generations_.fetch_add(count, std::memory_order_relaxed);
+  }
+
   /// Work for the world is given up when this says so: the time is over, or somebody has cancelled it. Null: never.
   /// Not while other threads work for the world. Long loops ask `stopped` at least ten times a second.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
@@ -41,6 +47,7 @@ class Budget {
   Limits limits_;
   std::array<std::atomic<std::uint64_t>, kResources.size()> used_{};
   std::atomic<std::uint64_t> held_ = 0;
+  std::atomic<std::uint32_t> generations_ = 1;
   std::function<bool()> stop_;
 };
 

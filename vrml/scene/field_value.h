@@ -57,8 +57,9 @@ struct PixelImage {
   friend bool operator==(const PixelImage& a, const PixelImage& b) { return a.words == b.words; }
 };
 
-/// A node of a SceneGraph: a place in its arena and the generation of that place. {0, 0} is NULL.
-/// Means something only together with the SceneGraph that made it.
+/// A node of a SceneGraph: a place in its arena and a generation, which is another one for each node of a world, so
+/// that an id is unique over the root, its Inlines and what is made at run time, and stays so when the place is used
+/// again. {0, 0} is NULL. To be looked up only in the SceneGraph that made it.
 struct NodeId {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;

@@ -20,11 +20,16 @@ class Copier {
   bool copy_body(std::uint32_t& first) {
     const std::vector<NodeId>& body = prototype_.nodes;
     if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
-    first = static_cast<std::uint32_t>(to_.node_count() + 1);
-    for (const NodeId id : body) {
-      const Node& original = from_.node(id);
-      const NodeId made = to_.create(*original.type, original.location);
-      if (!made) return false;
+    const auto count = static_cast<std::uint32_t>(body.size());
+    first = to_.take_places(count);
+    if (first == 0) return false;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Node& original = from_.node(body[i]);
+      if (to_.create_at(first + i, *original.type, original.location)) continue;
+      std::vector<NodeId> made;
+      for (std::uint32_t k = 0; k < i; ++k) made.push_back(to_.id_at(first + k));
+      to_.remove(made);
+      return false;
     }
     first_ = first;
     for (std::size_t i = 0; i < body.size(); ++i) copy_values(from_.node(body[i]), copy_at(i));
@@ -32,12 +37,12 @@ class Copier {
   }
 
   NodeId of(NodeId original) {
-    const auto found = std::lower_bound(prototype_.nodes.begin(), prototype_.nodes.end(), original,
-                                        [](NodeId a, NodeId b) { return a.index < b.index; });
-    if (found != prototype_.nodes.end() && *found == original)
-      return copy_at(static_cast<std::size_t>(found - prototype_.nodes.begin()));
+    if (const auto place = place_in_body(prototype_, original)) return copy_at(*place);
     return &from_ == &to_ ? original : import(original);
   }
+
+  /// Copies of nodes outside of the body.
+  [[nodiscard]] const std::vector<NodeId>& imported() const { return made_; }
 
   /// Nodes of another scene that a value of that scene points at.
   FieldValue import(FieldValue value) {
@@ -82,6 +87,7 @@ class Copier {
     const NodeId made = to_.create(*node.type, node.location);
     imported_[original.index] = made;
     if (!made) return {};
+    made_.push_back(made);
     waiting_.push_back(original);
     if (waiting_.size() > 1) return made;  // the loop below is running already
     for (std::size_t i = 0; i < waiting_.size(); ++i)
@@ -95,7 +101,7 @@ class Copier {
   const Prototype& prototype_;
   std::uint32_t first_ = 0;
   std::unordered_map<std::uint32_t, NodeId> imported_;
-  std::vector<NodeId> waiting_;
+  std::vector<NodeId> waiting_, made_;
 };
 
 // The copy of one body. Instances inside it, and those that imported values bring, are appended to `inner`.
@@ -107,7 +113,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   if (prototype.nodes.empty()) return true;
   Copier copier(scene, prototype);
   std::uint32_t first = 0;
-  const auto before = static_cast<std::uint32_t>(scene.node_count());
+  const WritingFor writing(scene, scene.node(instance).owner);
   if (!copier.copy_body(first)) return false;
   for (const IsMapping& mapping : prototype.mappings) {
     if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
@@ -119,7 +125,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
     Node& inner_node = scene.node(inner_id);
     // Only urls need to be told from where they are.
     if (std::holds_alternative<MFString>(value))
-      scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.scene);
+      scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.text);
     inner_node.values[mapping.inner->slot] = std::move(value);
     if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
   }
@@ -132,8 +138,15 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   }
   scene.node(instance).expansion = expansion;
   scene.node(instance).expansion_first = first;
-  for (std::uint32_t i = before + 1; i <= scene.node_count(); ++i)
-    if (scene.node(scene.id_at(i)).type->prototype) inner.push_back(scene.id_at(i));
+  const auto add_inner = [&](NodeId made) {
+    if (scene.node(made).type->prototype) inner.push_back(made);
+  };
+  for (std::uint32_t i = 0; i < prototype.nodes.size(); ++i) {
+    const NodeId made = scene.id_at(first + i);
+    scene.node(made).instance = instance.index;
+    add_inner(made);
+  }
+  for (const NodeId made : copier.imported()) add_inner(made);
   return true;
 }
 
@@ -154,10 +167,10 @@ bool instantiate(SceneGraph& scene, NodeId instance) {
   return true;
 }
 
-const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance, const InterfaceDeclaration& field) {
+const SourceText& text_of_field(const SceneGraph& scene, NodeId instance, const InterfaceDeclaration& field) {
   const Node& node = scene.node(instance);
   const bool given = field.slot < 64 && (node.fields_set >> field.slot & 1);
-  return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->scene;
+  return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->text;
 }
 
 void count_instance_nodes(const SceneGraph& scene, Prototype& prototype) {
@@ -191,6 +204,7 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
   if (external.prototype || !source.prototype) return true;
   external.prototype = std::make_unique<Prototype>(*source.prototype);
   external.role = source.role;
+  const WritingFor writing(scene, scene.owner_of(external));
   Copier copier(scene, *external.prototype);
   // Only nodes that exist now: those that are made below get their values from these.
   const auto count = static_cast<std::uint32_t>(scene.node_count());
@@ -201,13 +215,13 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
     const FieldValue value = copier.import(given->initial);
     external.defaults[declaration.slot] = value;
     for (std::uint32_t i = 1; i <= count; ++i) {
-      Node& node = scene.node(scene.id_at(i));
+      const Node& node = scene.node_at(i);
       const bool set = declaration.slot >= 64 || (node.fields_set >> declaration.slot & 1);
       if (node.type == &external && !set) node.values[declaration.slot] = value;
     }
   }
   for (std::uint32_t i = 1; i <= count; ++i)
-    if (scene.node(scene.id_at(i)).type == &external && !instantiate(scene, scene.id_at(i))) return false;
+    if (scene.node_at(i).type == &external && !instantiate(scene, scene.id_at(i))) return false;
   return true;
 }
 

@@ -11,9 +11,9 @@ namespace gs::vrml {
 /// that cannot have all its nodes gets none.
 bool instantiate(SceneGraph& scene, NodeId instance);
 
-/// The scene of the file in which the value of an instance's field was written: that of the instance, where it gives
+/// The text in which the value of an instance's field was written: that of the instance, where it gives
 /// one, else that of the PROTO, whose default it is.
-[[nodiscard]] const SceneGraph& text_of_field(const SceneGraph& scene, NodeId instance,
+[[nodiscard]] const SourceText& text_of_field(const SceneGraph& scene, NodeId instance,
                                               const InterfaceDeclaration& field);
 
 /// Gives an EXTERNPROTO of `scene` the body of PROTO `source` (VRML97 4.9), whose scene must be attached

@@ -3,14 +3,18 @@
 #include "vrml/scene/budget.h"
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/node_type.h"
+#include "vrml/scene/source_text.h"
 
 #include <cassert>
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::vrml {
@@ -19,24 +23,20 @@ namespace gs::vrml {
 struct Node {
   const NodeType* type = nullptr;
   FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
-  std::string_view name;             // DEF name or empty; bytes owned by the scene
-  const SceneGraph* text = nullptr;  // of the file that the node was written in: of a copy, that of the PROTO's body
+  std::string_view name;             // DEF name or empty; bytes owned by the text
+  const SourceText* text = nullptr;  // that the node was written in: of a copy, that of the PROTO's body
   SourceLocation location;
   std::uint32_t value_capacity = 0;
-  std::uint32_t generation = 1;
+  std::uint32_t generation = 0;    // of its id
   std::uint64_t fields_set = 0;    // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
   bool in_prototype_body = false;  // part of a PROTO's declaration, not of the world
-  MFNode expansion;                // of a PROTO instance: the nodes of its body; the first one stands for it
-  std::uint32_t expansion_first =
-      0;  // of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow
-};
-
-/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The declarations belong to the nodes' types.
-struct Route {
-  NodeId from, to;
-  const InterfaceDeclaration* event_out = nullptr;
-  const InterfaceDeclaration* event_in = nullptr;
-  friend bool operator==(const Route&, const Route&) = default;
+  bool recycled = false;           // its place was another node's before
+  std::uint32_t owner = 0;  // the run-time text that it was made for, by number; 0: the file, with whose scene it lives
+  MFNode expansion;         // of a PROTO instance: the nodes of its body; the first one stands for it
+  /// Of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow. Of a node of a PROTO's body: its
+  /// place in Prototype::nodes.
+  std::uint32_t expansion_first = 0;
+  std::uint32_t instance = 0;  // of a copy of such a node: index of the instance
 };
 
 /// `field IS name` in a PROTO body (VRML97 4.8.2).
@@ -46,32 +46,26 @@ struct IsMapping {
   const InterfaceDeclaration* outer = nullptr;  // of the PROTO's interface
 };
 
-/// Statements in the order of the file, which printing keeps.
-struct Statement {
-  enum class Kind : std::uint8_t { node, prototype, route };
-  Kind kind;
-  NodeId node;                     // Kind::node
-  const NodeType* type = nullptr;  // Kind::prototype: PROTO or EXTERNPROTO
-  Route route;                     // Kind::route
-};
-
 /// The body of a PROTO: the nodes that each instance gets copies of.
 struct Prototype {
   std::vector<Statement> statements;
-  std::vector<NodeId> nodes;  // all, in the order in which they were made
+  std::vector<NodeId> nodes;  // all, in the order in which they were made; see SceneGraph::put_in_body
   std::vector<IsMapping> mappings;
   const SceneGraph* scene = nullptr;  // whose arena holds the nodes
+  const SourceText* text = nullptr;   // that declares it
   bool complete = false;              // the closing brace was seen
   // What one instance makes, with the instances in it; known when complete.
   std::uint64_t instance_nodes = 0, instance_bytes = 0;
   std::uint64_t body_bytes = 0;  // of this: without the instances in it
 };
 
-/// A world or a part of it: the arena of its nodes, its PROTOs, its ROUTEs.
+/// A world or a part of it: the arena of its nodes, its PROTOs, its ROUTEs; and the text of its file.
 ///
-/// Owned by one thread at a time. Cycles between nodes are allowed and cost nothing, because nodes
-/// are freed with the scene. Node references stay valid while nodes are added.
-class SceneGraph {
+/// Owned by one thread at a time. Node references stay valid while nodes are added. Nodes of the file are freed with
+/// the scene, so that cycles between them cost nothing. Nodes made at run time have texts of their own (RunTimeText);
+/// `remove` frees them, and their places are used again. What is freed with the last node of such a text: its names,
+/// types and libraries, and what they have drawn from the budget.
+class SceneGraph : public SourceText {
  public:
   /// `file_name` is what diagnostics call this text. Its nodes are drawn from `budget`, which the scenes of a world
   /// share.
@@ -79,12 +73,20 @@ class SceneGraph {
   /// A world of its own.
   explicit SceneGraph(std::string file_name = {}, const Limits& limits = {});
   ~SceneGraph();
-  SceneGraph(const SceneGraph&) = delete;
-  SceneGraph& operator=(const SceneGraph&) = delete;
 
   /// A new node with its type's default values. Null NodeId when `limits.nodes` is reached or the budget spent.
-  /// `type` must live as long as the scene: built in, or owned by it or by an attached library.
+  /// `type` must live as long as the node: built in, or owned by its text or by an attached library.
   NodeId create(const NodeType& type, SourceLocation location = {});
+  /// Places for `count` nodes one behind the other, for `create_at`; 0 where there is no room.
+  [[nodiscard]] std::uint32_t take_places(std::uint32_t count);
+  void give_back_places(std::uint32_t first, std::uint32_t count);
+  /// `create` in a place that was taken. Null where there is no room for the values.
+  NodeId create_at(std::uint32_t place, const NodeType& type, SourceLocation location);
+  /// The node is a part of this PROTO's declaration, the last one so far.
+  void put_in_body(NodeId id, Prototype& prototype);
+  /// Frees nodes, with the bodies of PROTO instances and the content of Inlines. The ids mean nothing from then on;
+  /// values that have them are not looked for. Names and types of a run-time text go with its last node.
+  void remove(std::span<const NodeId> ids);
 
   [[nodiscard]] Node& node(NodeId id) {
     assert(contains(id));
@@ -95,11 +97,17 @@ class SceneGraph {
     return nodes_[id.index];
   }
   [[nodiscard]] bool contains(NodeId id) const {
-    return id && id.index < nodes_.size() && nodes_[id.index].generation == id.generation;
+    return id && id.index < nodes_.size() && nodes_[id.index].generation == id.generation && id.generation != 0;
   }
-  /// Nodes made so far; ids 1..node_count() in order of making.
+  /// Places of nodes so far: 1..node_count(), in order of making but for those used again. In a place whose node is
+  /// removed there is a node of no use, as if it were part of a PROTO's declaration, which `contains` denies.
   [[nodiscard]] std::size_t node_count() const { return nodes_.size() - 1; }
   [[nodiscard]] NodeId id_at(std::uint32_t index) const { return {index, nodes_[index].generation}; }
+  [[nodiscard]] const Node& node_at(std::uint32_t index) const { return nodes_[index]; }
+  /// Another number whenever nodes have been made or removed.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  /// Nodes made since the last call that the order of places does not tell of: at run time, or in used places.
+  [[nodiscard]] std::vector<NodeId> take_made() { return std::exchange(made_, {}); }
 
   /// The value of a field that the node's type declares with C++ type T; asserts that it does.
   template <class T>
@@ -124,72 +132,127 @@ class SceneGraph {
   /// `resolve(id)` if that node is of the built-in type `type_name`, else null.
   [[nodiscard]] NodeId resolve_as(NodeId id, std::string_view type_name) const;
 
-  /// The scene of the file in which the value of a slot was written: that of the node, unless IS handed the value on
+  /// The text in which the value of a slot was written: that of the node, unless IS handed the value on
   /// (VRML97 4.8.2). It tells what a url is relative to, and what it may name.
-  [[nodiscard]] const SceneGraph& text_of(NodeId id, int slot) const;
-  void set_text(NodeId id, int slot, const SceneGraph& text);
+  [[nodiscard]] const SourceText& text_of(NodeId id, int slot) const;
+  void set_text(NodeId id, int slot, const SourceText& text);
 
   void set_name(NodeId id, std::string_view name);
-  /// A copy of `name` that lives as long as the scene.
+  /// A copy of `name` that lives as long as the text that is being written.
   const std::string* keep_name(std::string_view name);
   /// Adds a declaration to the type that the Script `id` alone has, and its value to the node.
   void declare(NodeId id, NodeType& type, InterfaceDeclaration declaration);
+  /// The text that nodes are being made for: that of the file, or a run-time text.
+  [[nodiscard]] SourceText& writing() {
+    return writing_ == 0 ? static_cast<SourceText&>(*this) : *texts_[writing_].text;
+  }
+  /// The number of the run-time text that declares the type; 0: none does.
+  [[nodiscard]] std::uint32_t owner_of(const NodeType& type) const;
+  [[nodiscard]] const SourceText& text_at(std::uint32_t owner) const {
+    return owner == 0 ? static_cast<const SourceText&>(*this) : *texts_[owner].text;
+  }
+  /// Run-time texts that are in memory.
+  [[nodiscard]] std::size_t run_time_texts() const { return texts_.size() - 1 - free_texts_.size(); }
 
-  /// Appends a top-level node: to `roots` and to the statements.
-  void add_root(NodeId id);
-  [[nodiscard]] const MFNode& roots() const { return roots_; }
-  [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
-  [[nodiscard]] const std::vector<Statement>& statements() const { return statements_; }
-  /// ROUTEs of the live world: top-level ones and those of PROTO instances.
+  /// In place of those of the file: the world is another one.
+  void set_roots(MFNode roots) { roots_ = std::move(roots); }
+  /// ROUTEs of the world as it was read: top-level ones and those of PROTO instances.
   [[nodiscard]] std::vector<Route>& routes() { return routes_; }
   [[nodiscard]] const std::vector<Route>& routes() const { return routes_; }
 
-  /// A PROTO, EXTERNPROTO or Script type that lives as long as the scene.
-  NodeType& add_type(std::unique_ptr<NodeType> type);
-  [[nodiscard]] const std::deque<std::unique_ptr<NodeType>>& types() const { return types_; }
-
-  /// Content of an Inline node; it has a name scope of its own (VRML97 4.4.3).
-  void attach_inline(NodeId inline_node, std::unique_ptr<SceneGraph> content);
+  /// Content of an Inline node; it has a name scope of its own (VRML97 4.4.3). Null: none any more.
+  void attach_inline(NodeId inline_node, std::shared_ptr<SceneGraph> content);
   /// Null while nothing has been attached.
   [[nodiscard]] SceneGraph* inlined(NodeId inline_node) const;
-  [[nodiscard]] const std::unordered_map<std::uint32_t, std::unique_ptr<SceneGraph>>& inlines() const {
+  [[nodiscard]] const std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>>& inlines() const {
     return inlines_;
   }
-  /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
-  SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 
   /// Counts `count` more nodes of `bytes` as copies for PROTO instances; false when the limit is reached.
   [[nodiscard]] bool reserve_expansion(std::size_t count, std::size_t bytes);
   /// Draws memory for names, lists and the like from the budget. False when it is spent, and from then on.
   [[nodiscard]] bool charge(std::size_t bytes);
+  /// Bytes of the budget that are drawn.
+  [[nodiscard]] std::size_t charged() const { return charged_; }
   /// Whether something was left out because the budget for nodes is spent.
   [[nodiscard]] bool exhausted() const { return exhausted_; }
 
-  [[nodiscard]] const std::string& file_name() const { return file_name_; }
   [[nodiscard]] const Limits& limits() const { return budget_->limits(); }
   [[nodiscard]] const std::shared_ptr<Budget>& budget() const { return budget_; }
 
  private:
-  FieldValue* allocate_values(std::size_t count);
+  friend class WritingFor;
+  friend class RunTimeText;
+  /// A run-time text, and what goes with it.
+  struct OwnedText {
+    std::unique_ptr<SourceText> text;  // null: the number is free
+    std::size_t nodes = 0;             // that were made for it, without those of PROTO bodies
+    std::size_t charged = 0;           // bytes, without the places and values of nodes, which are used again
+    std::size_t expanded_nodes = 0, expanded_bytes = 0;
+    bool open = false;  // is being read
+  };
 
-  std::string file_name_;
+  bool draw(std::size_t bytes);
+  FieldValue* allocate_values(std::size_t count, bool needed);
+  void free_values(FieldValue* values, std::size_t used, std::size_t capacity);
+  std::uint32_t next_generation();
+  void free_node(NodeId id, std::vector<NodeId>& more);
+  void end_text_if_unused(std::uint32_t owner);
+
   std::shared_ptr<Budget> budget_;
   Share nodes_share_, instances_share_;
   std::size_t charged_ = 0;  // of nodes_share_
   bool exhausted_ = false;
   std::size_t expanded_nodes_ = 0;
+  std::uint32_t generation_ = 0, generations_left_ = 0;
+  std::uint64_t revision_ = 0;
   std::deque<Node> nodes_;  // [0] is unused: index 0 is NULL
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;
   std::size_t block_left_ = 0;
   std::byte* block_next_ = nullptr;
-  std::deque<std::string> names_;
-  MFNode roots_;
-  std::vector<Statement> statements_;
+  std::unordered_map<std::size_t, std::vector<FieldValue*>> free_values_;      // by how many there is room for
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_places_;  // by how many there are in a row
+  std::vector<NodeId> made_;
+  std::vector<OwnedText> texts_{1};
+  std::vector<std::uint32_t> free_texts_;
+  std::uint32_t writing_ = 0;
   std::vector<Route> routes_;
-  std::unordered_map<std::uint64_t, const SceneGraph*> value_texts_;  // by node and slot, where it is not the node's
-  std::deque<std::unique_ptr<NodeType>> types_;
-  std::unordered_map<std::uint32_t, std::unique_ptr<SceneGraph>> inlines_;
-  std::vector<std::unique_ptr<SceneGraph>> libraries_;
+  std::unordered_map<std::uint64_t, const SourceText*> value_texts_;  // by node and slot, where it is not the node's
+  std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> inlines_;
 };
+
+/// While it lives, nodes are made for the run-time text of this number, or for the file (0).
+class WritingFor {
+ public:
+  WritingFor(SceneGraph& scene, std::uint32_t owner) : scene_(scene), before_(std::exchange(scene.writing_, owner)) {}
+  ~WritingFor() { scene_.writing_ = before_; }
+  WritingFor(const WritingFor&) = delete;
+  WritingFor& operator=(const WritingFor&) = delete;
+
+ private:
+  SceneGraph& scene_;
+  std::uint32_t before_;
+};
+
+/// A new text of a world that lives, into whose scene it is read while this lives; it goes with the last node made for
+/// it. If none was made, with this.
+class RunTimeText {
+ public:
+  /// `written_by`: in whose name; see SourceText::origin.
+  RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by);
+  ~RunTimeText();
+  RunTimeText(const RunTimeText&) = delete;
+  RunTimeText& operator=(const RunTimeText&) = delete;
+  [[nodiscard]] std::uint32_t owner() const { return owner_; }
+  [[nodiscard]] SourceText& text() const { return *scene_.texts_[owner_].text; }
+
+ private:
+  SceneGraph& scene_;
+  std::uint32_t owner_;
+  std::optional<WritingFor> writing_;
+};
+
+/// The place of a node in the body of a PROTO, whose scene has it; nothing: it is not in it.
+[[nodiscard]] std::optional<std::uint32_t> place_in_body(const Prototype& prototype, NodeId id);
 
 }  // namespace gs::vrml

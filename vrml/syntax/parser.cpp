@@ -73,13 +73,13 @@ std::string describe(const Token& token) {
 }
 
 Parser::State::State(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
-    : scene(scene_graph), diagnostics(diagnostic_list) {
+    : scene(scene_graph), source(scene_graph.writing()), diagnostics(diagnostic_list) {
   frames.emplace_back();
   scopes.emplace_back();
 }
 
 void Parser::State::report(Severity severity, SourceLocation location, std::string message) {
-  diagnostics.add({severity, scene.file_name(), location, std::move(message)});
+  diagnostics.add({severity, source.file_name(), location, std::move(message)});
 }
 
 void Parser::State::warn_once(bool& said, SourceLocation location, std::string message) {
@@ -338,6 +338,12 @@ ParseOutcome Parser::parse_whole(std::string_view text) {
   return state_->close();
 }
 
+// The header is no more than a comment there.
+ParseOutcome Parser::parse_fragment(std::string_view text) {
+  state_->header_read = true;
+  return parse_whole(text);
+}
+
 bool parse_interface(std::string_view text, NodeType& type) {
   SceneGraph scene("node table");
   Diagnostics diagnostics;
@@ -353,6 +359,14 @@ bool Parser::read_interface(std::string_view text, NodeType& type) {
   state_->frames.push_back(std::move(frame));
   state_->run(whole.data(), whole.data() + whole.size(), true);
   return state_->lexer.unread() == whole.data() + whole.size();
+}
+
+RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
+                       const SourceText* written_by) {
+  const RunTimeText written(scene, std::move(file_name), written_by ? *written_by : scene);
+  Parser parser(scene, diagnostics);
+  const ParseOutcome outcome = parser.parse_fragment(text);
+  return {written.text().roots(), outcome};
 }
 
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics) {

@@ -4,6 +4,7 @@
 #include "vrml/scene/scene_graph.h"
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +41,8 @@ class Parser {
   ParseOutcome finish();
   /// A whole text in place of `push` and `finish`; copies nothing.
   ParseOutcome parse_whole(std::string_view text);
+  /// The same for a text that needs no header, as scripts give it.
+  ParseOutcome parse_fragment(std::string_view text);
   /// See `parse_interface`.
   [[nodiscard]] bool read_interface(std::string_view text, NodeType& type);
 
@@ -50,6 +53,19 @@ class Parser {
 
 /// Parses a whole text.
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics);
+
+/// Nodes that were made at run time.
+struct RunTimeNodes {
+  MFNode roots;
+  ParseOutcome outcome = ParseOutcome::complete;
+};
+
+/// Reads a text into a scene that lives, for createVrmlFromString and its like (VRML97 4.12.10): a text of its own,
+/// with names and PROTOs of its own, which needs no header; nodes refer to it by Node::text. The nodes are in no field
+/// yet: hold them (Execution::hold) before events go on, after Execution::attach. `written_by`: the text in whose name
+/// it is read, which must live as long as the scene (SourceText::origin); null: that of the scene's file.
+RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
+                       const SourceText* written_by = nullptr);
 
 /// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`.
 /// Used at start-up, for text of our own; false where the text is wrong.

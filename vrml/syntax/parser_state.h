@@ -141,6 +141,7 @@ struct Parser::State {
   String string_of(const Token& token);
 
   SceneGraph& scene;
+  SourceText& source;  // what is read: of the scene's file, or one of its run-time texts
   Diagnostics& diagnostics;
   Lexer lexer;
   std::vector<Frame> frames;

@@ -176,7 +176,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     own->role = type->role;
     (void)scene.charge(sizeof(NodeType) + type->interfaces.size() * sizeof(InterfaceDeclaration));
     for (const InterfaceDeclaration& declaration : type->interfaces) own->declare(declaration);
-    frame.declaring = &scene.add_type(std::move(own));
+    frame.declaring = &source.add_type(std::move(own));
     type = frame.declaring;
   }
   const NodeId node = scene.create(*type, token.location);
@@ -189,8 +189,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     return Step::done;
   }
   if (in_prototype_body()) {
-    scene.node(node).in_prototype_body = true;
-    scopes.back().prototype->prototype->nodes.push_back(node);
+    scene.put_in_body(node, *scopes.back().prototype->prototype);
   }
   if (!name.empty()) {
     scene.set_name(node, name);
@@ -214,7 +213,7 @@ void Parser::State::place(NodeId node, FieldValue* into) {
   } else if (scopes.back().prototype) {
     scopes.back().prototype->prototype->statements.push_back({Statement::Kind::node, node, nullptr, {}});
   } else {
-    scene.add_root(node);
+    source.add_root(node);
   }
 }
 
@@ -341,7 +340,7 @@ void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_ch
                                "'; expected equal types");
     return;
   }
-  std::vector<Statement>& statements = scope.prototype ? scope.prototype->prototype->statements : scene.statements();
+  std::vector<Statement>& statements = scope.prototype ? scope.prototype->prototype->statements : source.statements();
   (void)scene.charge(sizeof(Statement) + sizeof(Route));
   statements.push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scope.prototype) scene.routes().push_back(route);
@@ -368,12 +367,13 @@ Step Parser::State::prototype_head(bool external) {
   if (!external) {
     type->prototype = std::make_unique<Prototype>();
     type->prototype->scene = &scene;
+    type->prototype->text = &source;
   }
   Frame frame;
   frame.kind = Frame::Kind::prototype_interface;
   frame.start = name.location;
   (void)scene.charge(sizeof(NodeType) + sizeof(Prototype));
-  frame.declaring = &scene.add_type(std::move(type));
+  frame.declaring = &source.add_type(std::move(type));
   ++interfaces_open;
   if (!open(std::move(frame))) --interfaces_open;
   return Step::done;
@@ -514,7 +514,7 @@ void Parser::State::check_reserved(const Token& name) {
 // A PROTO may be declared inside a node (Annex A.1); it is printed in front of the node that it stands in.
 void Parser::State::add_type_statement(const NodeType& type) {
   std::vector<Statement>& list =
-      scopes.back().prototype ? scopes.back().prototype->prototype->statements : scene.statements();
+      scopes.back().prototype ? scopes.back().prototype->prototype->statements : source.statements();
   auto place = list.end();
   const Frame::Kind inside = frames.back().kind;
   if (inside != Frame::Kind::statements && inside != Frame::Kind::prototype_body)

@@ -1,5 +1,5 @@
 #include "app/formats/common/geometry_check.h"
-#include "app/base/finite.h"
+#include "qnv/base/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,8 @@
 
 namespace gs::app {
 namespace {
+
+using qnv::finite;
 
 template <class Vector>
 bool all_finite(const vrml::Array<Vector>& values) {

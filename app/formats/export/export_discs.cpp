@@ -1,7 +1,7 @@
 #include "app/formats/export/export_discs.h"
 
-#include "app/base/finite.h"
 #include "app/formats/splats/splats.h"
+#include "qnv/base/finite.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,8 @@
 
 namespace gs::app {
 namespace {
+
+using qnv::finite;
 
 /// The shortest turn from +Z to a unit vector.
 glm::vec4 rotation_to(const glm::vec3& n) {

@@ -1,10 +1,10 @@
 #include "app/formats/volume/volume_common.h"
 
-#include "app/base/finite.h"
 #include "app/base/gunzip.h"
 #include "app/formats/common/text_cursor.h"
 #include "net/base/file.h"
 #include "net/base/reference_policy.h"
+#include "qnv/base/finite.h"
 #include "qnv/volume/volume_slices.h"
 
 #include <zlib.h>
@@ -18,6 +18,8 @@
 
 namespace gs::app {
 namespace {
+
+using qnv::finite;
 
 std::string plural(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " byte" : " bytes"); }
 

@@ -71,6 +71,7 @@ TEST_CASE("A reader tells what there is to see, and in the end hands over the wo
   REQUIRE(whole.world.scene);
   CHECK(whole.list->items.size() == 3000);
   CHECK_FALSE(whole.world.truncated);
+  reader.retire();
   while (!reader.ended()) std::this_thread::yield();
 }
 

@@ -230,7 +230,7 @@ TEST_CASE("What is hit has a way from the root, through PROTO instances and Inli
                     diagnostics);
   REQUIRE(diagnostics.errors() == 0);
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-    if (scene.node(scene.id_at(i)).name == "I") {
+    if (scene.node_at(i).name == "I") {
       scene.attach_inline(scene.id_at(i), std::move(inlined));
       break;
     }

@@ -1,4 +1,4 @@
-#include "qnv/stream/loss.h"
+#include "qnv/codec/loss.h"
 #include "tests/qnv/lod_streams.h"
 #include "tests/watched.h"
 

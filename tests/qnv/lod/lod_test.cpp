@@ -1,7 +1,7 @@
 #include "qnv/lod/lod.h"
 
+#include "qnv/codec/loss.h"
 #include "qnv/decode/decoder.h"
-#include "qnv/stream/loss.h"
 #include "tests/qnv/lod_streams.h"
 
 #include <catch2/catch.hpp>

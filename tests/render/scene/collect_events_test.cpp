@@ -42,7 +42,7 @@ class LiveWorld {
   }
   vrml::NodeId find(std::string_view name) const {
     for (std::uint32_t i = 1; i <= scene_.node_count(); ++i)
-      if (scene_.node(scene_.id_at(i)).name == name) return scene_.id_at(i);
+      if (scene_.node_at(i).name == name) return scene_.id_at(i);
     FAIL("no node named " << name);
     return {};
   }

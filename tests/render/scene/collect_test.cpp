@@ -24,7 +24,7 @@ struct World {
   RenderList collect(const glm::vec3& viewer = {0, 0, 10}) { return render::collect(*scene, images, meshes, viewer); }
   vrml::NodeId find(std::string_view name) const {
     for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
-      if (scene->node(scene->id_at(i)).name == name) return scene->id_at(i);
+      if (scene->node_at(i).name == name) return scene->id_at(i);
     FAIL("no node named " << name);
     return {};
   }

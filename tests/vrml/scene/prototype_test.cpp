@@ -136,7 +136,7 @@ TEST_CASE("nodes and urls know the file in which they were written, through EXTE
               *library, diagnostics);
   const auto scene = scene_of(R"(EXTERNPROTO Outer [ field MFString own field MFString given ] "lib.wrl#Outer"
                   Outer { given "world.png" } ImageTexture { url "here.png" })");
-  const SceneGraph* const written = library.get();
+  const SourceText* const written = library.get();
   const NodeType* const source = find_prototype(*library, "Outer");
   REQUIRE(source);
   NodeType* external = nullptr;
@@ -145,7 +145,7 @@ TEST_CASE("nodes and urls know the file in which they were written, through EXTE
   REQUIRE(external);
   scene->attach_library(std::move(library));
   REQUIRE(resolve_external(*scene, *external, *source));
-  std::vector<std::pair<std::string, const SceneGraph*>> seen;
+  std::vector<std::pair<std::string, const SourceText*>> seen;
   for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
     const NodeId id = scene->id_at(i);
     if (scene->node(id).type->name != "ImageTexture") continue;
@@ -154,7 +154,7 @@ TEST_CASE("nodes and urls know the file in which they were written, through EXTE
     seen.emplace_back(url, &scene->text_of(id, scene->node(id).type->find_field("url")->slot));
   }
   std::sort(seen.begin(), seen.end());
-  const std::vector<std::pair<std::string, const SceneGraph*>> expected = {{"default.png", written},
+  const std::vector<std::pair<std::string, const SourceText*>> expected = {{"default.png", written},
                                                                            {"here.png", scene.get()},
                                                                            {"inner.png", written},
                                                                            {"world.png", scene.get()},

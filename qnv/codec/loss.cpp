@@ -1,7 +1,6 @@
-#include "qnv/stream/loss.h"
+#include "qnv/codec/loss.h"
 
-#include "qnv/records/record.h"
-#include "qnv/records/records_payload.h"
+#include "qnv/codec/payloads.h"
 #include "qnv/stream/container.h"
 
 #include <algorithm>
@@ -9,10 +8,9 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kPacketRecords = 1200 / kRecordBytes;
 // What comes first is needed by everything behind it: a transport sends it twice, or with parity.
 constexpr std::uint64_t kProtectedBytes = 16'000;
-constexpr std::size_t kCountAt = 2;  // of a records payload: how many follow
+constexpr std::size_t kCountAt = 2;  // of a payload of records: how many follow
 
 // SplitMix64 (Steele et al. 2014): a number between 0 and 1 for every packet.
 double random_of(std::uint64_t seed, std::uint64_t packet) {
@@ -34,21 +32,23 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
     const std::vector<std::byte> chunk = encode_chunk(type, payload);
     out.insert(out.end(), chunk.begin(), chunk.end());
   };
+  const PayloadRow& row = row_of(std::get<StreamHeader>(header).payload);
   std::uint64_t packet = 0;
   StreamReader reader;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
     const bool safe = offset < kProtectedBytes;
-    if (type == ChunkType::packed) {
+    if (carries(row, type) && row.record_bytes == 0) {
       if (safe || random_of(seed, packet) >= share) append(type, payload);
-    } else if (type == ChunkType::records && payload.size() >= kRecordsHeaderBytes) {
-      std::vector<std::byte> kept(payload.begin(), payload.begin() + kRecordsHeaderBytes);
-      const auto records = payload.subspan(kRecordsHeaderBytes);
-      for (std::size_t at = 0; at < records.size(); at += kPacketRecords * kRecordBytes, ++packet)
+    } else if (carries(row, type) && payload.size() >= row.head_bytes) {
+      std::vector<std::byte> kept(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(row.head_bytes));
+      const auto records = payload.subspan(row.head_bytes);
+      const std::size_t packet_bytes = row.packet_records * row.record_bytes;
+      for (std::size_t at = 0; at < records.size(); at += packet_bytes, ++packet)
         if (safe || random_of(seed, packet) >= share) {
-          const auto part = records.subspan(at, std::min(kPacketRecords * kRecordBytes, records.size() - at));
+          const auto part = records.subspan(at, std::min(packet_bytes, records.size() - at));
           kept.insert(kept.end(), part.begin(), part.end());
         }
-      const std::size_t count = (kept.size() - kRecordsHeaderBytes) / kRecordBytes;
+      const std::size_t count = (kept.size() - row.head_bytes) / row.record_bytes;
       kept[kCountAt] = static_cast<std::byte>(count & 255);
       kept[kCountAt + 1] = static_cast<std::byte>(count >> 8 & 255);
       if (count > 0) append(type, kept);

@@ -1,0 +1,74 @@
+#include "app/world/scene_handler.h"
+#include "app/world/world_loading.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+// Urls that are set in a living world. Its nodes are not looked at here.
+namespace gs::app {
+
+void WorldLoading::State::request(std::vector<UrlRequest> requests) {
+  if (!root || !taken) return;
+  const auto time = std::chrono::duration<double>(std::clamp(options.timeout_seconds, 0.0, 1e6));
+  limit = LoadLimit(
+      std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(time),
+      options.cancelled);
+  // A number of files of its own, where nothing of before goes on.
+  if (fetches.empty()) {
+    files = 0;
+    too_many_files = stopped = false;
+  }
+  for (const UrlRequest& one : requests)
+    if (SceneHandler* const handler = root->handler_of(one.place.scene)) handler->load(one);
+  is_done = is_done && fetches.empty();
+}
+
+void WorldLoading::State::withdraw(const SceneHandler& handler) {
+  for (const auto& one : fetches)
+    if (const SceneHandler* of = one->handler->makes_nodes_of(); of && of->is_inside(handler)) {
+      std::erase(local, one.get());
+      stop_cells(one.get());
+      if (by_request.erase(one->request.value) > 0) loader->cancel(one->request);
+      if (std::find(ended.begin(), ended.end(), one.get()) == ended.end()) ended.push_back(one.get());
+    }
+  std::erase_if(withheld, [&](const auto& one) { return one->is_inside(handler); });
+}
+
+// Contents of Inlines whose nodes are all there, and whatever does not belong into others.
+Arrivals WorldLoading::State::take_arrivals() {
+  std::erase_if(withheld, [&](const std::shared_ptr<SceneHandler>& one) {
+    const bool goes_on = std::any_of(fetches.begin(), fetches.end(), [&](const auto& fetch) {
+      const SceneHandler* const of = fetch->handler->makes_nodes_of();
+      return of && of->is_inside(*one) && std::find(ended.begin(), ended.end(), fetch.get()) == ended.end();
+    });
+    if (goes_on) return false;
+    arrivals.contents.push_back({*one->given_to, one->release()});
+    return true;
+  });
+  Arrivals taken_now = std::exchange(arrivals, {});
+  const auto is_withheld = [&](const vrml::SceneGraph* scene) {
+    return std::any_of(withheld.begin(), withheld.end(), [&](const auto& one) { return one->handler_of(scene); });
+  };
+  const auto keep = [&](auto& from, auto& to, const auto& scene_of) {
+    const auto kept =
+        std::stable_partition(from.begin(), from.end(), [&](const auto& one) { return !is_withheld(scene_of(one)); });
+    to.insert(to.end(), std::make_move_iterator(kept), std::make_move_iterator(from.end()));
+    from.erase(kept, from.end());
+  };
+  if (!withheld.empty()) {
+    keep(taken_now.clouds, arrivals.clouds, [](const Arrivals::Cloud& one) { return one.place.scene; });
+    keep(taken_now.progress, arrivals.progress, [](const UrlProgress& one) { return one.scene; });
+    for (Arrivals::Image& one : taken_now.images) {
+      Arrivals::Image kept{{}, one.image};
+      keep(one.textures, kept.textures, [](const Arrivals::Place& place) { return place.scene; });
+      if (!kept.textures.empty()) arrivals.images.push_back(std::move(kept));
+    }
+  }
+  taken_now.feeds = std::exchange(world.feeds, {});
+  taken_now.outside = std::exchange(world.outside, {});
+  taken_now.diagnostics = std::exchange(world.diagnostics, vrml::Diagnostics());
+  return taken_now;
+}
+
+}  // namespace gs::app

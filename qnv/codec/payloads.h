@@ -1,0 +1,47 @@
+#pragma once
+
+#include "qnv/stream/container.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace gs::qnv {
+
+/// What makes something to look at of a payload.
+enum class PayloadReader : std::uint8_t {
+  vectors,   // StreamDecoder, all of them
+  levels,    // LodStream, as finely as views want it
+  polygons,  // OutlineDecoder
+};
+
+/// One payload of QNV streams: what those need to know of it who read, carry or lose its chunks.
+struct PayloadRow {
+  Payload payload;
+  std::string_view name;
+  PayloadReader reader;
+  ChunkType chunk, inner_chunk;  // the types of its chunks; often one and the same
+  std::size_t head_bytes;        // of a chunk's payload, of which nothing may be missing
+  std::size_t record_bytes;      // behind them, each of use by itself; 0: a chunk is of use only as a whole
+  std::size_t packet_records;    // that travel together and are lost together
+};
+
+/// All payloads, in the order of their numbers.
+[[nodiscard]] std::span<const PayloadRow> payload_rows();
+[[nodiscard]] const PayloadRow& row_of(Payload payload);
+/// The payload of the stream that begins so; null: it is none, or too little of it is there. Safe for untrusted bytes.
+[[nodiscard]] const PayloadRow* payload_of(std::span<const std::byte> bytes);
+/// Whether chunks of this type are the payload's own.
+[[nodiscard]] bool carries(const PayloadRow& row, ChunkType type);
+
+/// A whole chunk as an unreliable line carries it: all of the head, and of the body what arrives.
+struct ChunkParts {
+  std::span<const std::byte> head, body;
+};
+/// Nothing where the bytes are no chunk that is just so long, or none of the payload. The checksum is not looked at.
+/// Safe for untrusted bytes.
+[[nodiscard]] std::optional<ChunkParts> cut_chunk(const PayloadRow& row, std::span<const std::byte> chunk);
+
+}  // namespace gs::qnv

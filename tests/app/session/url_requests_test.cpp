@@ -1,0 +1,221 @@
+#include "app/session/living_world.h"
+#include "app/session/simulation.h"
+#include "app/session/world_reader.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "vrml/syntax/parser.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gs::app::url_requests_test {
+namespace {
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+
+std::string picture(unsigned char shade) {
+  // One pixel of grey (binary PGM).
+  return std::string("P5 1 1 255\n") + static_cast<char>(shade);
+}
+
+void put(LoadOptions& options, const std::string& name, const std::string& text, std::uint64_t rate = 0) {
+  options.memory->put("memory://a/" + name, [text, rate](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.head.content_length = text.size();
+    const auto bytes = std::as_bytes(std::span(text));
+    answer.body = {bytes.begin(), bytes.end()};
+    if (rate > 0) {
+      answer.bytes_per_second = rate;
+      answer.block = 1;
+    }
+    return answer;
+  });
+}
+
+LoadOptions site() {
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  put(options, "world.wrl",
+      kHeader +
+          "Inline { url \"one.wrl\" } Shape { geometry Box { } appearance Appearance { "
+          "texture ImageTexture { url \"dark.pgm\" } } } Group { }");
+  put(options, "one.wrl", kHeader + "Viewpoint { } Shape { geometry Box { } }");
+  put(options, "two.wrl",
+      kHeader + "EXTERNPROTO Cone2 [ ] \"lib.wrl\" Shape { geometry Box { } } Inline { url \"inner.wrl\" } Cone2 { }");
+  put(options, "inner.wrl",
+      kHeader + "Shape { geometry Sphere { } appearance Appearance { texture ImageTexture { url \"light.pgm\" } } }");
+  put(options, "lib.wrl", kHeader + "PROTO Cone2 [ ] { Shape { geometry Cone { } } }");
+  put(options, "dark.pgm", picture(10));
+  put(options, "light.pgm", picture(200));
+  put(options, "slow.wrl", kHeader + std::string(4000, ' ') + "Shape { geometry Cone { } }", 100);
+  return options;
+}
+
+struct World {
+  explicit World(const LoadOptions& options)
+      : loading("memory://a/world.wrl", options), opened(load_world(loading, "memory://a/world.wrl")) {
+    REQUIRE(opened.scene);
+    living = std::make_unique<LivingWorld>(opened, meshes);
+    living->start(1000);
+    seen = living->look({0, 0, 10}, true);
+  }
+  vrml::SceneGraph& scene() { return *opened.scene; }
+  vrml::NodeId texture() {
+    const auto appearance = scene().get<vrml::SFNode>(scene().roots()[1], "appearance");
+    return scene().get<vrml::SFNode>(appearance, "texture");
+  }
+  void set_url(vrml::NodeId node, const std::string& url) {
+    vrml::MFString list;
+    if (!url.empty()) list.push_back(url);
+    CHECK(living->send(scene(), node, "set_url", vrml::FieldValue(list)));
+    living->step(time += 1);
+  }
+  Arrivals fetch() {
+    loading.request(living->take_url_requests());
+    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
+    return loading.take_arrivals();
+  }
+  const render::RenderList& list() {
+    (void)living->show(*seen, {0, 0, 10});
+    return seen->scene.list();
+  }
+  // Shades of the pictures on the items, -1 for those without.
+  std::vector<int> shades() {
+    std::vector<int> all;
+    for (const render::DrawItem& item : list().items)
+      all.push_back(item.texture.image ? item.texture.image->pixels[0] : -1);
+    return all;
+  }
+
+  WorldLoading loading;
+  OpenedWorld opened;
+  render::MeshCache meshes;
+  std::unique_ptr<LivingWorld> living;
+  std::shared_ptr<LivingScene> seen;
+  double time = 1000;
+};
+
+using Shades = std::vector<int>;
+
+}  // namespace
+
+TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22)") {
+  World world(site());
+  CHECK(world.shades() == Shades{-1, 10});
+  world.set_url(world.texture(), "light.pgm");
+  CHECK(world.shades() == Shades{-1, 10});
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, 200});
+  // One that is there already, one that nobody has, none.
+  world.set_url(world.texture(), "dark.pgm");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, 10});
+  world.set_url(world.texture(), "none.pgm");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, -1});
+  CHECK(world.opened.diagnostics.warnings() == 1);
+  world.set_url(world.texture(), "dark.pgm");
+  world.living->arrive(world.fetch());
+  world.set_url(world.texture(), "");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, -1});
+}
+
+TEST_CASE("what comes of a former url is dropped") {
+  World world(site());
+  world.set_url(world.texture(), "light.pgm");
+  Arrivals former = world.fetch();
+  REQUIRE(former.images.size() == 1);
+  world.set_url(world.texture(), "dark.pgm");
+  Arrivals present = world.fetch();
+  world.living->arrive(std::move(former));
+  CHECK(world.shades() == Shades{-1, 10});
+  world.living->arrive(std::move(present));
+  CHECK(world.shades() == Shades{-1, 10});
+
+  world.set_url(world.scene().roots()[0], "two.wrl");
+  Arrivals inner = world.fetch();
+  world.set_url(world.scene().roots()[0], "");
+  world.living->arrive(std::move(inner));
+  CHECK(world.shades() == Shades{-1, 10});
+}
+
+TEST_CASE("set_url of an Inline puts what it names then in the place of what it showed (6.25)") {
+  World world(site());
+  const vrml::NodeId inlined = world.scene().roots()[0];
+  const vrml::SceneGraph* const first = world.scene().inlined(inlined);
+  REQUIRE(first);
+  for (int round = 0; round < 5; ++round) {
+    world.set_url(inlined, "two.wrl");
+    world.living->arrive(world.fetch());
+    CHECK(world.shades() == Shades{-1, 200, -1, 10});
+    if (round == 0) CHECK(!world.living->execution().has_scene(first));
+    world.set_url(inlined, "one.wrl");
+    world.living->arrive(world.fetch());
+    CHECK(world.shades() == Shades{-1, 10});
+  }
+  world.set_url(inlined, "");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{10});
+  CHECK(!world.scene().inlined(inlined));
+  // Only the outer one's pictures are left.
+  CHECK(world.opened.images.size() == 1);
+}
+
+TEST_CASE("an Inline that stalls is given up when its url is set again") {
+  World world(site());
+  const vrml::NodeId inlined = world.scene().roots()[0];
+  world.set_url(inlined, "slow.wrl");
+  world.loading.request(world.living->take_url_requests());
+  (void)world.loading.step(std::chrono::milliseconds(20));
+  CHECK(world.loading.state().waiting == 1);
+  CHECK(world.loading.take_arrivals().contents.empty());
+  world.set_url(inlined, "two.wrl");
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, 200, -1, 10});
+}
+
+TEST_CASE("nodes that are made at run time get what their urls name, in the name of the file") {
+  World world(site());
+  vrml::Diagnostics diagnostics;
+  const vrml::RunTimeNodes made =
+      vrml::read_into(world.scene(), "script",
+                      "PROTO P [ field MFString u [ ] ] { Shape { geometry Box { } appearance Appearance { "
+                      "texture ImageTexture { url IS u } } } } P { u \"light.pgm\" } Inline { url \"one.wrl\" }",
+                      diagnostics);
+  CHECK(diagnostics.errors() == 0);
+  world.living->execution().attach(world.scene());
+  CHECK(world.living->send(world.scene(), world.scene().roots()[2], "addChildren", vrml::FieldValue(made.roots)));
+  world.living->step(1001);
+  world.living->arrive(world.fetch());
+  CHECK(world.shades() == Shades{-1, 10, 200, -1});
+}
+
+TEST_CASE("a reader goes on to read what is asked for while the world lives") {
+  WorldReader reader("memory://a/world.wrl", site(), {});
+  WorldReader::News news;
+  const auto wait_for = [&](const auto& there) {
+    for (news = reader.take(); !there(); news = reader.take())
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  };
+  wait_for([&] { return news.document && news.document->living; });
+  const std::shared_ptr<Document> document = news.document;
+  vrml::SceneGraph& scene = *document->world.scene;
+  for (const char* url : {"two.wrl", "one.wrl", "two.wrl"}) {
+    vrml::MFString list;
+    list.push_back(url);
+    CHECK(document->living->send(scene, scene.roots()[0], "set_url", vrml::FieldValue(list)));
+    reader.request(document->living->take_url_requests());
+    wait_for([&] { return !news.arrivals.contents.empty(); });
+    document->living->arrive(std::move(news.arrivals));
+    CHECK(scene.inlined(scene.roots()[0])->file_name() == std::string("memory://a/") + url);
+  }
+}
+
+}  // namespace gs::app::url_requests_test

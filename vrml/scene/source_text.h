@@ -1,0 +1,71 @@
+#pragma once
+
+#include "vrml/scene/node_type.h"
+
+#include <cstdint>
+#include <forward_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::vrml {
+
+class SceneGraph;
+
+/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The declarations belong to the nodes' types.
+struct Route {
+  NodeId from, to;
+  const InterfaceDeclaration* event_out = nullptr;
+  const InterfaceDeclaration* event_in = nullptr;
+  friend bool operator==(const Route&, const Route&) = default;
+};
+
+/// Statements in the order of the file, which printing keeps.
+struct Statement {
+  enum class Kind : std::uint8_t { node, prototype, route };
+  Kind kind;
+  NodeId node;                     // Kind::node
+  const NodeType* type = nullptr;  // Kind::prototype: PROTO or EXTERNPROTO
+  Route route;                     // Kind::route
+};
+
+/// A text that nodes were written in, a file or what was read into a world that lives: its statements, and what its
+/// nodes need beside their values. Of the nodes it has the ids only.
+class SourceText {
+ public:
+  /// `file_name` is what diagnostics call this text.
+  explicit SourceText(std::string file_name);
+  ~SourceText();
+  SourceText(const SourceText&) = delete;
+  SourceText& operator=(const SourceText&) = delete;
+
+  [[nodiscard]] const std::string& file_name() const { return file_name_; }
+  /// The text of a file in whose name this one was written, a script's for what it has had read: it may have what that
+  /// may have, and urls are relative to it. Of a file, itself.
+  [[nodiscard]] const SourceText& origin() const { return origin_ ? *origin_ : *this; }
+  /// Nodes at top level.
+  [[nodiscard]] const MFNode& roots() const { return roots_; }
+  [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
+  [[nodiscard]] const std::vector<Statement>& statements() const { return statements_; }
+  /// Appends a top-level node: to `roots` and to the statements.
+  void add_root(NodeId id);
+  /// A PROTO, EXTERNPROTO or Script type that lives as long as the text.
+  NodeType& add_type(std::unique_ptr<NodeType> type);
+  [[nodiscard]] const std::vector<std::unique_ptr<NodeType>>& types() const { return types_; }
+  /// Keeps a scene alive whose PROTOs are used here through EXTERNPROTO.
+  SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
+
+ protected:
+  friend class SceneGraph;
+  friend class RunTimeText;
+  std::string file_name_;
+  const SourceText* origin_ = nullptr;
+  std::forward_list<std::string> names_;
+  MFNode roots_;
+  std::vector<Statement> statements_;
+  std::vector<std::unique_ptr<NodeType>> types_;
+  std::vector<std::unique_ptr<SceneGraph>> libraries_;
+};
+
+}  // namespace gs::vrml
