@@ -72,8 +72,7 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
     auto decoded = decode_texture(from, world.budget);
     if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
     Texture& texture = std::get<Texture>(decoded);
-    if (!texture.note.empty())
-      world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
+    if (!texture.note.empty()) world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
     image = texture.image;
     world.image_arrived({std::exchange(textures, {}), std::move(texture.image)});
   }
@@ -363,9 +362,8 @@ void SceneHandler::load(const UrlRequest& request) {
       auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
       const bool fresh = !shared || shared->has_none;
       if (fresh)
-        shared =
-            std::make_shared<WorldLoading::State::SharedImage>(world_, request.type, request.file, request.location,
-                                                                     request.urls);
+        shared = std::make_shared<WorldLoading::State::SharedImage>(world_, request.type, request.file,
+                                                                    request.location, request.urls);
       shared->add(at);
       if (fresh) ask_for(std::move(reference), request.node, shared, Urgency::texture);
       return;

@@ -67,7 +67,7 @@ TEST_CASE("pictures and meshes of removed nodes go, and others in their places h
     image->pixels.resize(3);
     const auto arrive = [&](vrml::SceneGraph* of) {
       Arrivals arrivals;
-      arrivals.images.push_back({{{of, texture, 1}}, image});
+      arrivals.images.push_back({{{of, texture, 0, 1}}, image});
       world.living->arrive(std::move(arrivals));
     };
     arrive(&scene);

@@ -127,6 +127,33 @@ TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22
   CHECK(world.shades() == Shades{-1, -1});
 }
 
+TEST_CASE("the faces of a Background are set one by one (6.5)") {
+  LoadOptions options = site();
+  put(options, "world.wrl", kHeader + "Background { frontUrl \"dark.pgm\" backUrl \"light.pgm\" }");
+  World world(options);
+  const vrml::NodeId background = world.scene().roots()[0];
+  const auto face = [&](render::Background::Face which) {
+    const auto& picture = world.list().background.panorama[which];
+    return picture ? int{picture->pixels[0]} : -1;
+  };
+  CHECK(face(render::Background::front) == 10);
+  CHECK(face(render::Background::back) == 200);
+  CHECK(face(render::Background::top) == -1);
+  const auto set = [&](const char* event, const char* url) {
+    CHECK(world.living->send(world.scene(), background, event, vrml::FieldValue(vrml::MFString{vrml::SFString(url)})));
+    world.living->step(world.time += 1);
+    world.living->arrive(world.fetch());
+  };
+  set("set_frontUrl", "light.pgm");
+  set("set_topUrl", "dark.pgm");
+  CHECK(face(render::Background::front) == 200);
+  CHECK(face(render::Background::back) == 200);
+  CHECK(face(render::Background::top) == 10);
+  set("set_backUrl", "none.pgm");
+  CHECK(face(render::Background::back) == -1);
+  CHECK(face(render::Background::front) == 200);
+}
+
 TEST_CASE("what comes of a former url is dropped") {
   World world(site());
   world.set_url(world.texture(), "light.pgm");
