@@ -77,12 +77,19 @@ std::optional<double> Session::next_life() const {
   return next ? std::optional(std::max(*next, life_due_)) : std::nullopt;
 }
 
-// Where its sensors find the viewer of a world. Who stands at the bound Viewpoint is where that is at each timestamp.
-void Session::place_viewer(vrml::Execution& execution, const View& leader) const {
+// Where its sensors find the viewer of a world. Who stands at the bound Viewpoint is where that is at each timestamp;
+// who is on the way to where he jumps is there (VRML97 6.53).
+void Session::place_viewer(Document& document, const View& leader) const {
+  vrml::Execution& execution = document.living->execution();
   if (const Viewport place = place_of(leader); place.height > 0)
     execution.set_aspect(static_cast<double>(place.width) / place.height);
+  const std::optional<Transition>& way = leader.navigation.transition;
+  const std::optional<glm::vec3> before =
+      std::exchange(document.destination, way ? std::optional(way->to.position) : std::nullopt);
+  if (way && before != document.destination) execution.viewer_jumped();
   const bool at_viewpoint = at_home(leader) && (leader.viewpoint || options_.simulated);
-  if (execution.is_told_viewer() || !at_viewpoint) execution.set_viewer(world_from_viewer(leader.navigation.pose));
+  if (execution.is_told_viewer() || !at_viewpoint)
+    execution.set_viewer(world_from_viewer(way ? way->to : leader.navigation.pose));
 }
 
 // Lets time go on in the worlds that are seen. True when there is something else to be seen.
@@ -101,7 +108,7 @@ bool Session::let_live(bool look) {
     // Another viewport is another place: nobody has walked there.
     const void* before = std::exchange(document->viewer, leader);
     if (before && before != leader) execution.viewer_jumped();
-    place_viewer(execution, *leader);
+    place_viewer(*document, *leader);
     const bool moved = document->living->step(now_);
     if (document->reader)
       if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())

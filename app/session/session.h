@@ -130,7 +130,7 @@ class Session {
   };
 
   [[nodiscard]] std::vector<Document*> living() const;
-  void place_viewer(vrml::Execution& execution, const View& leader) const;
+  void place_viewer(Document& document, const View& leader) const;
   bool let_live(bool look);
   /// In simulated time nobody is on the way to a Viewpoint.
   void end_journey(View& view) const;
@@ -188,6 +188,7 @@ class Session {
   bool pointer_moved_ = false;                  // since sensors heard of it
   bool sensor_has_pointer_ = false;             // until the button is released
   std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
+  std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
   FolderQuestions questions_;
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last

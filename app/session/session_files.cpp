@@ -67,6 +67,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     return true;
   }
   const std::shared_ptr<Document> document = news.document;
+  places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
   document->reader = from.reader;
   panes_.deliver(from.reading.number, document, area_.size());
@@ -133,6 +134,9 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
     if (i == panes_.active()) frame_.show_log = true;
   }
   tell("Could not open " + file_label(path) + ": " + reason, true);
+  entries_.erase(path);
+  // The first URL that can be read (VRML97 6.2).
+  if (auto behind = places_behind_.extract(path)) follow_link(waited.front(), behind.mapped());
 }
 
 void Session::show_loaded() {

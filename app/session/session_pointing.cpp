@@ -97,13 +97,15 @@ void Session::enter_by_link(Pane& pane) {
 
 void Session::follow_link(std::size_t pane, const Link& link) {
   View* seen = panes_.at(pane).view();
-  for (const Link::Place& place : link.places) {
+  for (std::size_t i = 0; i < link.places.size(); ++i) {
+    const Link::Place& place = link.places[i];
     if (!place.problem.empty()) {
       tell(place.problem, true);
       continue;
     }
-    const bool here = place.target.empty() || place.target == seen->document->world.path;
+    const bool here = place.target.empty() || (seen && place.target == seen->document->world.path);
     if (here) {
+      if (!seen) continue;
       const auto index = find_viewpoint(seen->list->viewpoints, place.viewpoint);
       if (index)
         go_to_viewpoint(*seen, *index);
@@ -125,6 +127,10 @@ void Session::follow_link(std::size_t pane, const Link& link) {
         activate(sight[(static_cast<std::size_t>(mine - sight.begin()) + 1) % sight.size()]);
     }
     if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;
+    Link behind = link;
+    behind.other_window = false;  // it is there
+    behind.places.erase(behind.places.begin(), behind.places.begin() + static_cast<std::ptrdiff_t>(i + 1));
+    places_behind_[place.target] = std::move(behind);
     // A world may lead anywhere, but it does not say what the user allows.
     panes_.open(std::vector<std::string>{place.target});
     return;

@@ -59,8 +59,7 @@ SessionOptions simulated() {
 }  // namespace
 
 Simulation::Simulation(OpenedWorld world, const glm::ivec2& size)
-    : document_(hold_world(std::move(world))),
-      session_(simulated(), {}, [] {}) {
+    : document_(hold_world(std::move(world))), session_(simulated(), {}, [] {}) {
   input_.area = Viewport{0, 0, size.x, size.y};
   execution().set_aspect(static_cast<double>(size.x) / size.y);
 }

@@ -162,6 +162,56 @@ TEST_CASE("Sensors find the viewer where he has gone, and until then at the View
   CHECK(world.number_of_events("exitTime") == 1);
 }
 
+TEST_CASE("Sensors on the way of a jump see nobody, and those where it leads see him at once (VRML97 6.53)") {
+  OneWorld world(
+      "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 50 0 10 } "
+      "ProximitySensor { center 25 0 10 size 20 2 2 } ProximitySensor { center 50 0 10 size 2 2 2 }",
+      false);
+  std::vector<double> entered;
+  world.document->living->execution().observe([&](const vrml::SentEvent& event) {
+    if (event.event->name == "enterTime") entered.push_back(event.time);
+  });
+  // Who has walked is told of; then he jumps.
+  (void)world.session.step(kStart + 0.1, input_of({key(Kind::key_down, 'W')}));
+  (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_up, 'W')}));
+  for (int i = 1; i <= 60; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));
+  CHECK(entered.empty());
+  world.session.bind_viewpoint(1);
+  for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + 1.2 + i / 60.0, input_of({}));
+  CHECK(world.place() == glm::vec3(50, 0, 10));
+  REQUIRE(entered.size() == 1);
+  CHECK(entered[0] < kStart + 1.2 + 2.5 / 60);
+}
+
+TEST_CASE("An Anchor leads to the first of its files that can be read (VRML97 6.2)") {
+  const ScratchFolder folder;
+  folder.write("there.wrl", "#VRML V2.0 utf8\nDEF V Viewpoint { position 0 0 33 } Shape { geometry Cone { } }\n");
+  SessionOptions options;
+  options.files = {folder.write("world.wrl",
+                                "#VRML V2.0 utf8\nViewpoint { } Anchor { url [ \"missing.wrl#V\" \"none.wrl\" "
+                                "\"there.wrl#V\" ] children Shape { geometry Box { size 20 20 1 } } }\n")};
+  Session session(options, {}, [] {});
+  Frame frame;
+  std::size_t failures = 0;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto step = [&](std::vector<WindowEvent> events) {
+    frame = session.step(world_time(), input_of(std::move(events)));
+    failures += frame.notices.size();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  };
+  while ((!session.view() || !session.view()->document->living) && std::chrono::steady_clock::now() < deadline)
+    step({});
+  REQUIRE(session.view());
+  for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up}) step({pointer(kind, 100, 50)});
+  const auto there = [&] {
+    return session.view() && session.view()->document->world.path == folder.path("there.wrl") &&
+           session.view()->navigation.pose.position == glm::vec3(0, 0, 33);
+  };
+  while (!there() && std::chrono::steady_clock::now() < deadline) step({});
+  CHECK(there());
+  CHECK(failures == 2);
+}
+
 TEST_CASE("Files are read beside the steps, each in its viewport, and one that fails is told") {
   const ScratchFolder folder;
   const std::string box = folder.write("box.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
