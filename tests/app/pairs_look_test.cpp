@@ -229,7 +229,7 @@ TEST_CASE("transparent surfaces look alike in any order, of shapes and within a 
   };
   const std::string red = glass("1 0 0", square(0.5, -0.3)), green = glass("0 1 0", square(0, 0)),
                     blue = glass("0 0 1", square(-0.5, 0.3));
-  for (const std::string other :
+  for (const std::string& other :
        {red + blue + green, green + red + blue, green + blue + red, blue + red + green, blue + green + red})
     check_alike(studio, "shapes", view + red + green + blue, view + other, 0);
   // Three faces of one mesh, coloured by face.
