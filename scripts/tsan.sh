@@ -8,7 +8,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
 cmake --preset tsan >/dev/null
 cmake --build --preset tsan --target ghostspace net_tests app_tests
-export TSAN_OPTIONS="exitcode=66 ${TSAN_OPTIONS:-}"
+export TSAN_OPTIONS="exitcode=66 suppressions=$root/scripts/tsan.supp ${TSAN_OPTIONS:-}"
 build/tsan/tests/net_tests
 build/tsan/tests/app_tests -# "[#world_loading_test],[#world_reader_test],[#world_loader_test],[#cell_stream_test],[#serve_test],[#documents_test],[#outline_world_test],[#session_test],[#url_requests_test]"
 echo "tsan.sh: no races"
