@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/cells/aal5.h"
+#include "net/atm/aal5.h"
 #include "net/cells/cell_contract.h"
 #include "net/cells/cell_framing.h"
 

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "net/atm/cells.h"
 #include "net/base/address_space.h"
 #include "net/base/siphash.h"
 #include "net/base/token_bucket.h"
 #include "net/cells/cell_source.h"
-#include "net/cells/cells.h"
 #include "net/cells/erasure.h"
 
 #include <array>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "net/cells/aal5.h"
+#include "net/atm/aal5.h"
+#include "net/atm/cells.h"
 #include "net/cells/cell_source.h"
-#include "net/cells/cells.h"
 
 #include <cstdint>
 #include <optional>

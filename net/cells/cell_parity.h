@@ -1,9 +1,9 @@
 #pragma once
 
+#include "net/atm/aal5.h"
+#include "net/atm/cells.h"
 #include "net/base/token_bucket.h"
-#include "net/cells/aal5.h"
 #include "net/cells/cell_contract.h"
-#include "net/cells/cells.h"
 #include "net/cells/erasure.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include "net/cells/atm_socket.h"
+#include "net/atm/atm_socket.h"
 
-#include "net/cells/aal5.h"
+#include "net/atm/aal5.h"
 
 #include <algorithm>
 #include <cerrno>

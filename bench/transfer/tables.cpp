@@ -1,6 +1,6 @@
-#include "bench/transfer_tables.h"
+#include "bench/transfer/tables.h"
 
-#include "bench/transfer_jobs.h"
+#include "bench/transfer/jobs.h"
 
 #include <algorithm>
 #include <cmath>

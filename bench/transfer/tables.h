@@ -1,8 +1,8 @@
 #pragma once
 
-#include "bench/transfer_model.h"
-#include "bench/transfer_options.h"
-#include "bench/transfer_run.h"
+#include "bench/transfer/model.h"
+#include "bench/transfer/options.h"
+#include "bench/transfer/run.h"
 
 #include <map>
 

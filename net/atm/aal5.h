@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/cells/cells.h"
+#include "net/atm/cells.h"
 
 #include <cstddef>
 #include <cstdint>

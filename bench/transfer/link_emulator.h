@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/link_direction.h"
+#include "bench/transfer/link_direction.h"
 
 #include <chrono>
 #include <functional>

@@ -1,7 +1,7 @@
 #include "app/formats/content_types.h"
 #include "app/world/outline_scene.h"
 #include "bench/studio.h"
-#include "bench/transfer_run.h"
+#include "bench/transfer/run.h"
 #include "net/base/range_set.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/records/records_payload.h"

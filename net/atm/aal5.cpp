@@ -1,4 +1,4 @@
-#include "net/cells/aal5.h"
+#include "net/atm/aal5.h"
 
 #include "net/base/network_bytes.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/transfer_run.h"
+#include "bench/transfer/run.h"
 
 #include <vector>
 

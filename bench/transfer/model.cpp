@@ -1,4 +1,4 @@
-#include "bench/transfer_model.h"
+#include "bench/transfer/model.h"
 
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"

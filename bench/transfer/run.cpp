@@ -1,4 +1,4 @@
-#include "bench/transfer_run.h"
+#include "bench/transfer/run.h"
 
 #include "net/cells/cell_driver.h"
 #include "net/load/loader.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/transfer_model.h"
+#include "bench/transfer/model.h"
 
 #include <string>
 #include <variant>

@@ -7,11 +7,11 @@
 // `ghostspace serve`, the client net::Loader or net::CellClientDriver, TCP the kernel's. Pictures are drawn after the
 // transfers, from what had come at each moment. Prints Markdown. Needs root, or `unshare -r`, and for Draco's row
 // draco_encoder and draco_decoder in the PATH.
-#include "bench/transfer_jobs.h"
-#include "bench/transfer_model.h"
-#include "bench/transfer_options.h"
-#include "bench/transfer_run.h"
-#include "bench/transfer_tables.h"
+#include "bench/transfer/jobs.h"
+#include "bench/transfer/model.h"
+#include "bench/transfer/options.h"
+#include "bench/transfer/run.h"
+#include "bench/transfer/tables.h"
 
 #include <cstdio>
 #include <cstdlib>

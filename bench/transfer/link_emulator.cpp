@@ -1,4 +1,4 @@
-#include "bench/link_emulator.h"
+#include "bench/transfer/link_emulator.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "net/cells/cells.h"
+#include "net/atm/cells.h"
 
 #include "net/base/network_bytes.h"
 

@@ -1,4 +1,4 @@
-#include "bench/transfer_jobs.h"
+#include "bench/transfer/jobs.h"
 
 #include <algorithm>
 #include <condition_variable>

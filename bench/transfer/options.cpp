@@ -1,6 +1,6 @@
-#include "bench/transfer_options.h"
+#include "bench/transfer/options.h"
 
-#include "bench/transfer_run.h"
+#include "bench/transfer/run.h"
 
 #include <algorithm>
 #include <charconv>

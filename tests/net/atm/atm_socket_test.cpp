@@ -1,4 +1,4 @@
-#include "net/cells/atm_socket.h"
+#include "net/atm/atm_socket.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "bench/link_direction.h"
+#include "bench/transfer/link_direction.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/link_emulator.h"
+#include "bench/transfer/link_emulator.h"
 #include "net/cells/cell_receiver.h"
 #include "qnv/base/cloud.h"
 #include "render/scene/render_list.h"

@@ -1,4 +1,4 @@
-#include "bench/transfer_tables.h"
+#include "bench/transfer/tables.h"
 #include "net/base/file.h"
 #include "qnv/decode/decoder.h"
 
