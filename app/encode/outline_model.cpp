@@ -59,7 +59,7 @@ class Builder {
     qnv::PolygonModel& model = out_.model;
     const auto base = static_cast<std::uint32_t>(model.positions.size());
     for (const glm::vec3& p : mesh.positions)
-      model.positions.push_back(glm::vec3(item.world_from_node * glm::vec4(p, 1.0f)));
+      model.positions.push_back(glm::vec3(item.world_from_node * glm::dvec4(p, 1)));
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       std::array<std::uint32_t, 3> corners{mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]};
       if (flipped) std::swap(corners[1], corners[2]);

@@ -69,7 +69,7 @@ class Emitter {
  private:
   SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
     SurfaceCorner c{};
-    c.position = glm::vec3(item_.world_from_node * glm::vec4(mesh.positions[index], 1.0f));
+    c.position = glm::vec3(item_.world_from_node * glm::dvec4(mesh.positions[index], 1));
     if (mesh.normals.size() == mesh.positions.size()) {
       const glm::vec3 n = normal_matrix_ * mesh.normals[index];
       const float length = std::sqrt(glm::dot(n, n));
@@ -172,7 +172,7 @@ SurfaceSummary summarize_surface(const render::RenderList& list) {
     summary.two_sided = summary.two_sided || !mesh.solid;
     summary.textured = summary.textured || item.texture.image != nullptr;
     for (const std::uint32_t index : mesh.indices) {
-      const glm::vec3 p(item.world_from_node * glm::vec4(mesh.positions[index], 1.0f));
+      const glm::vec3 p(item.world_from_node * glm::dvec4(mesh.positions[index], 1));
       if (finite(p)) summary.box.add(p);
     }
   }

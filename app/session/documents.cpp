@@ -68,9 +68,9 @@ void begin_world(Document& document, double now) {
   document.list = document.first_scene->scene.shared_list();
   if (document.viewer_dependent) {
     const auto& viewpoints = document.list->viewpoints;
-    const glm::vec3 viewer = viewpoints.empty()
-                                 ? first_pose(document.list->bounds, {4, 3}).position
-                                 : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
+    const glm::dvec3 viewer = viewpoints.empty()
+                                  ? first_pose(document.list->bounds, {4, 3}).position
+                                  : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
     (void)document.living->show(*document.first_scene, viewer);
   }
   report_left_out(*document.list, document.world.diagnostics);

@@ -35,8 +35,8 @@ struct Document {
   std::shared_ptr<WorldReader> reader;  // that still reads what arrives, and of streams what views want; null: none
   LoadingState arriving;                // how far it is; nothing waits when all is there
   bool all_came = false;
-  const void* viewer = nullptr;          // the view whose place its sensors know
-  std::optional<glm::vec3> destination;  // to which its viewer is on the way
+  const void* viewer = nullptr;           // the view whose place its sensors know
+  std::optional<glm::dvec3> destination;  // to which its viewer is on the way
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };

@@ -141,7 +141,7 @@ bool LivingWorld::take_changes() {
   return true;
 }
 
-std::shared_ptr<LivingScene> LivingWorld::look(const glm::vec3& viewer, bool own) {
+std::shared_ptr<LivingScene> LivingWorld::look(const glm::dvec3& viewer, bool own) {
   if (!own)
     if (auto shared = shared_.lock()) return shared;
   auto scene = std::make_shared<LivingScene>(
@@ -151,7 +151,7 @@ std::shared_ptr<LivingScene> LivingWorld::look(const glm::vec3& viewer, bool own
   return scene;
 }
 
-bool LivingWorld::show(LivingScene& scene, const glm::vec3& viewer) {
+bool LivingWorld::show(LivingScene& scene, const glm::dvec3& viewer) {
   (void)take_changes();
   const std::uint64_t behind = version_ - scene.version;
   scene.version = version_;

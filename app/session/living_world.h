@@ -54,9 +54,9 @@ class LivingWorld {
   }
 
   /// A list for one who looks from `viewer`. `own`: not shared.
-  [[nodiscard]] std::shared_ptr<LivingScene> look(const glm::vec3& viewer, bool own);
+  [[nodiscard]] std::shared_ptr<LivingScene> look(const glm::dvec3& viewer, bool own);
   /// Brings the list up to date, for one who is at `viewer` now. True when it is another than before.
-  bool show(LivingScene& scene, const glm::vec3& viewer);
+  bool show(LivingScene& scene, const glm::dvec3& viewer);
 
   /// Which bindable nodes are bound.
   [[nodiscard]] render::BoundNodes bound() const;

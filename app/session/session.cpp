@@ -84,7 +84,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
   if (const Viewport place = place_of(leader); place.height > 0)
     execution.set_aspect(static_cast<double>(place.width) / place.height);
   const std::optional<Transition>& way = leader.navigation.transition;
-  const std::optional<glm::vec3> before =
+  const std::optional<glm::dvec3> before =
       std::exchange(document.destination, way ? std::optional(way->to.position) : std::nullopt);
   if (way && before != document.destination) execution.viewer_jumped();
   const bool at_viewpoint = at_home(leader) && (leader.viewpoint || options_.simulated);

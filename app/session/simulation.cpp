@@ -154,7 +154,7 @@ render::Camera Simulation::camera() {
   return camera_of(seen.navigation.pose);
 }
 
-const render::RenderList& Simulation::look_from(const glm::vec3& viewer) {
+const render::RenderList& Simulation::look_from(const glm::dvec3& viewer) {
   const View& seen = look();
   (void)document_->living->show(*seen.scene, viewer);
   return *seen.list;

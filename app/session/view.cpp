@@ -106,11 +106,8 @@ bool follow_world(View& view) {
   const render::ViewpointState& viewpoint = viewpoints[*view.viewpoint];
   if (viewpoint.world_from_camera == view.world_from_viewpoint && viewpoint.field_of_view == view.home.field_of_view)
     return true;
-  const glm::dmat4 moved =
-      glm::dmat4(viewpoint.world_from_camera) * glm::inverse(glm::dmat4(view.world_from_viewpoint));
-  const auto carry = [&](Pose& pose) {
-    pose = pose_of(glm::mat4(moved * world_from_viewer(pose)), viewpoint.field_of_view);
-  };
+  const glm::dmat4 moved = viewpoint.world_from_camera * glm::inverse(view.world_from_viewpoint);
+  const auto carry = [&](Pose& pose) { pose = pose_of(moved * world_from_viewer(pose), viewpoint.field_of_view); };
   const bool stays = at_home(view);
   view.world_from_viewpoint = viewpoint.world_from_camera;
   carry(view.navigation.pose);
@@ -152,10 +149,11 @@ bool follow_bound_viewpoint(View& view) {
 
 Pose linked_pose(const Pose& pose, const vrml::Bounds& from, const vrml::Bounds& to) {
   if (!usable(from) || !usable(to) || (from.lower == to.lower && from.upper == to.upper)) return pose;
-  const float scale = glm::length(to.size()) / glm::length(from.size());
+  const double scale = double{glm::length(to.size())} / double{glm::length(from.size())};
   Pose result = pose;
-  result.position = to.center() + (pose.position - from.center()) * scale;
-  const float reach = std::max({std::abs(result.position.x), std::abs(result.position.y), std::abs(result.position.z)});
+  result.position = glm::dvec3(to.center()) + (pose.position - glm::dvec3(from.center())) * scale;
+  const double reach =
+      std::max({std::abs(result.position.x), std::abs(result.position.y), std::abs(result.position.z)});
   return reach <= kFarthest ? result : pose;
 }
 

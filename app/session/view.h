@@ -25,7 +25,7 @@ struct View {
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
-  glm::mat4 world_from_viewpoint{1.0f};  // of that, when it was last looked at: who moves with it
+  glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
   const vrml::Node* bound = nullptr;     // the Viewpoint that was bound in the world when that was last looked at
   bool headlight = true;
   render::CloudLook look;

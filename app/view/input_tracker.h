@@ -22,7 +22,7 @@ class InputTracker {
 
   /// Takes in one event that the user interface did not want.
   Gesture take(const WindowEvent& event, NavigationMode mode);
-  void set_target(const glm::vec3& target) { target_ = target; }
+  void set_target(const glm::dvec3& target) { target_ = target; }
   /// What happened since the last call.
   [[nodiscard]] NavigationInput input(NavigationMode mode, const Viewport& viewport);
   /// Forgets all that is held, as when another window takes the keys.
@@ -44,7 +44,7 @@ class InputTracker {
   MouseButton button_ = MouseButton::left;
   glm::vec2 pointer_{0}, press_{0}, moved_{0};
   float wheel_ = 0;
-  std::optional<glm::vec3> target_;
+  std::optional<glm::dvec3> target_;
   double last_click_ = -1;
   glm::vec2 last_click_place_{0};
 };

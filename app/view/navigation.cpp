@@ -33,11 +33,14 @@ template <class Vector>
 Vector clean(const Vector& v, float limit) {
   return finite(v) ? glm::clamp(v, Vector(-limit), Vector(limit)) : Vector(0.0f);
 }
+glm::dvec3 clean_place(const glm::dvec3& v) {
+  return finite(v) ? glm::clamp(v, glm::dvec3(-kFarthest), glm::dvec3(kFarthest)) : glm::dvec3(0);
+}
 float clean(float v, float limit) { return finite(v) ? std::clamp(v, -limit, limit) : 0.0f; }
 
 Pose valid(Pose pose, const Pose& otherwise) {
   if (!finite(pose.position)) pose.position = otherwise.position;
-  pose.position = glm::clamp(pose.position, glm::vec3(-kFarthest), glm::vec3(kFarthest));
+  pose.position = clean_place(pose.position);
   const float length = glm::length(pose.orientation);
   pose.orientation = finite(pose.orientation) && length > 1e-3f ? pose.orientation / length : otherwise.orientation;
   if (!finite(pose.field_of_view)) pose.field_of_view = otherwise.field_of_view;
@@ -51,9 +54,10 @@ float pixel_size(const Pose& pose, float distance, const glm::vec2& viewport) {
 }
 
 /// How far away the things are that EXAMINE looks at; never too near to move on.
-float examined_distance(const Navigation& state, const std::optional<glm::vec3>& target) {
-  const float along = glm::dot(target.value_or(state.center) - state.pose.position, state.pose.forward());
-  const float distance = along > 0 ? along : glm::length(state.center - state.pose.position);
+float examined_distance(const Navigation& state, const std::optional<glm::dvec3>& target) {
+  const glm::vec3 to_target(target.value_or(state.center) - state.pose.position);
+  const float along = glm::dot(to_target, state.pose.forward());
+  const float distance = along > 0 ? along : static_cast<float>(glm::length(state.center - state.pose.position));
   return std::clamp(distance, state.scene_size * 1e-3f, state.scene_size * 1e3f);
 }
 
@@ -98,7 +102,7 @@ void rotate_about_center(Navigation& state, float right, float up) {
   const Pose before = state.pose;
   state.pose.orientation = turned(before, right, up);
   const glm::quat change = state.pose.orientation * glm::inverse(before.orientation);
-  state.pose.position = state.center + change * (before.position - state.center);
+  state.pose.position = state.center + glm::dquat(change) * (before.position - state.center);
 }
 
 /// The drag of EXAMINE and PAN, and the looking and sliding of FLY and WALK.
@@ -116,7 +120,7 @@ void apply_drag(Navigation& state, const NavigationInput& input) {
       break;
     case Drag::pan: {
       const float metres = pixel_size(state.pose, examined_distance(state, input.target), input.viewport);
-      state.pose.position += (-state.pose.right() * moved.x + state.pose.up() * moved.y) * metres;
+      state.pose.position += glm::dvec3((-state.pose.right() * moved.x + state.pose.up() * moved.y) * metres);
       break;
     }
     case Drag::zoom:
@@ -139,15 +143,15 @@ void apply_zoom(Navigation& state, float seconds) {
   if (state.mode == NavigationMode::fly || state.mode == NavigationMode::walk) {
     glm::vec3 ahead = state.pose.forward();
     if (state.mode == NavigationMode::walk) ahead = unit_or({ahead.x, 0, ahead.z}, glm::vec3(0));
-    state.pose.position += ahead * (state.speed * 0.5f * now);
+    state.pose.position += glm::dvec3(ahead * (state.speed * 0.5f * now));
     return;
   }
-  const glm::vec3 away = state.pose.position - state.zoom_target;
+  const glm::vec3 away(state.pose.position - state.zoom_target);
   const float nearest = state.scene_size * 1e-4f;
   const float farthest = state.scene_size * 1e3f;
   const float distance = glm::length(away);
   const float next = std::clamp(distance * std::pow(kZoomNotch, now), std::min(nearest, distance), farthest);
-  state.pose.position = state.zoom_target + unit_or(away, -state.pose.forward()) * next;
+  state.pose.position = state.zoom_target + glm::dvec3(unit_or(away, -state.pose.forward()) * next);
 }
 
 /// Held keys, and the travelling drag, which is a key that knows how much.
@@ -173,25 +177,25 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
     case NavigationMode::examine: {
       // Half the turn before and half after the move, here and below: the chord of the arc.
       rotate_about_center(state, turn.x / 2, turn.y / 2);
-      const glm::vec3 away = pose.position - state.center;
+      const glm::vec3 away(pose.position - state.center);
       const float distance = std::max(glm::length(away), state.scene_size * 1e-3f);
       const float next = std::clamp(distance * std::exp(-move.z), state.scene_size * 1e-4f, state.scene_size * 1e3f);
-      if (move.z != 0) pose.position = state.center + unit_or(away, -pose.forward()) * next;
-      pose.position += (pose.right() * move.x + pose.up() * move.y) * (std::sqrt(distance * next) * 0.5f);
+      if (move.z != 0) pose.position = state.center + glm::dvec3(unit_or(away, -pose.forward()) * next);
+      pose.position += glm::dvec3((pose.right() * move.x + pose.up() * move.y) * (std::sqrt(distance * next) * 0.5f));
       rotate_about_center(state, turn.x / 2, turn.y / 2);
       break;
     }
     case NavigationMode::pan: {
       const float distance = examined_distance(state, {});
       const float ahead = 1 - std::exp(-move.z * 0.5f);  // of the distance
-      pose.position +=
-          pose.forward() * (distance * ahead) +
-          (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) * (distance * (1 - ahead / 2) * 0.5f);
+      pose.position += glm::dvec3(pose.forward() * (distance * ahead) +
+                                  (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) *
+                                      (distance * (1 - ahead / 2) * 0.5f));
       break;
     }
     case NavigationMode::fly:
       pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
-      pose.position += (pose.right() * move.x + pose.up() * move.y + pose.forward() * move.z) * state.speed;
+      pose.position += glm::dvec3((pose.right() * move.x + pose.up() * move.y + pose.forward() * move.z) * state.speed);
       pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
       break;
     case NavigationMode::walk: {
@@ -200,7 +204,7 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       const glm::vec3 view = pose.forward();
       const glm::vec3 ahead = unit_or({view.x, 0, view.z}, glm::vec3(0));
       const glm::vec3 side = glm::cross(ahead, kUp);
-      pose.position += (side * move.x + kUp * move.y + ahead * move.z) * state.speed;
+      pose.position += glm::dvec3((side * move.x + kUp * move.y + ahead * move.z) * state.speed);
       pose.orientation = turned_level(pose, turn.x / 2, turn.y / 2, 1);
       break;
     }
@@ -217,7 +221,7 @@ void advance_transition(Navigation& state, float seconds) {
   }
   const float t = way.elapsed / way.duration;
   const float eased = t * t * (3 - 2 * t);
-  state.pose.position = glm::mix(way.from.position, way.to.position, eased);
+  state.pose.position = glm::mix(way.from.position, way.to.position, double{eased});
   state.pose.orientation = glm::slerp(way.from.orientation, way.to.orientation, eased);
   state.pose.field_of_view = glm::mix(way.from.field_of_view, way.to.field_of_view, eased);
 }
@@ -245,13 +249,13 @@ Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bo
   state.pose = valid(pose, Pose{});
   if (!bounds.empty()) {
     const glm::vec3 center = bounds.center();
-    if (finite(center)) state.center = clean(center, kFarthest);
+    if (finite(center)) state.center = clean_place(center);
     const float size = glm::length(bounds.size());
-    if (finite(size) && size > 0) state.scene_size = std::clamp(size, 1e-6f, kFarthest);
+    if (finite(size) && size > 0) state.scene_size = std::clamp(size, 1e-6f, static_cast<float>(kFarthest));
   } else {
-    state.center = state.pose.position + state.pose.forward() * 10.0f;
+    state.center = state.pose.position + glm::dvec3(state.pose.forward() * 10.0f);
   }
-  state.speed = finite(rules.speed) ? std::clamp(rules.speed, 0.0f, kFarthest) : 1.0f;
+  state.speed = finite(rules.speed) ? std::clamp(rules.speed, 0.0f, static_cast<float>(kFarthest)) : 1.0f;
   return state;
 }
 
@@ -271,8 +275,8 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
     if (input.zoom != 0) {
       const float limit = 30;
       next.zoom_left = std::clamp(next.zoom_left + input.zoom, -limit, limit);
-      next.zoom_target =
-          input.target.value_or(next.pose.position + next.pose.forward() * examined_distance(next, std::nullopt));
+      next.zoom_target = input.target.value_or(next.pose.position +
+                                               glm::dvec3(next.pose.forward() * examined_distance(next, std::nullopt)));
     }
     apply_drag(next, input);
     apply_zoom(next, seconds);
@@ -296,12 +300,12 @@ Navigation travel_to(Navigation state, const Pose& pose) {
   return state;
 }
 
-Navigation look_at_point(Navigation state, const glm::vec3& point) {
+Navigation look_at_point(Navigation state, const glm::dvec3& point) {
   if (!finite(point)) return state;
-  state.center = clean(point, kFarthest);
-  const glm::vec3 to_point = state.center - state.pose.position;
+  state.center = clean_place(point);
+  const glm::dvec3 to_point = state.center - state.pose.position, forward(state.pose.forward());
   Pose to = state.pose;
-  to.position += to_point - state.pose.forward() * glm::dot(to_point, state.pose.forward());
+  to.position += to_point - forward * glm::dot(to_point, forward);
   return travel_to(std::move(state), to);
 }
 
@@ -324,9 +328,9 @@ Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport) {
   return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
 }
 
-Pose pose_of(const glm::mat4& world_from_camera, float field_of_view) {
+Pose pose_of(const glm::dmat4& world_from_camera, float field_of_view) {
   Pose pose;
-  pose.position = glm::vec3(world_from_camera[3]);
+  pose.position = glm::dvec3(world_from_camera[3]);
   const glm::vec3 back = unit_or(glm::vec3(world_from_camera[2]), glm::vec3(0, 0, 1));
   const glm::vec3 up = glm::vec3(world_from_camera[1]);
   const glm::vec3 sideways = std::abs(back.y) < 0.9f ? kUp : glm::vec3(0, 0, -1);
@@ -344,8 +348,7 @@ glm::dmat4 world_from_viewer(const Pose& pose) {
 
 render::Camera camera_of(const Pose& pose) {
   render::Camera camera;
-  camera.world_from_camera = glm::mat4_cast(pose.orientation);
-  camera.world_from_camera[3] = glm::vec4(pose.position, 1);
+  camera.world_from_camera = world_from_viewer(pose);
   camera.field_of_view = pose.field_of_view;
   return camera;
 }
@@ -369,7 +372,7 @@ Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& siz
   return {pose.position, unit_or(direction, pose.forward())};
 }
 
-glm::vec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit) {
+glm::dvec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit) {
   if (hit && finite(*hit) && *hit > 0) return ray.at(*hit);
   const float along = std::max(glm::dot(ray.direction, state.pose.forward()), 0.01f);
   return ray.at(examined_distance(state, std::nullopt) / along);

@@ -18,8 +18,8 @@
 
 namespace gs::app {
 
-/// Metres from the origin that a pose can hold: beyond, floats have no metres left.
-inline constexpr float kFarthest = 1e15f;
+/// Metres from the origin that a pose can hold: beyond, doubles have no metres left.
+inline constexpr double kFarthest = 1e15;
 
 /// How the user moves through the world (VRML97 6.29). `pan` is ours.
 enum class NavigationMode : std::uint8_t { none, examine, fly, walk, pan };
@@ -53,7 +53,7 @@ struct NavigationRules {
 
 /// Where the viewer is: world space, metres; looks along -Z of `orientation`. Always finite and normalised.
 struct Pose {
-  glm::vec3 position{0, 0, 10};
+  glm::dvec3 position{0, 0, 10};
   glm::quat orientation{1, 0, 0, 0};
   float field_of_view = 0.785398f;  // radians, the smaller of the two angles
 
@@ -62,15 +62,16 @@ struct Pose {
   [[nodiscard]] glm::vec3 forward() const { return orientation * glm::vec3(0, 0, -1); }
 };
 /// The nearest valid pose: scale and shear of the matrix are taken out, NaN and infinity replaced.
-[[nodiscard]] Pose pose_of(const glm::mat4& world_from_camera, float field_of_view);
+[[nodiscard]] Pose pose_of(const glm::dmat4& world_from_camera, float field_of_view);
 [[nodiscard]] render::Camera camera_of(const Pose& pose);
 /// Without scale.
 [[nodiscard]] glm::dmat4 world_from_viewer(const Pose& pose);
 
 /// A half line of world space; `direction` is of unit length.
 struct Ray {
-  glm::vec3 origin{0}, direction{0, 0, -1};
-  [[nodiscard]] glm::vec3 at(float distance) const { return origin + direction * distance; }
+  glm::dvec3 origin{0};
+  glm::vec3 direction{0, 0, -1};
+  [[nodiscard]] glm::dvec3 at(double distance) const { return origin + glm::dvec3(direction) * distance; }
 };
 /// The ray through `pointer`, in pixels from the upper left of a viewport of `size` pixels.
 [[nodiscard]] Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size);
@@ -78,7 +79,7 @@ struct Ray {
 /// The world point that a gesture under the pointer is about: what the pointer's ray hits, `hit` metres away,
 /// else a point as far away as what EXAMINE turns about.
 struct Navigation;
-[[nodiscard]] glm::vec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit);
+[[nodiscard]] glm::dvec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit);
 
 /// What a drag with a button does.
 enum class Drag : std::uint8_t { none, rotate, pan, zoom, look, travel };
@@ -90,13 +91,13 @@ enum class DragButton : std::uint8_t { left, right, middle };
 struct NavigationInput {
   glm::vec2 viewport{1024, 768};  // pixels
   Drag drag = Drag::none;
-  glm::vec2 moved{0};               // the pointer since the last step, pixels, y down
-  glm::vec2 from_press{0};          // the pointer from where the button went down, pixels, y down
-  std::optional<glm::vec3> target;  // world point under the pointer, for zoom and pan
-  float zoom = 0;                   // wheel notches, positive goes closer
-  glm::vec3 move{0};                // held keys, -1..1: right, up, forward
-  glm::vec2 turn{0};                // held keys, -1..1: right, up
-  bool fast = false;                // Shift is held
+  glm::vec2 moved{0};                // the pointer since the last step, pixels, y down
+  glm::vec2 from_press{0};           // the pointer from where the button went down, pixels, y down
+  std::optional<glm::dvec3> target;  // world point under the pointer, for zoom and pan
+  float zoom = 0;                    // wheel notches, positive goes closer
+  glm::vec3 move{0};                 // held keys, -1..1: right, up, forward
+  glm::vec2 turn{0};                 // held keys, -1..1: right, up
+  bool fast = false;                 // Shift is held
 
   [[nodiscard]] bool any() const {
     return drag != Drag::none || zoom != 0 || move != glm::vec3(0) || turn != glm::vec2(0);
@@ -113,13 +114,13 @@ struct Transition {
 struct Navigation {
   NavigationMode mode = NavigationMode::examine;
   Pose pose;
-  glm::vec3 center{0};    // what EXAMINE turns about
+  glm::dvec3 center{0};   // what EXAMINE turns about
   float scene_size = 10;  // metres across; > 0
   float speed = 1;        // metres a second
   glm::vec3 velocity{0};  // of the keys, smoothed: right, up, forward; 1 is full speed
   glm::vec2 turning{0};   // likewise: right, up
   float zoom_left = 0;    // notches of the wheel still to be gone
-  glm::vec3 zoom_target{0};
+  glm::dvec3 zoom_target{0};
   std::optional<Transition> transition;
 
   /// True while the view changes by itself.
@@ -139,7 +140,7 @@ struct Navigation {
 /// Starts a smooth way (0.4 s) to `pose`.
 [[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose);
 /// Makes `point` what EXAMINE turns about, and slides the view until it is in the middle.
-[[nodiscard]] Navigation look_at_point(Navigation state, const glm::vec3& point);
+[[nodiscard]] Navigation look_at_point(Navigation state, const glm::dvec3& point);
 /// Where the whole of `bounds` is seen from the present direction, level.
 [[nodiscard]] Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport);
 /// The camera of the bound Viewpoint; of the first one where that is not shown, inside a Switch for example; of a world

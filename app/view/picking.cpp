@@ -23,7 +23,7 @@ const render::VolumeModel& Picker::model_of(const std::shared_ptr<const qnv::Clo
 }
 
 std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, const PickOptions& options) {
-  return pick(list, render::SightLine{glm::dvec3(ray.origin), glm::dvec3(ray.direction)}, options);
+  return pick(list, render::SightLine{ray.origin, glm::dvec3(ray.direction)}, options);
 }
 
 std::optional<Hit> Picker::pick(const render::RenderList& list, const render::SightLine& line,
@@ -40,7 +40,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
     return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}};
   };
   render::PickRay looking;
-  looking.origin = glm::vec3(line.origin);
+  looking.origin = line.origin;
   looking.direction = glm::vec3(line.direction);
   looking.pixel = options.pixel;
   if (nearest) looking.farthest = nearest->distance;
@@ -58,7 +58,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
     render::VolumeOptions look;
     look.opacity = options.clouds.opacity * (1 - item.material.transparency);
     look.least_magnitude = options.clouds.least_magnitude;
-    if (options.clouds.clip) look.clip = *options.clouds.clip * item.world_from_node;
+    if (options.clouds.clip) look.clip = glm::vec4(glm::dvec4(*options.clouds.clip) * item.world_from_node);
     const render::VolumeTransfer transfer = render::volume_transfer(item.cloud->description, options.clouds.transfer);
     look.transfer = &transfer;
     const auto veil = render::pick_volume(*item.cloud, model_of(item.cloud), look, item.world_from_node, looking);
@@ -95,7 +95,7 @@ render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const 
   const double unit = std::max(1.0, std::min(size.x, size.y)) / 2;
   const glm::dvec2 place = (pointer - size * 0.5) / unit * std::tan(double{pose.field_of_view} / 2);
   const glm::dvec3 direction = glm::dquat(pose.orientation) * glm::dvec3(place.x, -place.y, -1);
-  return {glm::dvec3(pose.position), glm::normalize(direction)};
+  return {pose.position, glm::normalize(direction)};
 }
 
 std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,

@@ -120,7 +120,7 @@ void Viewer::show_title() {
 }
 
 int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error) {
-  auto window = Window::open("GhostSpace", options.width, options.height, options.samples);
+  auto window = Window::open("GhostSpace", options.width, options.height);
   if (const auto* problem = std::get_if<render::ContextError>(&window)) {
     error = "cannot open a window: " + problem->message;
     return 1;

@@ -70,14 +70,15 @@ glm::vec2 pixels_per_unit(GLFWwindow* window) {
           static_cast<float>(framebuffer_height) / static_cast<float>(height)};
 }
 
-GLFWwindow* create(const std::string& title, int width, int height, int samples) {
+GLFWwindow* create(const std::string& title, int width, int height) {
   glfwDefaultWindowHints();
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 24);
-  glfwWindowHint(GLFW_SAMPLES, samples);
+  // Pictures are drawn off screen.
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   return glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
 }
@@ -148,15 +149,13 @@ struct Window::Callbacks {
 };
 
 std::variant<std::unique_ptr<Window>, render::ContextError> Window::open(const std::string& title, int width,
-                                                                         int height, int samples) {
+                                                                         int height) {
   last_error.clear();
   glfwSetErrorCallback(on_error);
   if (!glfwInit()) return render::ContextError{"no window system: " + last_error};
   width = std::clamp(width, 64, 16384);
   height = std::clamp(height, 64, 16384);
-  samples = std::clamp(samples, 0, 16);
-  GLFWwindow* handle = create(title, width, height, samples);
-  if (!handle && samples > 0) handle = create(title, width, height, 0);
+  GLFWwindow* handle = create(title, width, height);
   if (!handle) {
     const std::string message = "no window with OpenGL 3.3: " + last_error;
     glfwTerminate();

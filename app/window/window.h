@@ -75,9 +75,9 @@ struct WindowEvent {
 /// A window of the desktop with an OpenGL 3.3 core context. Main thread only, except `wake`.
 class Window final : public render::GlContext {
  public:
-  /// Opens it. Tries again without anti-aliasing where the driver has none. `samples` is clamped to 0..16.
+  /// Opens it, with colours only: what is drawn elsewhere is shown in it.
   static std::variant<std::unique_ptr<Window>, render::ContextError> open(const std::string& title, int width,
-                                                                          int height, int samples);
+                                                                          int height);
   ~Window() override;
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;

@@ -19,7 +19,7 @@ constexpr float kUnknown = 0.25f;  // of what says nothing of its size
 
 class Surveyor {
  public:
-  Surveyor(const std::unordered_set<const vrml::Node*>& wanted, const glm::vec3& viewer)
+  Surveyor(const std::unordered_set<const vrml::Node*>& wanted, const glm::dvec3& viewer)
       : wanted_(wanted), viewer_(viewer) {}
 
   void run(const vrml::SceneGraph& scene) {
@@ -78,7 +78,7 @@ class Surveyor {
       size = scene.get<vrml::SFVec3f>(id, "bboxSize");
     }
     const glm::dvec3 middle(matrix * glm::dvec4(center, 1));
-    const double distance = glm::distance(middle, glm::dvec3(viewer_));
+    const double distance = glm::distance(middle, viewer_);
     if (!std::isfinite(distance)) return 0;
     if (!(size.x >= 0 && size.y >= 0 && size.z >= 0)) return kUnknown / (1 + 0.01f * static_cast<float>(distance));
     const double radius = 0.5 * glm::length(glm::dmat3(matrix) * glm::dvec3(size));
@@ -86,7 +86,7 @@ class Surveyor {
   }
 
   const std::unordered_set<const vrml::Node*>& wanted_;
-  glm::vec3 viewer_;
+  glm::dvec3 viewer_;
   std::vector<Place> open_;
   std::size_t visits_ = 0;
   std::unordered_map<const vrml::Node*, float> found_;
@@ -96,7 +96,7 @@ class Surveyor {
 
 std::unordered_map<const vrml::Node*, float> importance_of(const vrml::SceneGraph& scene,
                                                            const std::unordered_set<const vrml::Node*>& wanted,
-                                                           const glm::vec3& viewer) {
+                                                           const glm::dvec3& viewer) {
   Surveyor surveyor(wanted, viewer);
   if (!wanted.empty()) surveyor.run(scene);
   return surveyor.take();

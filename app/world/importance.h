@@ -13,6 +13,6 @@ namespace gs::app {
 /// and QNV nodes by their bounding boxes, textures by their Shape's place; nodes without one count as middling.
 /// Nodes that are not found in the live scene are left out. Bounded for any scene.
 [[nodiscard]] std::unordered_map<const vrml::Node*, float> importance_of(
-    const vrml::SceneGraph& scene, const std::unordered_set<const vrml::Node*>& wanted, const glm::vec3& viewer);
+    const vrml::SceneGraph& scene, const std::unordered_set<const vrml::Node*>& wanted, const glm::dvec3& viewer);
 
 }  // namespace gs::app

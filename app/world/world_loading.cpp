@@ -348,9 +348,9 @@ bool WorldLoading::changed() const { return state_->changed; }
 bool WorldLoading::streaming() const { return !state_->streams.empty() || !state_->cells.empty(); }
 net::CellClientStatistics WorldLoading::cells() const { return state_->cell_statistics(); }
 bool WorldLoading::streams_grew() { return std::exchange(state_->streams_grew, false); }
-void WorldLoading::look_from(const glm::vec3& viewer) { state_->viewer = viewer; }
+void WorldLoading::look_from(const glm::dvec3& viewer) { state_->viewer = viewer; }
 
-render::RenderList WorldLoading::collect(const glm::vec3& viewer) {
+render::RenderList WorldLoading::collect(const glm::dvec3& viewer) {
   State& s = *state_;
   s.changed = false;
   if (!s.root->scene || s.root->refused) return {};

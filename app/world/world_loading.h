@@ -67,9 +67,9 @@ class WorldLoading {
   /// Whether something that shows has changed since the last `collect`.
   [[nodiscard]] bool changed() const;
   /// What is there, seen from `viewer`. Empty before there is anything.
-  [[nodiscard]] render::RenderList collect(const glm::vec3& viewer);
+  [[nodiscard]] render::RenderList collect(const glm::dvec3& viewer);
   /// From where the world is looked at: what is nearest and largest there comes first.
-  void look_from(const glm::vec3& viewer);
+  void look_from(const glm::dvec3& viewer);
 
   [[nodiscard]] LoadingState state() const;
   /// Of streams that grow: what the thread that draws gives them; see stream_feed.h.

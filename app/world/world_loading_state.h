@@ -99,7 +99,7 @@ struct WorldLoading::State {
   render::MeshCache meshes;
   std::shared_ptr<SceneHandler> root;
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
-  glm::vec3 viewer{0, 0, 10};
+  glm::dvec3 viewer{0, 0, 10};
 
   std::unique_ptr<net::Loader> loader;  // made when something of the network is wanted
   std::unordered_map<std::uint64_t, Fetch*> by_request;

@@ -12,9 +12,10 @@
 
 namespace gs::render {
 
-/// Where draw_to_image draws: with samples, and resolved to one a pixel.
+/// Where pictures are drawn, with a depth buffer of floats where OpenGL can make use of it: with samples, and resolved
+/// to one a pixel.
 struct OffscreenTarget {
-  int width = 0, height = 0, samples = 0;
+  int width = 0, height = 0, samples = 0;  // as wanted
   Renderbuffer color, depth, resolved_color;
   Framebuffer framebuffer, resolved;
 };
@@ -34,6 +35,7 @@ void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum atta
 
 /// Empty framebuffer when the driver cannot.
 OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
+  const GLenum depth = gl.ClipControl ? GL_DEPTH_COMPONENT32F : GL_DEPTH_COMPONENT24;
   take_errors(gl);
   OffscreenTarget target{width, height, samples, {}, {}, {}, {}, {}};
   const auto complete = [&] {
@@ -45,7 +47,7 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
   const int multiple = samples > 1 ? samples : 0;
   attach(gl, target.color, GL_RGBA8, GL_COLOR_ATTACHMENT0, multiple, width, height);
-  attach(gl, target.depth, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, multiple, width, height);
+  attach(gl, target.depth, depth, GL_DEPTH_ATTACHMENT, multiple, width, height);
   if (!complete()) return {};
   if (multiple == 0) return target;
   target.resolved_color = make_renderbuffer(gl);
@@ -103,16 +105,73 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
-FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, const DrawOptions& options) {
-  FrameStatistics statistics;
-  if (options.width <= 0 || options.height <= 0) return statistics;
+/// The target, of at least this size, bound; with fewer samples where the driver has no memory for as many.
+bool Renderer::bind_target(int width, int height, int samples) {
   const Gl& gl = state_->gl;
-  Camera camera = fit_depth(given, list.bounds);
+  const int most = gl.max_renderbuffer_size;
+  if (width > most || height > most) return false;
+  samples = std::clamp(samples, 1, std::max(gl.max_samples, 1));
+  const std::size_t bytes =
+      std::size_t{1} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * kBytesPerSample;
+  while (samples > 1 && bytes * static_cast<std::size_t>(samples) > kMostFramebufferBytes) samples /= 2;
+  OffscreenTarget& target = state_->target;
+  const bool fits = target.framebuffer && target.samples == samples && target.width >= width &&
+                    target.height >= height && target.width <= 2 * width && target.height <= 2 * height;
+  if (!fits) {
+    target = {};
+    target = make_target(gl, width, height, samples);
+    for (int fewer = samples / 2; !target.framebuffer && fewer > 0; fewer /= 2) {
+      target = make_target(gl, width, height, fewer);
+      target.samples = samples;
+    }
+  }
+  if (target.framebuffer) gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
+  return static_cast<bool>(target.framebuffer);
+}
+
+FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, const DrawOptions& options) {
+  if (options.width <= 0 || options.height <= 0) return {};
+  const Gl& gl = state_->gl;
+  GLint outer = 0, outer_samples = 0;
+  gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
+  gl.GetIntegerv(GL_SAMPLES, &outer_samples);
+  DrawOptions local = options;
+  local.x = local.y = 0;
+  if (!bind_target(options.width, options.height, options.samples)) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
+    return {};
+  }
+  const FrameStatistics statistics = draw_in_target(list, camera, local);
+  // A picture of several samples is resolved on the way, but not into another one.
+  if (outer_samples > 0) resolve(options.width, options.height);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(outer));
+  gl.BlitFramebuffer(0, 0, options.width, options.height, options.x, options.y, options.x + options.width,
+                     options.y + options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
+  return statistics;
+}
+
+void Renderer::resolve(int width, int height) {
+  const OffscreenTarget& target = state_->target;
+  if (!target.resolved) return;
+  const Gl& gl = state_->gl;
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer.name());
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.resolved.name());
+  gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
+}
+
+FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& given, const DrawOptions& options) {
+  FrameStatistics statistics;
+  const Gl& gl = state_->gl;
+  const bool reversed = gl.ClipControl != nullptr;
+  Camera camera = fit_depth(given, list.bounds, reversed);
   if (options.visibility_limit && list.navigation.visibility_limit > 0)
     camera.far_plane = std::max(list.navigation.visibility_limit, camera.near_plane * 2);
-  const glm::mat4 clip_from_camera =
-      projection(camera, static_cast<float>(options.width), static_cast<float>(options.height));
+  const Projection lens =
+      projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
 
+  if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl.Viewport(options.x, options.y, options.width, options.height);
   gl.Scissor(options.x, options.y, options.width, options.height);
   gl.Enable(GL_SCISSOR_TEST);
@@ -122,16 +181,18 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl.DepthMask(GL_TRUE);
-  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  const float farthest = lens.farthest_depth();
+  gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   gl.DepthMask(GL_FALSE);
-  state_->background->draw(list.background, glm::mat3(camera.world_from_camera),
-                           {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}, options.background);
+  state_->background->draw(list.background, glm::mat3(camera.world_from_camera), lens.tangents(), options.background);
   gl.DepthMask(GL_TRUE);
-  state_->meshes->draw(list, camera, clip_from_camera, options, statistics, [&] {
-    state_->splats->draw(list, camera, clip_from_camera, options, statistics);
-    state_->volumes->draw(list, camera, clip_from_camera, options, statistics);
+  state_->meshes->draw(list, camera, lens, options, statistics, [&] {
+    state_->splats->draw(list, camera, lens, options, statistics);
+    state_->volumes->draw(list, camera, lens, options, statistics);
   });
   // Whoever draws next (the user interface) finds the defaults.
+  if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  gl.DepthFunc(GL_LESS);
   gl.BindVertexArray(0);
   gl.UseProgram(0);
   gl.BindSampler(0, 0);
@@ -147,36 +208,16 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
   if (width < 1 || height < 1 || width > most || height > most)
     return ContextError{"a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                         " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
-  int samples = std::clamp(options.samples, 1, std::max(gl.max_samples, 1));
-  const std::size_t bytes =
-      std::size_t{1} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * kBytesPerSample;
-  while (samples > 1 && bytes * static_cast<std::size_t>(samples) > kMostFramebufferBytes) samples /= 2;
-
-  OffscreenTarget& target = state_->target;
-  if (!target.framebuffer || target.width != width || target.height != height || target.samples != samples) {
-    target = {};
-    target = make_target(gl, width, height, samples);
-    while (!target.framebuffer && samples > 1) {
-      samples /= 2;
-      target = make_target(gl, width, height, samples);
-    }
-  }
-  if (!target.framebuffer) {
+  if (!bind_target(width, height, options.samples)) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
     return ContextError{"the driver has no memory for a picture of " + std::to_string(width) + "x" +
                         std::to_string(height)};
   }
   DrawOptions local = options;
   local.x = local.y = 0;
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
-  const FrameStatistics drawn = draw(list, camera, local);
+  const FrameStatistics drawn = draw_in_target(list, camera, local);
   if (statistics) *statistics = drawn;
-  if (target.resolved) {
-    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, target.framebuffer.name());
-    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.resolved.name());
-    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
-  }
+  resolve(width, height);
   Image image = read_back(gl, width, height);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return image;

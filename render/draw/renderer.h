@@ -24,7 +24,7 @@ class Renderer {
   static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
   ~Renderer();
 
-  /// Draws into the framebuffer that is bound (0: the window's).
+  /// Draws off screen, and shows the picture in its rectangle of the framebuffer that is bound (0: the window's).
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
   /// Draws off screen and reads the picture back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
@@ -35,6 +35,9 @@ class Renderer {
 
  private:
   struct State;
+  bool bind_target(int width, int height, int samples);
+  FrameStatistics draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  void resolve(int width, int height);
   explicit Renderer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

@@ -59,6 +59,8 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     if (!gl.MemoryBarrier) gl.DispatchCompute = nullptr;
     if (!gl.DispatchCompute) gl.MemoryBarrier = nullptr;
   }
+  if (version >= 45 || has_extension(gl, "GL_ARB_clip_control"))
+    gl.ClipControl = reinterpret_cast<PFNGLCLIPCONTROLPROC>(context.proc_address("glClipControl"));
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl.max_texture_size);
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &gl.max_renderbuffer_size);
   gl.GetIntegerv(GL_MAX_SAMPLES, &gl.max_samples);

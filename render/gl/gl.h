@@ -114,6 +114,8 @@ struct Gl {
 #undef GHOSTSPACE_GL_MEMBER
   /// OpenGL 4.2 or ARB_base_instance; null where absent.
   PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
+  /// OpenGL 4.5 or ARB_clip_control; null where absent.
+  PFNGLCLIPCONTROLPROC ClipControl = nullptr;
   /// OpenGL 4.3; both or none.
   PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
   PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;

@@ -23,14 +23,22 @@ constexpr std::size_t kMostSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",          "NORMALS",  "TEXTURE",  "CUT_OUT",
                                     "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE", "FOG"};
 
-/// The affine product in double: the difference of two large coordinates must survive.
-void compose(const glm::dmat4& camera_from_world, const glm::mat4& world_from_node, float (&rows)[3][4]) {
-  for (int row = 0; row < 3; ++row)
+/// The affine product in double: the difference of two large coordinates must survive. Of the node's space about
+/// `origin`.
+void compose(const glm::dmat4& camera_from_world, const glm::dmat4& world_from_node, const glm::vec3& origin,
+             float (&rows)[3][4]) {
+  for (int row = 0; row < 3; ++row) {
+    double at_origin = 0;
     for (int column = 0; column < 4; ++column) {
       double sum = column == 3 ? camera_from_world[3][row] : 0.0;
-      for (int k = 0; k < 3; ++k) sum += camera_from_world[k][row] * double{world_from_node[column][k]};
+      for (int k = 0; k < 3; ++k) sum += camera_from_world[k][row] * world_from_node[column][k];
+      if (column < 3)
+        at_origin += sum * double{origin[column]};
+      else
+        sum += at_origin;
       rows[row][column] = static_cast<float>(sum);
     }
+  }
 }
 
 struct Sphere {
@@ -38,10 +46,10 @@ struct Sphere {
   float radius;  // negative: not known
 };
 
-/// Around the mesh's box, in camera space.
-Sphere bounding_sphere(const vrml::Bounds& bounds, const float (&rows)[3][4]) {
+/// Around the mesh's box, in camera space. `rows` as `compose` made them.
+Sphere bounding_sphere(const vrml::Bounds& bounds, const glm::vec3& origin, const float (&rows)[3][4]) {
   if (bounds.empty()) return {glm::vec3(rows[0][3], rows[1][3], rows[2][3]), -1};
-  const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;
+  const glm::vec3 center = bounds.center() - origin, half = bounds.size() * 0.5f;
   Sphere sphere{};
   float square = 0;
   for (int i = 0; i < 3; ++i) {
@@ -139,11 +147,12 @@ bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) 
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
-  if (!item.mesh || item.mesh->empty()) return;
+  if (!item.seen || !item.mesh || item.mesh->empty()) return;
   Prepared prepared{};
   Instance& instance = prepared.instance;
-  compose(view.camera_from_world, item.world_from_node, instance.camera_from_node);
-  const Sphere sphere = bounding_sphere(item.mesh->bounds, instance.camera_from_node);
+  const glm::vec3 origin = local_origin(item.mesh->bounds);
+  compose(view.camera_from_world, item.world_from_node, origin, instance.camera_from_node);
+  const Sphere sphere = bounding_sphere(item.mesh->bounds, origin, instance.camera_from_node);
   const float depth = -sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
@@ -159,6 +168,8 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   }
   if (!last_slice_) return;
   prepared.slice = last_slice_;
+  if (last_slice_->origin != origin)
+    compose(view.camera_from_world, item.world_from_node, last_slice_->origin, instance.camera_from_node);
   prepared.mesh = mesh_seen->get();
   const Material& material = item.material;
   const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
@@ -245,12 +256,12 @@ void MeshPass::sort_triangles() {
     if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
     left -= triangles;
     const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the least is the farthest
-    const glm::vec3 backwards(row[0], row[1], row[2]);
+    const glm::vec3 backwards(row[0], row[1], row[2]), origin = prepared.slice->origin;
     const std::uint32_t* index = mesh.indices.data();
     triangle_depths_.resize(triangles);
     for (std::size_t t = 0; t < triangles; ++t) {
-      const glm::vec3 sum =
-          mesh.positions[index[3 * t]] + mesh.positions[index[3 * t + 1]] + mesh.positions[index[3 * t + 2]];
+      glm::vec3 sum(0);
+      for (std::size_t corner = 0; corner < 3; ++corner) sum += mesh.positions[index[3 * t + corner]] - origin;
       const float depth = glm::dot(backwards, sum);
       triangle_depths_[t] = {std::isnan(depth) ? 0 : depth, static_cast<std::uint32_t>(t)};
     }
@@ -261,14 +272,14 @@ void MeshPass::sort_triangles() {
   }
 }
 
-void MeshPass::apply(const DrawState& state, const glm::mat4& clip_from_camera) {
+void MeshPass::apply(const DrawState& state, const Projection& projection) {
   const bool all = !anything_applied_;
   VariantProgram& shader = *program(state.variant);
   const bool switched = all || state.variant != applied_.variant;
   if (switched) {
     gl_.UseProgram(shader.program.name());
     if (shader.frame != frame_) {
-      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(clip_from_camera));
+      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(projection.clip_from_camera));
       if (state.variant & kFog) shader.fog.set(gl_, fog_);
       shader.frame = frame_;
     }
@@ -337,7 +348,7 @@ void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives,
   }
 }
 
-void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer) {
+void MeshPass::draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer) {
   for (const Batch& batch : batches_) {
     if (pacer.given_up()) return;
     const Prepared& prepared = prepared_[batch.prepared];
@@ -347,7 +358,7 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
     const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
     if (count == 0) continue;
     primitives_ += primitives * count;
-    apply(prepared.state, clip_from_camera);
+    apply(prepared.state, projection);
     MeshStore::Slice slice = *prepared.slice;
     if (prepared.sorted != kUnsorted) {
       slice.first_index = prepared.sorted;
@@ -360,7 +371,7 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
   }
 }
 
-void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+void MeshPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                     const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between) {
   ++frame_;
   meshes_.forget_unused();
@@ -368,7 +379,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   meshes_.forget_binding();
   View view;
   view.camera_from_world = camera_from_world_of(camera);
-  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.tangents = projection.tangents();
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
@@ -388,7 +399,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   anything_applied_ = false;
   primitives_ = 0;
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);
   gl_.CullFace(GL_BACK);
   gl_.Disable(GL_BLEND);
@@ -399,18 +410,18 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   });
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
-  draw_batches(clip_from_camera, statistics, pacer);
+  draw_batches(projection, statistics, pacer);
   if (!pacer.given_up()) between();
   anything_applied_ = false;
   meshes_.forget_binding();
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   if (!transparent_.empty() && !pacer.given_up()) {
     gl_.Enable(GL_BLEND);
     gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     gl_.DepthMask(GL_FALSE);
     batch(transparent_, opaque_.size());
-    draw_batches(clip_from_camera, statistics, pacer);
+    draw_batches(projection, statistics, pacer);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }

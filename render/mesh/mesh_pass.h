@@ -33,7 +33,7 @@ class MeshPass {
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
   /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
   /// When `options.go_on` ends the frame before that, it is not called.
-  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+  void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics, const std::function<void()>& between);
 
  private:
@@ -108,10 +108,10 @@ class MeshPass {
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
-  void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                    DrawPacer& pacer);
-  void apply(const DrawState& state, const glm::mat4& clip_from_camera);
+  void apply(const DrawState& state, const Projection& projection);
 
   const Gl& gl_;
   MeshStore meshes_;

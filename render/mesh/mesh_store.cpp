@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace gs::render {
@@ -62,6 +63,15 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 }
 
 }  // namespace
+
+glm::vec3 local_origin(const vrml::Bounds& bounds) {
+  constexpr float kFar = 8;  // times the half extent: near enough for the differences to be exact
+  if (bounds.empty()) return glm::vec3(0);
+  const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;
+  const float extent = std::max({half.x, half.y, half.z});
+  const float away = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
+  return away > kFar * extent && std::isfinite(away) ? center : glm::vec3(0);
+}
 
 MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
   // What meshes without colours have for them: w = 0, where an array of three components has 1.
@@ -197,6 +207,12 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
                     : mesh.primitive == vrml::Mesh::Primitive::points ? GL_POINTS
                                                                       : GL_TRIANGLES;
   slice.order = next_order_++;
+  slice.origin = local_origin(mesh.bounds);
+  std::vector<glm::vec3> local;
+  if (slice.origin != glm::vec3(0)) {
+    local.assign(mesh.positions.begin(), mesh.positions.end());
+    for (glm::vec3& position : local) position -= slice.origin;
+  }
   const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
                           (slice.texture_coordinates ? kTextureCoordinates : 0);
   if (!place(format, vertices, indices, entry)) return;
@@ -211,7 +227,9 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
     gl_.BufferSubData(
         GL_ARRAY_BUFFER,
         static_cast<GLintptr>(arrays.arrays[i].offset + static_cast<std::size_t>(slice.base_vertex) * stride),
-        static_cast<GLsizeiptr>(vertices * stride), bytes_of(mesh, arrays.arrays[i].location));
+        static_cast<GLsizeiptr>(vertices * stride),
+        arrays.arrays[i].location == kPosition && !local.empty() ? local.data()
+                                                                 : bytes_of(mesh, arrays.arrays[i].location));
   }
   gl_.BufferSubData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLintptr>(slice.first_index * sizeof(std::uint32_t)),
                     static_cast<GLsizeiptr>(indices * sizeof(std::uint32_t)), mesh.indices.data());

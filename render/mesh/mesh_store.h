@@ -4,6 +4,8 @@
 #include "render/gl/range_allocator.h"
 #include "vrml/mesh/mesh.h"
 
+#include <glm/vec3.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,12 +17,16 @@ namespace gs::render {
 /// What one instance of a mesh needs, as the vertex shader reads it. Camera space is that of the camera
 /// that draws, so that float32 stays precise far from the world's origin.
 struct Instance {
-  float camera_from_node[3][4];  // rows of an affine matrix
+  float camera_from_node[3][4];  // rows of an affine matrix; from the node's space about the slice's origin
   float base_color[3], alpha;    // diffuse when lit
   float emissive[3], ambient_intensity;
   float specular[3], shininess;  // exponent: 128 * the field
 };
 static_assert(sizeof(Instance) == 24 * sizeof(float));
+
+/// The place in a mesh's space from which its positions count on the GPU: the middle where it lies many times its size
+/// from the origin, as the parts of a map do, so that the vertex shader has no large numbers to take from each other.
+[[nodiscard]] glm::vec3 local_origin(const vrml::Bounds& bounds);
 
 /// Keeps meshes in the memory of the GPU. Small meshes of the same make-up share pages (a vertex
 /// array, a vertex buffer and an index buffer), so that many of them are drawn without switching.
@@ -36,6 +42,7 @@ class MeshStore {
     GLenum primitive = GL_TRIANGLES;
     bool normals = false, colors = false, texture_coordinates = false;
     bool sorted = false;  // first_index counts in the sorted indices, not in the page
+    glm::vec3 origin{0};  // from which its positions count; see local_origin
   };
 
   explicit MeshStore(const Gl& gl);

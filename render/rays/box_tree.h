@@ -51,6 +51,9 @@ class BoxTree {
   /// what distance things matter from then on.
   template <class Meet>
   void visit(const SightLine& line, const Meet& meet) const;
+  /// Calls `meet(thing)` for things that may have boxes that touch `lower` to `upper`, until it returns false.
+  template <class Meet>
+  void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
 
  private:
   // Its first child, if it has children, is the next node.
@@ -114,6 +117,26 @@ void BoxTree::visit(const SightLine& line, const Meet& meet) const {
     if (far.second < near.second) std::swap(near, far);
     if (far.second < kMissed) open[count++] = far;
     if (near.second < kMissed) open[count++] = near;
+  }
+}
+
+template <class Meet>
+void BoxTree::visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, kDeepest> open;
+  std::size_t count = 0;
+  open[count++] = 0;
+  while (count > 0) {
+    const std::uint32_t place = open[--count];
+    const Node& node = nodes_[place];
+    bool apart = false;
+    for (int i = 0; i < 3; ++i) apart |= node.lower[i] > upper[i] || node.upper[i] < lower[i];
+    if (apart) continue;
+    for (std::uint32_t i = 0; i < node.count; ++i)
+      if (!meet(order_[node.place + i])) return;
+    if (node.count > 0) continue;
+    open[count++] = node.place;
+    open[count++] = place + 1;
   }
 }
 

@@ -12,6 +12,7 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRefits = 64;
+constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // whose trees are kept
 constexpr std::size_t kLargeMesh = 100'000;  // whose tree takes longer than a frame
 
 bool is_finite(const glm::dmat4& m) {
@@ -25,7 +26,7 @@ vrml::Bounds world_box(const DrawItem& item) {
   vrml::Bounds box;
   if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
   const vrml::Bounds& bounds = item.mesh->bounds;
-  const glm::dmat4 matrix(item.world_from_node);
+  const glm::dmat4& matrix = item.world_from_node;
   if (bounds.empty() || !is_finite(matrix)) return box;
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5,
                    half = glm::dvec3(bounds.upper) - center;
@@ -39,6 +40,8 @@ vrml::Bounds world_box(const DrawItem& item) {
   }
   return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : vrml::Bounds{};
 }
+
+bool is_sought(const DrawItem& item, Sought sought) { return sought == Sought::seen ? item.seen : item.met; }
 
 void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
   const vrml::Mesh& mesh = *item.mesh;
@@ -54,7 +57,7 @@ void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
   glm::dvec3 normal = glm::cross(b - a, c - a);
   if (mesh.normals.size() == mesh.positions.size())
     if (const glm::dvec3 smooth(blend(mesh.normals)); glm::dot(smooth, smooth) > 0) normal = smooth;
-  normal = glm::transpose(glm::inverse(glm::dmat3(glm::dmat4(item.world_from_node)))) * normal;
+  normal = glm::transpose(glm::inverse(glm::dmat3(item.world_from_node))) * normal;
   const double length = glm::length(normal);
   hit.normal = length > 0 && std::isfinite(length) ? normal / length : glm::dvec3(0);
   if (mesh.texture_coordinates.size() == mesh.positions.size()) {
@@ -143,7 +146,8 @@ std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml
   return tree;
 }
 
-std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles) {
+std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles,
+                                           Sought sought) {
   ++searches_;
   update(list);
   std::optional<SurfaceHit> found;
@@ -152,9 +156,10 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
   const BoxTree::Walker walker(line);
   tree_.visit(line, [&](std::uint32_t place, double farthest) {
     const DrawItem& item = list.items[place];
+    if (!is_sought(item, sought)) return farthest;
     const vrml::Bounds& box = boxes_[place];
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
-    const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(item.world_from_node));
+    const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return farthest;
     const std::shared_ptr<Tree> tree = tree_of(item.mesh, max_triangles);
     if (!tree) return farthest;
@@ -166,6 +171,49 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     return hit->distance;
   });
   if (found) describe(list.items[found->item], line, *found);
+  return found;
+}
+
+std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec3& lower, const glm::dvec3& upper,
+                                         std::size_t most) {
+  ++searches_;
+  update(list);
+  std::vector<WorldTriangle> found;
+  if (lower * 0.0 + upper * 0.0 != glm::dvec3(0)) return found;
+  tree_.visit(lower, upper, [&](std::uint32_t place) {
+    const DrawItem& item = list.items[place];
+    if (!is_sought(item, Sought::met) || boxes_[place].empty()) return true;
+    const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
+    if (!is_finite(node_from_world)) return true;
+    const std::shared_ptr<Tree> tree = tree_of(item.mesh, kMostTriangles);
+    if (!tree) return true;
+    const glm::dvec3 center((lower + upper) * 0.5), half((upper - lower) * 0.5);
+    const glm::dvec3 inside(node_from_world * glm::dvec4(center, 1));
+    glm::dvec3 extent(0);
+    for (int i = 0; i < 3; ++i) extent += glm::abs(glm::dvec3(node_from_world[i])) * half[i];
+    const vrml::Mesh& mesh = *item.mesh;
+    const auto take = [&](std::uint32_t triangle) {
+      WorldTriangle met{place, {}};
+      glm::dvec3 least(HUGE_VAL), greatest(-HUGE_VAL);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const glm::dvec4 corner(mesh.positions[mesh.indices[std::size_t{3} * triangle + i]], 1);
+        met.corners[i] = glm::dvec3(item.world_from_node * corner);
+        least = glm::min(least, met.corners[i]);
+        greatest = glm::max(greatest, met.corners[i]);
+      }
+      bool touches = true;  // false for numbers that are none
+      for (int i = 0; i < 3; ++i) touches = touches && least[i] <= upper[i] && greatest[i] >= lower[i];
+      if (touches) found.push_back(met);
+      return found.size() < most;
+    };
+    if (tree->ready) {
+      tree->tree->near(mesh, inside - extent, inside + extent, take);
+    } else {
+      for (std::uint32_t i = 0; i < mesh.indices.size() / 3; ++i)
+        if (!take(i)) break;
+    }
+    return found.size() < most;
+  });
   return found;
 }
 

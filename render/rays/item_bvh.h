@@ -5,11 +5,14 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <vector>
 
 namespace gs::render {
 
@@ -25,6 +28,15 @@ struct SurfaceHit {
   glm::vec2 texture_coordinate{0};
 };
 
+/// A triangle of a RenderList, in world space.
+struct WorldTriangle {
+  std::size_t item = 0;  // of RenderList::items
+  std::array<glm::dvec3, 3> corners;
+};
+
+/// Which items of a RenderList are asked for.
+enum class Sought : std::uint8_t { seen, met };
+
 /// Finds the nearest triangle of a RenderList. Keeps what it learned of meshes as long as somebody else holds them, and
 /// the boxes of the items until they change. One thread.
 class ItemBvh {
@@ -34,7 +46,12 @@ class ItemBvh {
   /// triangle.
   /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
   [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
-                                                  std::size_t max_triangles = std::size_t{1} << 24);
+                                                  std::size_t max_triangles = std::size_t{1} << 24,
+                                                  Sought sought = Sought::seen);
+  /// Triangles of what is met that may touch the box from `lower` to `upper`, world space; no more than `most`. Takes
+  /// some microseconds, and time for what has changed as `nearest` does.
+  [[nodiscard]] std::vector<WorldTriangle> near(const RenderList& list, const glm::dvec3& lower,
+                                                const glm::dvec3& upper, std::size_t most);
   /// What it keeps of meshes.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -52,7 +69,7 @@ class ItemBvh {
   };
   struct Item {
     std::weak_ptr<const vrml::Mesh> mesh;
-    glm::mat4 world_from_node{1.0f};
+    glm::dmat4 world_from_node{1.0};
   };
   void update(const RenderList& list);
   std::shared_ptr<Tree> tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);

@@ -8,8 +8,6 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kFewTriangles = 32;  // are looked at all
-
 // Moeller and Trumbore. A line that goes through an edge to within rounding meets both triangles of the edge, lest it
 // slip through between them.
 void meet_triangle(const vrml::Mesh& mesh, std::uint32_t triangle, const SightLine& line,

@@ -2,6 +2,8 @@
 
 #include "render/rays/box_tree.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
 namespace gs::render {
@@ -23,13 +25,27 @@ class MeshBvh {
   /// The nearest triangle, from either side; of several at the same distance the first one. `mesh` must be the same,
   /// of triangles, and `line` in its space.
   [[nodiscard]] std::optional<TriangleHit> nearest(const vrml::Mesh& mesh, const SightLine& line) const;
+  /// Calls `meet(triangle)` for triangles that may touch the box `lower` to `upper` of the mesh's space, until it
+  /// returns false.
+  template <class Meet>
+  void near(const vrml::Mesh& mesh, const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
   [[nodiscard]] std::size_t bytes() const { return tree_.bytes(); }
 
  private:
+  static constexpr std::size_t kFewTriangles = 32;  // are looked at all
+
   BoxTree tree_;  // none for a few triangles
 };
 
 /// The same by looking at all of them.
 [[nodiscard]] std::optional<TriangleHit> nearest_of_all(const vrml::Mesh& mesh, const SightLine& line);
+
+template <class Meet>
+void MeshBvh::near(const vrml::Mesh& mesh, const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const {
+  const std::size_t triangles = mesh.indices.size() / 3;
+  if (triangles > kFewTriangles) return tree_.visit(lower, upper, meet);
+  for (std::uint32_t i = 0; i < triangles; ++i)
+    if (!meet(i)) return;
+}
 
 }  // namespace gs::render

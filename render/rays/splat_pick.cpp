@@ -43,14 +43,14 @@ glm::vec3 any_perpendicular(const glm::vec3& unit) {
   return glm::normalize(glm::cross(unit, other));
 }
 
-std::optional<NodeRay> in_node(const PickRay& ray, const glm::mat4& world_from_node) {
-  const glm::dmat3 linear{glm::dmat4(world_from_node)};
+std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_node) {
+  const glm::dmat3 linear(world_from_node);
   const double determinant = glm::determinant(linear);
   if (!(std::abs(determinant) > static_cast<double>(kLeastDeterminant)) || !std::isfinite(determinant))
     return std::nullopt;
   const glm::dmat3 inverse = glm::inverse(linear);
   NodeRay node;
-  node.origin = glm::vec3(inverse * (glm::dvec3(ray.origin) - glm::dvec3(glm::dmat4(world_from_node)[3])));
+  node.origin = glm::vec3(inverse * (ray.origin - glm::dvec3(world_from_node[3])));
   node.direction = glm::vec3(inverse * glm::dvec3(ray.direction));
   const float length = std::sqrt(glm::dot(node.direction, node.direction));
   if (!finite(node.origin) || !finite(node.direction) || !(length > 0) || !std::isfinite(1 / length))
@@ -163,18 +163,19 @@ bool can_be_picked(const qnv::Cloud& cloud) {
 }
 
 /// A thin pyramid about the ray, in which the stream is as fine as in the picture.
-qnv::LodView view_along(const PickRay& ray, const glm::mat4& world_from_node, const NodeRay& node, std::size_t budget) {
+qnv::LodView view_along(const PickRay& ray, const glm::dmat4& world_from_node, const NodeRay& node,
+                        std::size_t budget) {
   qnv::LodView view;
   view.eye = node.origin;
   view.pixels = 1 / std::clamp(ray.pixel, 1e-6f, 1.0f);
   view.budget = budget;
   view.viewport = kPickViewport;
-  const glm::mat4 transposed = glm::transpose(world_from_node);
+  const glm::dmat4 transposed = glm::transpose(world_from_node);
   const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
   const glm::vec3 ahead = ray.direction * (kBeam / view.pixels);
   const std::array<glm::vec3, 5> inwards{ahead + across, ahead - across, ahead + up, ahead - up, ray.direction};
   for (std::size_t i = 0; i < inwards.size(); ++i)
-    view.planes[i] = transposed * glm::vec4(inwards[i], -glm::dot(inwards[i], ray.origin));
+    view.planes[i] = glm::vec4(transposed * glm::dvec4(inwards[i], -glm::dot(glm::dvec3(inwards[i]), ray.origin)));
   return view;
 }
 
@@ -187,15 +188,15 @@ struct Veil {
 class VeilFinder {
  public:
   VeilFinder(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
-             const glm::mat4& world_from_node, const PickRay& ray)
+             const glm::dmat4& world_from_node, const PickRay& ray)
       : cloud_(cloud), model_(model), options_(options), pixel_(ray.pixel), farthest_(ray.farthest) {
-    const glm::dmat3 linear{glm::dmat4(world_from_node)}, transposed = glm::transpose(linear);
+    const glm::dmat3 linear(world_from_node), transposed = glm::transpose(linear);
     const double determinant = glm::determinant(linear);
     usable_ = std::abs(determinant) > static_cast<double>(kLeastDeterminant) && std::isfinite(determinant);
     scale_ = static_cast<float>(std::cbrt(std::abs(determinant)));
     const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
     // Rows that take a position of the node to where it lies about the ray, world units.
-    const glm::dvec3 from = glm::dvec3(glm::dmat4(world_from_node)[3]) - glm::dvec3(ray.origin);
+    const glm::dvec3 from = glm::dvec3(world_from_node[3]) - ray.origin;
     const auto row = [&](const glm::vec3& axis) {
       return glm::vec4(glm::vec3(transposed * glm::dvec3(axis)), static_cast<float>(glm::dot(glm::dvec3(axis), from)));
     };
@@ -247,7 +248,7 @@ float depth_where(const std::vector<Veil>& veils, float taken) {
 
 }  // namespace
 
-std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& world_from_node, const PickRay& ray,
+std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node, const PickRay& ray,
                                   const PickLimits& limits) {
   const std::optional<NodeRay> node = in_node(ray, world_from_node);
   if (!node) return std::nullopt;
@@ -278,7 +279,7 @@ std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& worl
 }
 
 std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,
-                                      const glm::mat4& world_from_node, const PickRay& ray, const PickLimits& limits) {
+                                      const glm::dmat4& world_from_node, const PickRay& ray, const PickLimits& limits) {
   const VeilFinder finder(cloud, model, options, world_from_node, ray);
   const bool fits = can_be_picked(cloud) && model.spacing.size() == cloud.size() &&
                     (cloud.classes.empty() || cloud.classes.size() == cloud.size());

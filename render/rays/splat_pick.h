@@ -15,7 +15,8 @@ namespace gs::render {
 
 /// A half line of world space that looks for clouds.
 struct PickRay {
-  glm::vec3 origin{0}, direction{0, 0, -1};                 // `direction` of unit length
+  glm::dvec3 origin{0};
+  glm::vec3 direction{0, 0, -1};                            // of unit length
   float pixel = 0.001f;                                     // how wide a pixel of the picture is at distance 1
   float farthest = std::numeric_limits<float>::infinity();  // what lies beyond is not looked for
 };
@@ -34,7 +35,7 @@ struct PickLimits {
 ///
 /// Of a cloud with levels the cut along the ray is decoded, as LodStream::cut does for the viewport kPickViewport: on
 /// the thread that draws it. Else every disc is looked at: about 6 ns each. Safe for any numbers.
-[[nodiscard]] std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::mat4& world_from_node,
+[[nodiscard]] std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
 inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
 
@@ -49,7 +50,7 @@ struct VolumePick {
 /// ray, while the picture has discs that face the camera. Where the whole ray takes less than half the light, the place
 /// that halves what it takes. Nothing where it takes less than one part in a hundred. Safe for any numbers.
 [[nodiscard]] std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model,
-                                                    const VolumeOptions& options, const glm::mat4& world_from_node,
+                                                    const VolumeOptions& options, const glm::dmat4& world_from_node,
                                                     const PickRay& ray, const PickLimits& limits = {});
 
 }  // namespace gs::render

@@ -10,9 +10,10 @@ namespace gs::render {
 namespace {
 
 constexpr float kDefaultFieldOfView = 0.785398f;
-constexpr double kFrameMargin = 1.05;       // orbit_camera leaves this much air around what it frames
-constexpr double kDepthMargin = 0.01;       // so that nothing lies exactly on a plane
-constexpr double kLargestDepthRatio = 1e4;  // far / near that 24 bits of depth still resolve well
+constexpr double kFrameMargin = 1.05;  // orbit_camera leaves this much air around what it frames
+constexpr double kDepthMargin = 0.01;  // so that nothing lies exactly on a plane
+// far / near that 24 bits of depth still resolve well; and what floats that are reversed resolve, which is any.
+constexpr double kLargestDepthRatio = 1e4, kLargestReversedRatio = 1e10;
 constexpr float kDefaultNear = 0.1f, kDefaultFar = 1000.0f;
 
 struct HalfAngles {
@@ -38,22 +39,27 @@ std::array<glm::dvec3, 8> corners(const vrml::Bounds& bounds) {
 }  // namespace
 
 glm::dmat4 camera_from_world_of(const Camera& camera) {
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(glm::mat3(camera.world_from_camera)));
+  const glm::dmat3 rotation = glm::transpose(glm::dmat3(camera.world_from_camera));
   glm::dmat4 matrix(rotation);
   matrix[3] = glm::dvec4(-(rotation * glm::dvec3(camera.world_from_camera[3])), 1);
   return matrix;
 }
 
-glm::mat4 projection(const Camera& camera, float width, float height) {
+Projection projection(const Camera& camera, float width, float height, bool reversed) {
   const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
   const double near_plane = camera.near_plane, far_plane = camera.far_plane;
-  glm::mat4 clip_from_camera(0.0f);
+  const double range = far_plane - near_plane, product = far_plane * near_plane;
+  Projection result;
+  result.reversed = reversed;
+  result.depth_offset = static_cast<float>(reversed ? -near_plane / range : far_plane / range);
+  result.depth_scale = static_cast<float>((reversed ? product : -product) / range);
+  glm::mat4& clip_from_camera = result.clip_from_camera = glm::mat4(0.0f);
   clip_from_camera[0][0] = static_cast<float>(1 / tan_x);
   clip_from_camera[1][1] = static_cast<float>(1 / tan_y);
-  clip_from_camera[2][2] = static_cast<float>(-(far_plane + near_plane) / (far_plane - near_plane));
+  clip_from_camera[2][2] = static_cast<float>(reversed ? near_plane / range : -(far_plane + near_plane) / range);
   clip_from_camera[2][3] = -1;
-  clip_from_camera[3][2] = static_cast<float>(-2 * far_plane * near_plane / (far_plane - near_plane));
-  return clip_from_camera;
+  clip_from_camera[3][2] = static_cast<float>((reversed ? product : -2 * product) / range);
+  return result;
 }
 
 float pixels_per_radian(float field_of_view, float width, float height) {
@@ -82,8 +88,8 @@ Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, 
   const glm::dvec3 eye = center + back * distance;
   Camera camera;
   camera.field_of_view = field_of_view;
-  camera.world_from_camera = glm::mat4(glm::vec4(glm::vec3(right), 0), glm::vec4(glm::vec3(up), 0),
-                                       glm::vec4(glm::vec3(back), 0), glm::vec4(glm::vec3(eye), 1));
+  camera.world_from_camera =
+      glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), glm::dvec4(eye, 1));
   return camera;
 }
 
@@ -94,7 +100,7 @@ Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width
   return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
 }
 
-Camera fit_depth(Camera camera, const vrml::Bounds& bounds) {
+Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed) {
   double nearest = kDefaultNear, farthest = kDefaultFar;
   if (!bounds.empty()) {
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
@@ -119,7 +125,8 @@ Camera fit_depth(Camera camera, const vrml::Bounds& bounds) {
   const double far_plane = camera.far_plane > 0 ? double{camera.far_plane} : std::clamp(farthest, kSmallest, kLargest);
   if (!(camera.near_plane > 0)) {
     const double before_far = nearest < far_plane ? nearest : far_plane * 0.5;
-    camera.near_plane = static_cast<float>(std::max(before_far, far_plane / kLargestDepthRatio));
+    camera.near_plane =
+        static_cast<float>(std::max(before_far, far_plane / (reversed ? kLargestReversedRatio : kLargestDepthRatio)));
   }
   if (!(camera.far_plane > 0)) camera.far_plane = static_cast<float>(std::max(far_plane, camera.near_plane * 1.01));
   return camera;

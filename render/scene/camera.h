@@ -3,6 +3,7 @@
 #include "vrml/mesh/mesh.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace gs::render {
@@ -10,17 +11,32 @@ namespace gs::render {
 /// Where the viewer is and what the lens sees. World space is metres, right-handed, Y up; the camera
 /// looks along its own -Z (VRML97 4.4.5, 6.53).
 struct Camera {
-  glm::mat4 world_from_camera{1.0f};  // rigid: rotation and translation only
+  glm::dmat4 world_from_camera{1.0};  // rigid: rotation and translation only
   float field_of_view = 0.785398f;    // radians, the smaller of the two angles (6.53)
   float near_plane = 0;               // metres; 0: chosen from the bounds of what is drawn
   float far_plane = 0;                // metres; 0: likewise
 };
 
-/// In double precision: the difference of two large coordinates must survive.
 [[nodiscard]] glm::dmat4 camera_from_world_of(const Camera& camera);
 
-/// Clip space of OpenGL from camera space. `near_plane` and `far_plane` must be set.
-[[nodiscard]] glm::mat4 projection(const Camera& camera, float width, float height);
+/// What the rasteriser needs of a lens.
+struct Projection {
+  glm::mat4 clip_from_camera{1.0f};
+  /// Clip space is that of GL_ZERO_TO_ONE, depth 1 is the near plane and 0 the far one, so that a depth buffer of
+  /// floats resolves a constant part of the distance however far it reaches. Else clip space and depth are OpenGL's
+  /// own.
+  bool reversed = false;
+  /// The depth of the window at a distance d along the view axis is `depth_offset` + `depth_scale` / d.
+  float depth_offset = 0, depth_scale = 0;
+
+  [[nodiscard]] glm::vec2 tangents() const { return {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}; }
+  [[nodiscard]] float window_depth(float distance) const { return depth_offset + depth_scale / distance; }
+  [[nodiscard]] float nearest_depth() const { return reversed ? 1.0f : 0.0f; }
+  [[nodiscard]] float farthest_depth() const { return reversed ? 0.0f : 1.0f; }
+};
+
+/// `near_plane` and `far_plane` must be set.
+[[nodiscard]] Projection projection(const Camera& camera, float width, float height, bool reversed = false);
 
 /// How many pixels an angle of one radian has in the middle of the picture.
 [[nodiscard]] float pixels_per_radian(float field_of_view, float width, float height);
@@ -33,7 +49,8 @@ struct Camera {
 /// the world is so flat that it would be seen edge on.
 [[nodiscard]] Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height);
 
-/// `camera` with near and far planes that enclose `bounds` as tightly as depth precision wants.
-[[nodiscard]] Camera fit_depth(Camera camera, const vrml::Bounds& bounds);
+/// `camera` with near and far planes that enclose `bounds` as tightly as depth precision wants. `reversed`: for
+/// Projection::reversed, which lets the viewer come as near as wanted.
+[[nodiscard]] Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed = false);
 
 }  // namespace gs::render

@@ -131,7 +131,7 @@ Light world_light(const NodeView& view, const dmat4& world_from_node) {
 
   const double determinant = std::abs(glm::determinant(dmat3(world_from_node)));
   const double scale = determinant > 0 && std::isfinite(determinant) ? std::cbrt(determinant) : 1.0;
-  light.location = glm::vec3(world_from_node * glm::dvec4(vector(view, F::location, glm::vec3(0)), 1));
+  light.location = dvec3(world_from_node * glm::dvec4(vector(view, F::location, glm::vec3(0)), 1));
   const float largest = std::numeric_limits<float>::max();
   light.radius = static_cast<float>(std::min(number(view, F::radius, 0, largest, 100) * scale, double{largest}));
   const glm::vec3 attenuation = glm::max(vector(view, F::attenuation, glm::vec3(1, 0, 0)), glm::vec3(0));
@@ -151,8 +151,8 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
   const dmat3 rotation =
       rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
-  state.world_from_camera = glm::mat4(glm::mat3(rotation));
-  if (finite(glm::vec3(position))) state.world_from_camera[3] = glm::vec4(glm::vec3(position), 1);
+  state.world_from_camera = dmat4(rotation);
+  if (qnv::finite(position)) state.world_from_camera[3] = glm::dvec4(position, 1);
   const float angle = view.get(F::field_of_view, state.field_of_view);
   if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
   return state;

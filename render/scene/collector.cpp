@@ -329,7 +329,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
     if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
   }
-  item.world_from_node = glm::mat4(world_from_node);
+  item.world_from_node = world_from_node;
   const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
   item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
   item.place = add_place(parent, id);
@@ -358,7 +358,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   if (list_.splats.size() >= budget_->limit(vrml::Resource::items)) return;
   SplatItem item;
   item.cloud = cloud;
-  item.world_from_node = glm::mat4(parent.world_from_local);
+  item.world_from_node = parent.world_from_local;
   // Discs have normals, so they are lit even where no Material asks for it.
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;

@@ -62,7 +62,7 @@ struct RenderSources {
 class Collector {
  public:
   /// `sources`: where to tell where everything comes from; null: nowhere.
-  Collector(ShapeResources& resources, const glm::vec3& viewer, const Clouds& clouds, const BoundNodes* bound,
+  Collector(ShapeResources& resources, const glm::dvec3& viewer, const Clouds& clouds, const BoundNodes* bound,
             std::shared_ptr<vrml::Budget> budget, RenderSources* sources,
             float pixels_per_radian = kUsualPixelsPerRadian)
       : resources_(resources),

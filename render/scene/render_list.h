@@ -33,7 +33,8 @@ inline constexpr float kShininessScale = 128;
 struct Light {
   enum class Kind : std::uint8_t { directional, point, spot };
   Kind kind = Kind::directional;
-  glm::vec3 color{1.0f}, location{0.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};  // world space
+  glm::dvec3 location{0.0};  // world space, as the direction
+  glm::vec3 color{1.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
 };
 
@@ -60,11 +61,13 @@ struct Place {
 /// One Shape under one transformation.
 struct DrawItem {
   std::shared_ptr<const vrml::Mesh> mesh;
-  glm::mat4 world_from_node{1.0f};
+  glm::dmat4 world_from_node{1.0};
   Material material;
   TextureUse texture;
   std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
   std::uint32_t place = kNoPlace;                 // of the Shape
+  bool seen = true;                               // false: the proxy of a Collision (6.8)
+  bool met = true;                                // false: the viewer goes through it
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.
@@ -73,7 +76,7 @@ using Clouds = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::
 /// One Shape whose geometry is a QNV node, under one transformation.
 struct SplatItem {
   std::shared_ptr<const qnv::Cloud> cloud;
-  glm::mat4 world_from_node{1.0f};
+  glm::dmat4 world_from_node{1.0};
   Material material;
   bool own_color = false;  // the cloud's colour, not the material's
   float detail = 1;        // > 0: of the QNV node; multiplies its part of the budget and how finely it is shown
@@ -97,7 +100,7 @@ struct ViewpointState {
   std::string description, name;  // `description` field, DEF name
   const vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;  // of `scene`
-  glm::mat4 world_from_camera{1.0f};
+  glm::dmat4 world_from_camera{1.0};
   float field_of_view = 0.785398f;
   bool jump = true;  // whether the viewer goes there when it is bound
 };
@@ -126,7 +129,8 @@ struct LeftOut {
   vrml::SourceLocation location;
 };
 
-/// Everything that one frame needs, as plain data in world space.
+/// Everything that one frame needs, as plain data in world space. Places are in double precision, so that a thing keeps
+/// its centimetres ten thousand kilometres from the origin; boxes are not.
 struct RenderList {
   std::vector<DrawItem> items;
   std::vector<SplatItem> splats;
@@ -149,7 +153,7 @@ struct RenderList {
 /// `clouds` become splats. `bound` says which NavigationInfo, Background and Fog count; null: the first ones that are
 /// not in an Inline. `pixels_per_radian`: for how large pictures Text is cut.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
-                                 const glm::vec3& viewer = glm::vec3(0.0f, 0.0f, 10.0f), const Clouds& clouds = {},
+                                 const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Clouds& clouds = {},
                                  const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);
 
 }  // namespace gs::render

@@ -19,8 +19,8 @@ constexpr vrml::Role kGeometryParts = vrml::Role::geometry | vrml::Role::geometr
 constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat, not an item
 constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index: it shows nothing so far
 
-glm::vec3 usable(const glm::vec3& viewer) {
-  return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : glm::vec3(0, 0, 10);
+dvec3 usable(const dvec3& viewer) {
+  return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
 }
 
 /// Whether the change is of this field of the node.
@@ -38,7 +38,7 @@ RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, co
       resources_(images, meshes, scene.budget()),
       list_(std::make_shared<RenderList>()) {}
 
-void RenderScene::gather(const BoundNodes& bound, const glm::vec3& viewer) {
+void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
@@ -59,7 +59,7 @@ void RenderScene::gather(const BoundNodes& bound, const glm::vec3& viewer) {
   frame_lost_ = splat_moved_ = false;
 }
 
-bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::vec3& viewer) {
+bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const dvec3& viewer) {
   bool any = false, whole = gathered_ == 0;
   for (std::size_t i = 0; i < changes.size() && !whole; ++i) {
     const vrml::NodeChange& change = changes[i];
@@ -261,7 +261,7 @@ void RenderScene::place_item(std::uint32_t i) {
     frame_lost_ = true;
     return;
   }
-  item.world_from_node = glm::mat4(world_from_node);
+  item.world_from_node = world_from_node;
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   item_moved(i);
 }
@@ -270,14 +270,14 @@ void RenderScene::place_splat(std::uint32_t i) {
   SplatItem& splat = list_->splats[i];
   if (splat.place == kNoPlace) return;
   const dmat4& world = list_->world_from_frame[list_->places[splat.place].frame];
-  splat.world_from_node = glm::mat4(world);
+  splat.world_from_node = world;
   const qnv::Box& box = splat.cloud->description.box;
   sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);
   splat_moved_ = true;
 }
 
 // False where other things are to be seen than before.
-bool RenderScene::follow_viewer(const glm::vec3& viewer) {
+bool RenderScene::follow_viewer(const dvec3& viewer) {
   for (const RenderSources::Lod& lod : sources_.lods) {
     const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
     if (lod_level(view, vrml::viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;

@@ -24,10 +24,10 @@ class RenderScene {
   RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes);
 
   /// Gathers everything.
-  void gather(const BoundNodes& bound, const glm::vec3& viewer);
+  void gather(const BoundNodes& bound, const glm::dvec3& viewer);
   /// Takes in what nodes have changed since the last time, which the cache has been told (forget_changed), and where
   /// the viewer is, in world space. True when the list is another than before.
-  bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::vec3& viewer);
+  bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::dvec3& viewer);
 
   /// How large the pictures are that the list is for, which Text is cut for: pixels of an angle in their middle.
   void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
@@ -57,7 +57,7 @@ class RenderScene {
   [[nodiscard]] static std::span<const Use> uses_of(const Uses& uses, const vrml::Node* node);
   const Uses& frame_uses();
   const Uses& item_uses();
-  bool follow_viewer(const glm::vec3& viewer);
+  bool follow_viewer(const glm::dvec3& viewer);
   bool refine_texts();
   void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
   void move_frames();
@@ -78,7 +78,7 @@ class RenderScene {
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;
   BoundNodes bound_;
-  glm::vec3 viewer_{0, 0, 10};
+  glm::dvec3 viewer_{0, 0, 10};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
   Uses frame_uses_, item_uses_;  // sorted; made when they are first asked for

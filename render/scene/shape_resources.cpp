@@ -173,7 +173,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
   entry.texture_coordinates = textured;
 }
 
-std::size_t text_level(const vrml::Mesh& text, const glm::mat4& world_from_node, const vrml::Bounds& bounds,
+std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const vrml::Bounds& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian) {
   constexpr double kMostPixels = 0.4;  // that outlines may be off
   const glm::dmat3 matrix(world_from_node);

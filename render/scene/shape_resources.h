@@ -80,7 +80,7 @@ class ShapeResources {
 /// How finely text is to be cut (a place in vrml::kTextTolerances), so that nobody sees corners in it: by how large its
 /// font is at the nearest place of its box. `bounds` in world space. `pixels_per_radian`: of the picture, in its
 /// middle.
-[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::mat4& world_from_node,
+[[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
                                      const vrml::Bounds& bounds, const glm::dvec3& viewer, float pixels_per_radian);
 
 }  // namespace gs::render

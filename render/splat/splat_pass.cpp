@@ -144,14 +144,14 @@ SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, 
 }
 
 void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
-                      const CameraFog& fog, const glm::mat4& clip_from_camera, const DrawOptions& options) {
+                      const CameraFog& fog, const Projection& projection, const DrawOptions& options) {
   const bool colored = textures.colors != 0;
   const Shader* s = shader(colored, closing > 0, fog.on, LightSets::variant(lights_.count(light_set)));
   if (!s) return;
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x + textures.x, options.y + textures.y, textures.width, textures.height);
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
@@ -172,10 +172,11 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int 
   const glm::vec4 rectangle(textures.x, textures.y, textures.x + textures.width, textures.y + textures.height);
   gl_.Uniform4fv(s->rectangle, 1, glm::value_ptr(rectangle));
   gl_.Uniform2i(s->corner, textures.left, textures.bottom);
+  const glm::vec2 view_tangents = projection.tangents();
   gl_.Uniform1i(s->closing, closing);
   gl_.Uniform2f(s->pixel, 2 / static_cast<float>(options.width), 2 / static_cast<float>(options.height));
-  gl_.Uniform2f(s->tangents, 1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]);
-  gl_.Uniform2f(s->depth_row, clip_from_camera[2][2], clip_from_camera[3][2]);
+  gl_.Uniform2f(s->tangents, view_tangents.x, view_tangents.y);
+  gl_.Uniform2f(s->depth_row, projection.depth_offset, projection.depth_scale);
   const Material m = shown_material(item, options.clouds.color_by);
   const qnv::Rgb8& own = item.cloud->color;
   const glm::vec3 diffuse = item.own_color ? glm::vec3(own.r, own.g, own.b) / 255.0f : m.diffuse;
@@ -190,7 +191,7 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int 
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+void SplatPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                      const DrawOptions& options, FrameStatistics& statistics) {
   splat_gl_.forget_unused();
   if (list.splats.empty()) return;
@@ -200,7 +201,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
     const qnv::Box& box = item.cloud->description.box;
-    const glm::dmat4 camera_from_node = camera_from_world * glm::dmat4(item.world_from_node);
+    const glm::dmat4 camera_from_node = camera_from_world * item.world_from_node;
     const glm::vec3 center(camera_from_node * glm::dvec4((glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5, 1));
     double radius = 0;
     for (int i = 0; i < 3; ++i) radius += glm::length(glm::dvec3(camera_from_node[i])) * box.size()[i] * 0.5;
@@ -209,7 +210,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   lights_.upload();
   const SavedTarget target(gl_);
   SplatView view;
-  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.tangents = projection.tangents();
   view.width = options.width;
   view.height = options.height;
   view.near_plane = camera.near_plane;
@@ -223,7 +224,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (item.cloud->description.kind == qnv::Kind::volume || !has_whole_arrays(*item.cloud)) continue;
-    view.camera_from_node = glm::mat4(camera_from_world * glm::dmat4(item.world_from_node));
+    view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
     if (item.cloud->levels) {
       // A stream that is seen in several places keeps the detail of each.
@@ -244,12 +245,11 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const glm::ma
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog, clip_from_camera, options);
+    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog, projection, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x, options.y, options.width, options.height);
-  gl_.DepthFunc(GL_LEQUAL);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_DEPTH_TEST);
 }

@@ -25,7 +25,7 @@ class SplatPass {
   explicit SplatPass(const Gl& gl);
 
   /// `camera` must have its near and far planes set. Leaves blending and the depth test off.
-  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+  void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
  private:
@@ -40,7 +40,7 @@ class SplatPass {
   const Shader* shader(bool colored, bool closing, bool fog, unsigned lights);
   /// `closing`: how wide the holes are that are still to be closed, in pixels.
   void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
-             const CameraFog& fog, const glm::mat4& clip_from_camera, const DrawOptions& options);
+             const CameraFog& fog, const Projection& projection, const DrawOptions& options);
   /// Empty where OpenGL is not wanted or cannot.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);

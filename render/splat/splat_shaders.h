@@ -307,7 +307,7 @@ uniform ivec2 corner;          // the pixel of the first texel
 uniform int closing;  // pixels
 #endif
 uniform vec2 pixel, tangents;  // 2 / size of the viewport; of half the angles of view
-uniform vec2 depth_row;        // clip_from_camera[2][2] and [3][2]
+uniform vec2 depth_row;        // Projection::depth_offset, depth_scale
 uniform vec4 base, emissive_ambient, specular_exponent;
 out vec4 result;
 
@@ -376,7 +376,7 @@ void main() {
   color = fogged(color, place);
 #endif
   result = vec4(color, coverage * base.a);
-  gl_FragDepth = clamp(0.5 - 0.5 * depth_row.x + 0.5 * depth_row.y / depth, 0.0, 1.0);
+  gl_FragDepth = clamp(depth_row.x + depth_row.y / depth, 0.0, 1.0);
 }
 )glsl";
 

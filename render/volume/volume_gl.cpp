@@ -204,7 +204,7 @@ bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
 void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
   const bool apart = target_.begin(view.rectangle);
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthFunc(view.projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   gl_.DepthMask(GL_FALSE);
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
@@ -222,9 +222,10 @@ void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& ord
   gl_.Uniform1i(at("item_count"), static_cast<GLint>(visible.items.size()));
   const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
   const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
-  const glm::vec3 range(view.lens.near_plane, view.clip_from_camera[2][2], view.clip_from_camera[3][2]);
+  const glm::mat4& clip = view.projection.clip_from_camera;
+  const glm::vec4 range(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
-  gl_.Uniform3fv(at("depth_range"), 1, glm::value_ptr(range));
+  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(range));
   gl_.BindVertexArray(attributes_.name());
   gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());
   gl_.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, nullptr);

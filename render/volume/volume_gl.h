@@ -36,7 +36,7 @@ class VolumeGl {
 
   struct View {
     SplatView lens;  // camera_from_node and supersample are left aside
-    glm::mat4 clip_from_camera{1.0f};
+    Projection projection;
     TargetRectangle rectangle;  // of the framebuffer that is bound
     std::uint32_t viewport = 0;
   };

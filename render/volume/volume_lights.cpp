@@ -19,11 +19,11 @@ glm::vec3 unit(const glm::vec3& v) {
   return length > 0 && std::isfinite(length) ? v / length : glm::vec3(0);
 }
 
-VolumeLight in_camera(const Light& light, const glm::mat4& camera_from_world) {
+VolumeLight in_camera(const Light& light, const glm::dmat4& camera_from_world) {
   VolumeLight result;
-  const glm::vec3 direction = unit(glm::mat3(camera_from_world) * light.direction);
+  const glm::vec3 direction = unit(glm::vec3(glm::dmat3(camera_from_world) * glm::dvec3(light.direction)));
   result.directional = light.kind == Light::Kind::directional;
-  result.place = result.directional ? -direction : glm::vec3(camera_from_world * glm::vec4(light.location, 1));
+  result.place = result.directional ? -direction : glm::vec3(camera_from_world * glm::dvec4(light.location, 1));
   result.color = light.color * light.intensity;
   result.ambient = light.intensity > 0 ? light.ambient_intensity / light.intensity : 0.0f;
   result.attenuation = light.attenuation;
@@ -47,7 +47,7 @@ float strength_at(const VolumeLight& light, const glm::vec3& place) {
 }  // namespace
 
 std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
-                                       const glm::mat4& camera_from_world, const glm::vec3& center, bool headlight) {
+                                       const glm::dmat4& camera_from_world, const glm::vec3& center, bool headlight) {
   std::vector<VolumeLight> lights, local;
   for (const std::uint16_t i : item.directional_lights)
     if (i < list.lights.size()) lights.push_back(in_camera(list.lights[i], camera_from_world));

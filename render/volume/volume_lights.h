@@ -14,7 +14,7 @@ namespace gs::render {
 /// directional ones first, then the point and spot lights that are strongest at the centre; and the headlight. One
 /// that adds nothing where there are none.
 [[nodiscard]] std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
-                                                     const glm::mat4& camera_from_world, const glm::vec3& center,
+                                                     const glm::dmat4& camera_from_world, const glm::vec3& center,
                                                      bool headlight);
 
 }  // namespace gs::render

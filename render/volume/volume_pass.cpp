@@ -28,13 +28,12 @@ bool is_volume(const SplatItem& item) {
   return item.cloud && item.cloud->description.kind == qnv::Kind::volume && !item.cloud->empty();
 }
 
-/// The depths with which a layer is laid over a picture, window space; 0: over whatever is there. Of pixels whose
+/// The depths with which a layer is laid over a picture, window space; -1: over whatever is there. Of pixels whose
 /// samples differ one between; without stops that where a pixel becomes opaque.
-std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops,
-                                 const glm::mat4& clip_from_camera) {
-  std::vector<float> depths(layer.depth.size(), 0.0f);
+std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection) {
+  std::vector<float> depths(layer.depth.size(), -1.0f);
   const auto window = [&](float depth) {
-    const float at = 0.5f - 0.5f * clip_from_camera[2][2] + 0.5f * clip_from_camera[3][2] / depth;
+    const float at = projection.window_depth(depth);
     return at > 0 ? std::min(at, 1.0f) : 0.0f;
   };
   for (std::size_t i = 0; i < depths.size(); ++i) {
@@ -75,6 +74,7 @@ VolumePass::Overlay VolumePass::make_overlay(const char* defines) const {
   overlay.pixels = gl_.GetUniformLocation(overlay.program.name(), "pixels");
   overlay.depths = gl_.GetUniformLocation(overlay.program.name(), "depths");
   overlay.origin = gl_.GetUniformLocation(overlay.program.name(), "origin");
+  overlay.nearest = gl_.GetUniformLocation(overlay.program.name(), "nearest");
   return overlay;
 }
 
@@ -100,10 +100,10 @@ void VolumePass::forget_models() {
   });
 }
 
-void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_world, const SplatView& view,
+void VolumePass::gather(const RenderList& list, const glm::dmat4& camera_from_world, const SplatView& view,
                         const DrawOptions& options, Scene& scene) {
-  const std::vector<std::size_t> shares = share_budget(
-      list.splats, {glm::dmat4(camera_from_world), view.tangents, view.width, view.height}, options.budget);
+  const std::vector<std::size_t> shares =
+      share_budget(list.splats, {camera_from_world, view.tangents, view.width, view.height}, options.budget);
   const CloudLook& look = options.clouds;
   if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
   scene.lights.reserve(list.splats.size());  // items point to them
@@ -116,12 +116,12 @@ void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_wor
     if (model->empty()) continue;
     const qnv::Box& box = item.cloud->description.box;
     const glm::vec3 middle = box.empty() ? item.cloud->positions.front() : (box.lower + box.upper) * 0.5f;
-    const glm::mat4 camera_from_node(glm::dmat4(camera_from_world) * glm::dmat4(item.world_from_node));
+    const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
     const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
     VolumeOptions own;
     own.opacity = look.opacity * (1 - item.material.transparency);
     own.least_magnitude = look.least_magnitude;
-    if (look.clip) own.clip = *look.clip * item.world_from_node;
+    if (look.clip) own.clip = glm::vec4(glm::dvec4(*look.clip) * item.world_from_node);
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)));
@@ -132,7 +132,7 @@ void VolumePass::gather(const RenderList& list, const glm::mat4& camera_from_wor
 }
 
 void VolumePass::draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
-                              const DrawOptions& options) {
+                              const Projection& projection, const DrawOptions& options) {
   if (!overlay.program) return;
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindSampler(0, 0);
@@ -142,15 +142,17 @@ void VolumePass::draw_overlay(const Overlay& overlay, const VolumeLayer& layer, 
   gl_.Uniform1i(overlay.pixels, 0);
   gl_.Uniform1i(overlay.depths, 1);
   gl_.Uniform2i(overlay.origin, options.x, options.y);
+  gl_.Uniform1f(overlay.nearest, projection.nearest_depth());
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const DrawOptions& options) {
+void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const Projection& projection,
+                          const DrawOptions& options) {
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x, options.y, options.width, options.height);
   gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_LEQUAL);
+  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   gl_.DepthMask(GL_FALSE);
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
@@ -159,48 +161,47 @@ void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& de
   gl_.BindSampler(1, 0);
   gl_.BindTexture(GL_TEXTURE_2D, depths_texture_.name());
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, layer.width, layer.height, 0, GL_RED, GL_FLOAT, depths.data());
-  draw_overlay(overlay_, layer, layer.pixels, options);
+  draw_overlay(overlay_, layer, layer.pixels, projection, options);
   if (!layer.edge_pixels.empty()) {
     // The samples of a pixel that the first did not take.
-    gl_.DepthFunc(GL_GREATER);
-    draw_overlay(edge_overlay_, layer, layer.edge_pixels, options);
+    gl_.DepthFunc(projection.reversed ? GL_LESS : GL_GREATER);
+    draw_overlay(edge_overlay_, layer, layer.edge_pixels, projection, options);
   }
-  gl_.DepthFunc(GL_LEQUAL);
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_DEPTH_TEST);
 }
 
-void VolumePass::on_processor(const Scene& scene, const SplatView& view, const glm::mat4& clip_from_camera,
+void VolumePass::on_processor(const Scene& scene, const SplatView& view, const Projection& projection,
                               const DrawOptions& options, FrameStatistics& statistics) {
   statistics.splats = "cpu";
   const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
   VolumeStops stops;
-  if (target_.read_depths(rectangle, clip_from_camera, depths_)) stops = depths_.stops();
+  if (target_.read_depths(rectangle, projection, depths_)) stops = depths_.stops();
   const VolumeLayer layer = rasterize_volumes(scene.items, view, stops);
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;
-  lay_over(layer, window_depths(layer, stops, clip_from_camera), options);
+  lay_over(layer, window_depths(layer, stops, projection), projection, options);
   ++statistics.draw_calls;
 }
 
-void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
+void VolumePass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                       const DrawOptions& options, FrameStatistics& statistics) {
   forget_models();
   volume_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
   SplatView view;
-  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.tangents = projection.tangents();
   view.width = options.width;
   view.height = options.height;
   view.near_plane = camera.near_plane;
   Scene scene;
-  gather(list, glm::mat4(camera_from_world_of(camera)), view, options, scene);
+  gather(list, camera_from_world_of(camera), view, options, scene);
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {
     const VolumeGl::View gl_view{
-        view, clip_from_camera, {options.x, options.y, options.width, options.height}, options.viewport};
+        view, projection, {options.x, options.y, options.width, options.height}, options.viewport};
     if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
       statistics.vectors += drawn->vectors;
       statistics.pending = statistics.pending || drawn->pending;
@@ -210,7 +211,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const glm::m
       return;
     }
   }
-  on_processor(scene, view, clip_from_camera, options, statistics);
+  on_processor(scene, view, projection, options, statistics);
 }
 
 }  // namespace gs::render

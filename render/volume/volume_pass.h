@@ -34,7 +34,7 @@ class VolumePass {
 
   /// `camera` must have its near and far planes set. Call when everything opaque has been drawn. Leaves blending and
   /// the depth test off, and depth writable.
-  void draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera, const DrawOptions& options,
+  void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
   /// What sorted the last picture that OpenGL drew.
@@ -56,18 +56,19 @@ class VolumePass {
   };
   struct Overlay {
     Program program;
-    GLint pixels = -1, depths = -1, origin = -1;
+    GLint pixels = -1, depths = -1, origin = -1, nearest = -1;
   };
 
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t counted);
   void forget_models();
-  void gather(const RenderList& list, const glm::mat4& camera_from_world, const SplatView& view,
+  void gather(const RenderList& list, const glm::dmat4& camera_from_world, const SplatView& view,
               const DrawOptions& options, Scene& scene);
-  void on_processor(const Scene& scene, const SplatView& view, const glm::mat4& clip_from_camera,
-                    const DrawOptions& options, FrameStatistics& statistics);
-  void lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const DrawOptions& options);
+  void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,
+                    FrameStatistics& statistics);
+  void lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const Projection& projection,
+                const DrawOptions& options);
   void draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
-                    const DrawOptions& options);
+                    const Projection& projection, const DrawOptions& options);
   Overlay make_overlay(const char* defines) const;
 
   const Gl& gl_;

@@ -11,21 +11,22 @@ void main() {
 }
 )glsl";
 
-/// What the processor made of volumes. Where `depths` is 0, whatever the depth of the pixel; EDGES: only elsewhere.
+/// What the processor made of volumes. Where `depths` is below 0, whatever the depth of the pixel; EDGES: only elsewhere.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
 uniform sampler2D depths;  // window space
 uniform ivec2 origin;      // of the viewport
+uniform float nearest;     // depth
 out vec4 result;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - origin;
   result = texelFetch(pixels, at, 0);
   float depth = texelFetch(depths, at, 0).r;
 #ifdef EDGES
-  if (depth == 0.0) discard;
+  if (depth < 0.0) discard;
 #endif
   if (result.a == 0.0) discard;
-  gl_FragDepth = depth;
+  gl_FragDepth = depth < 0.0 ? nearest : depth;
 }
 )glsl";
 
@@ -195,7 +196,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
 uniform vec4 lens;         // pixels at depth 1 and of the viewport
-uniform vec3 depth_range;  // the near plane, clip_from_camera[2][2] and [3][2]
+uniform vec4 depth_range;  // the near plane, clip_from_camera[2][2] and [3][2], the least depth of clip space
 layout(location = 0) in uint number;
 flat out vec4 color;
 out vec2 away;  // in units of the root of A
@@ -233,7 +234,7 @@ void main() {
   away = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * CUT;
   vec2 center = seen.xy * near * lens.xy;  // pixels from the middle
   gl_Position.xy = (center + away * sqrt(area)) * 2.0 / lens.zw;
-  gl_Position.z = clamp(depth_range.z * near - depth_range.y, -1.0, 1.0);
+  gl_Position.z = clamp(depth_range.z * near - depth_range.y, depth_range.w, 1.0);
 }
 )glsl";
 

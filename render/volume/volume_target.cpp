@@ -173,7 +173,7 @@ bool VolumeTarget::read_samples(const TargetRectangle& r, std::vector<float>& bo
   return !take_errors(gl_);
 }
 
-bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_from_camera, TargetDepths& depths) {
+bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& projection, TargetDepths& depths) {
   if (r.width < 1 || r.height < 1) return false;
   const auto pixels = static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height);
   const Bound from = bound();
@@ -195,17 +195,19 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const glm::mat4& clip_f
     bind(from);
   }
   if (!good) return false;
-  const float scale = clip_from_camera[3][2], shift = clip_from_camera[2][2] - 1;
   const auto distance = [&](float window) {
-    return window < 1 ? scale / (2 * window + shift) : std::numeric_limits<float>::infinity();
+    return window != projection.farthest_depth() ? projection.depth_scale / (window - projection.depth_offset)
+                                                 : std::numeric_limits<float>::infinity();
   };
+  // Of several samples the least and the greatest depth were read.
+  const std::size_t nearer = several && projection.reversed ? 1 : 0;
   depths.near.resize(pixels);
   depths.far.clear();
   if (several) depths.far.resize(pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
-    depths.near[i] = distance(read[several ? 2 * i : i]);
+    depths.near[i] = distance(read[several ? 2 * i + nearer : i]);
     if (!several) continue;
-    const float far = distance(read[2 * i + 1]);
+    const float far = distance(read[2 * i + 1 - nearer]);
     depths.far[i] = depths.near[i] < far * (1 - kSmooth) ? far : depths.near[i];
   }
   return true;

@@ -1,9 +1,8 @@
 #pragma once
 
 #include "render/gl/gpu.h"
+#include "render/scene/camera.h"
 #include "render/volume/volume_raster.h"
-
-#include <glm/mat4x4.hpp>
 
 #include <array>
 #include <vector>
@@ -30,8 +29,8 @@ class VolumeTarget {
  public:
   explicit VolumeTarget(const Gl& gl);
 
-  /// Reads the depth that a picture under `clip_from_camera` has left. False when this context cannot.
-  bool read_depths(const TargetRectangle& rectangle, const glm::mat4& clip_from_camera, TargetDepths& depths);
+  /// Reads the depth that a picture under `projection` has left. False when this context cannot.
+  bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
   /// Binds a framebuffer of as many samples, with the rectangle's depth and no colour yet, at the origin. False when
   /// this context cannot: then the framebuffer that was bound still is.

@@ -158,8 +158,8 @@ TEST_CASE("The panorama meets at the edges of its cube without gaps") {
   for (auto& face : list.background.panorama) face = std::make_shared<const Image>(Image{1, 1, 3, {0, 200, 0}});
   for (float up = -1.5f; up < 1.5f; up += 0.37f) {
     Camera camera = looking_up(up);
-    const glm::mat4 turned = glm::mat4(glm::vec4(0.6f, 0, 0.8f, 0), glm::vec4(0, 1, 0, 0), glm::vec4(-0.8f, 0, 0.6f, 0),
-                                       glm::vec4(0, 0, 0, 1));
+    const glm::dmat4 turned(glm::dvec4(0.6, 0, 0.8, 0), glm::dvec4(0, 1, 0, 0), glm::dvec4(-0.8, 0, 0.6, 0),
+                            glm::dvec4(0, 0, 0, 1));
     camera.world_from_camera = turned * camera.world_from_camera;
     camera.field_of_view = 2;
     const Image image = drawing.draw(list, camera);

@@ -122,16 +122,23 @@ class VolumePicture {
   VolumePicture(const VolumePicture&) = delete;
   VolumePicture& operator=(const VolumePicture&) = delete;
 
-  [[nodiscard]] glm::mat4 clip_from_camera() const {
-    return render::projection(camera, static_cast<float>(options.width), static_cast<float>(options.height));
+  [[nodiscard]] render::Projection projection() const {
+    return render::projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed_);
+  }
+
+  /// From now on with depths that fall with the distance. False where OpenGL has no such.
+  bool reverse_depth() {
+    if (!gl.ClipControl) return false;
+    context->make_current();
+    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    return reversed_ = true;
   }
 
   /// What the pass works with, of the world.
   [[nodiscard]] render::SplatView view() const {
     render::SplatView result;
     result.camera_from_node = glm::inverse(camera.world_from_camera);
-    const glm::mat4 clip = clip_from_camera();
-    result.tangents = {1 / clip[0][0], 1 / clip[1][1]};
+    result.tangents = projection().tangents();
     result.width = options.width;
     result.height = options.height;
     result.near_plane = camera.near_plane;
@@ -142,8 +149,8 @@ class VolumePicture {
   void clear(const glm::vec3& color, float depth) {
     context->make_current();
     gl.BindFramebuffer(GL_FRAMEBUFFER, target());
-    const glm::vec4 clip = clip_from_camera() * glm::vec4(0, 0, -depth, 1);
-    const float background[4] = {color.x, color.y, color.z, 1}, far = std::min(clip.z / clip.w * 0.5f + 0.5f, 1.0f);
+    const float background[4] = {color.x, color.y, color.z, 1},
+                far = std::clamp(projection().window_depth(depth), 0.0f, 1.0f);
     gl.Viewport(options.x, options.y, options.width, options.height);
     gl.DepthMask(GL_TRUE);
     gl.ClearBufferfv(GL_COLOR, 0, background);
@@ -161,12 +168,12 @@ class VolumePicture {
     gl.BindVertexArray(attributes.name());
     gl.UseProgram(program.name());
     std::array<glm::vec4, 4> placed{};
-    for (std::size_t i = 0; i < 4; ++i) placed[i] = clip_from_camera() * glm::vec4(corners[i], 1);
+    for (std::size_t i = 0; i < 4; ++i) placed[i] = projection().clip_from_camera * glm::vec4(corners[i], 1);
     const glm::vec4 opaque(color, 1);
     gl.Uniform4fv(gl.GetUniformLocation(program.name(), "corners"), 4, glm::value_ptr(placed[0]));
     gl.Uniform4fv(gl.GetUniformLocation(program.name(), "color"), 1, glm::value_ptr(opaque));
     gl.Enable(GL_DEPTH_TEST);
-    gl.DepthFunc(GL_LESS);
+    gl.DepthFunc(reversed_ ? GL_GREATER : GL_LESS);
     gl.Disable(GL_BLEND);
     gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
     gl.Disable(GL_DEPTH_TEST);
@@ -176,7 +183,7 @@ class VolumePicture {
   void volumes(const render::RenderList& list) {
     context->make_current();
     statistics = {};
-    pass->draw(list, camera, clip_from_camera(), options, statistics);
+    pass->draw(list, camera, projection(), options, statistics);
   }
 
   [[nodiscard]] Pixels read() {
@@ -231,6 +238,7 @@ class VolumePicture {
 
   int width_, height_, samples_;
   GLenum depth_format_;  // GL_NONE: none
+  bool reversed_ = false;
   Buffers drawn_buffers_, resolved_buffers_;
   render::Framebuffer drawn_, resolved_;
 };

@@ -132,7 +132,7 @@ TEST_CASE("Where a world is entered") {
     CHECK(found);
     CHECK(view.viewpoint == 0u);
     CHECK(view.navigation.mode == NavigationMode::walk);
-    CHECK(view.navigation.pose.position == glm::vec3(0, 0, 10));  // the default of 6.53
+    CHECK(view.navigation.pose.position == glm::dvec3(0, 0, 10));  // the default of 6.53
     CHECK(view.navigation.speed == 1);
   }
   SECTION("nothing at all") {

@@ -116,12 +116,12 @@ TEST_CASE("Who comes back to a file finds it as he left it") {
   panes.at(0).view()->navigation.pose.position = {1, 2, 3};
   panes.open(other);
   load_all(panes);
-  CHECK(panes.at(0).view()->navigation.pose.position != glm::vec3(1, 2, 3));
+  CHECK(panes.at(0).view()->navigation.pose.position != glm::dvec3(1, 2, 3));
   panes.select(0);
   const auto changes = settle(panes);
   REQUIRE(changes.size() == 1);
   CHECK_FALSE(changes[0].first);
-  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(1, 2, 3));
 }
 
 TEST_CASE("A file that is read again is seen from where the viewer was, and the old one goes") {
@@ -138,7 +138,7 @@ TEST_CASE("A file that is read again is seen from where the viewer was, and the 
   load_all(panes);
   CHECK(before.expired());
   CHECK(panes.at(0).view()->document == panes.at(1).view()->document);
-  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(1, 2, 3));
   CHECK(panes.at(1).view()->look.opacity == 5);
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("A layout that shows more shows what is listed, then what is there, as
   CHECK(panes.at(2).wanted == "b");
   CHECK(panes.at(2).shown == "b");
   REQUIRE(panes.at(2).view());
-  CHECK(panes.at(2).view()->navigation.pose.position == glm::vec3(1, 2, 3));
+  CHECK(panes.at(2).view()->navigation.pose.position == glm::dvec3(1, 2, 3));
   CHECK(panes.at(2).view()->document == panes.at(0).view()->document);
   load_all(panes);
   CHECK(panes.at(1).shown == "a");
@@ -327,14 +327,14 @@ TEST_CASE("The first view of the whole follows the shape of the viewport until s
   CHECK(view.navigation.pose.position == first_pose(view.list->bounds, narrow).position);
   CHECK(view.navigation.pose.position.z > at_first.position.z);  // the width must fit in less
   view.navigation.pose.position.x += 1;
-  const glm::vec3 moved = view.navigation.pose.position;
+  const glm::dvec3 moved = view.navigation.pose.position;
   fit_home(view, wide);
   CHECK(view.navigation.pose.position == moved);
   CHECK(view.home.position == at_first.position);
 
   View bound = view_of(document({"Viewpoint"}), wide, {});
   fit_home(bound, narrow);
-  CHECK(bound.navigation.pose.position == glm::vec3(0, 0, 10));
+  CHECK(bound.navigation.pose.position == glm::dvec3(0, 0, 10));
 }
 
 TEST_CASE("A linked pose stands to its scene as the leader's stands to his") {
@@ -346,9 +346,9 @@ TEST_CASE("A linked pose stands to its scene as the leader's stands to his") {
   Pose pose;
   pose.position = {0, 0, 5};
   pose.field_of_view = 0.5f;
-  CHECK(linked_pose(pose, small, small).position == glm::vec3(0, 0, 5));
+  CHECK(linked_pose(pose, small, small).position == glm::dvec3(0, 0, 5));
   const Pose there = linked_pose(pose, small, large);
-  CHECK(glm::distance(there.position, glm::vec3(100, 0, 50)) < 1e-4f);
+  CHECK(glm::distance(there.position, glm::dvec3(100, 0, 50)) < 1e-4f);
   CHECK(there.orientation == pose.orientation);
   CHECK(there.field_of_view == 0.5f);
   CHECK(glm::distance(linked_pose(there, large, small).position, pose.position) < 1e-4f);
@@ -378,13 +378,13 @@ TEST_CASE("Linked viewports follow, but not in worlds where nobody moves") {
   Navigation& other = panes.at(1).view()->navigation;
   other = travel_to(other, Pose{});
   panes.at(2).view()->navigation.mode = NavigationMode::none;
-  const glm::vec3 before = panes.at(2).view()->navigation.pose.position;
+  const glm::dvec3 before = panes.at(2).view()->navigation.pose.position;
   panes.link(0);
-  CHECK(glm::distance(other.pose.position, glm::vec3(100, 30, 50)) < 1e-3f);
-  CHECK(glm::distance(other.center, glm::vec3(100, 10, 0)) < 1e-3f);
+  CHECK(glm::distance(other.pose.position, glm::dvec3(100, 30, 50)) < 1e-3f);
+  CHECK(glm::distance(other.center, glm::dvec3(100, 10, 0)) < 1e-3f);
   CHECK_FALSE(other.moving());
   CHECK(panes.at(2).view()->navigation.pose.position == before);
-  CHECK(leader.pose.position == glm::vec3(0, 3, 5));
+  CHECK(leader.pose.position == glm::dvec3(0, 3, 5));
   panes.link(3);  // nothing is shown there
 }
 
@@ -402,23 +402,23 @@ TEST_CASE("What has come of a file shows, and who has not moved sees all of it")
   settle(panes);
   REQUIRE(panes.at(0).view());
   CHECK(panes.loading(0));
-  const glm::vec3 first = panes.at(0).view()->navigation.pose.position;
+  const glm::dvec3 first = panes.at(0).view()->navigation.pose.position;
   panes.preview(reading->number, preview({9, 9, 9}));
   settle(panes);
-  const glm::vec3 second = panes.at(0).view()->navigation.pose.position;
+  const glm::dvec3 second = panes.at(0).view()->navigation.pose.position;
   CHECK(glm::length(second) > 2 * glm::length(first));
   CHECK(panes.at(0).view()->list->bounds.upper == glm::vec3(9));
   // Who has moved stays.
   panes.at(0).view()->navigation.pose.position = {5, 6, 7};
   panes.at(0).view()->look.opacity = 3;
   panes.preview(reading->number, preview({20, 20, 20}));
-  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(5, 6, 7));
   const auto whole = document_of({0, 0, 0}, {30, 30, 30});
   panes.deliver(reading->number, whole, kSize);
   settle(panes);
   CHECK_FALSE(panes.loading(0));
   CHECK(panes.at(0).view()->document == whole);
-  CHECK(panes.at(0).view()->navigation.pose.position == glm::vec3(5, 6, 7));
+  CHECK(panes.at(0).view()->navigation.pose.position == glm::dvec3(5, 6, 7));
   CHECK(panes.at(0).view()->look.opacity == 3);
 }
 

@@ -205,7 +205,7 @@ TEST_CASE("An Anchor leads to the first of its files that can be read (VRML97 6.
   for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up}) step({pointer(kind, 100, 50)});
   const auto there = [&] {
     return session.view() && session.view()->document->world.path == folder.path("there.wrl") &&
-           session.view()->navigation.pose.position == glm::vec3(0, 0, 33);
+           session.view()->navigation.pose.position == glm::dvec3(0, 0, 33);
   };
   while (!there() && std::chrono::steady_clock::now() < deadline) step({});
   CHECK(there());
@@ -252,7 +252,7 @@ TEST_CASE("Keys of --input move the viewer in simulated time, bit for bit") {
     simulation.run(2);
     return simulation.camera().world_from_camera;
   };
-  const glm::mat4 camera = walk();
+  const glm::dmat4 camera = walk();
   CHECK(camera[3].z < 9.9f);
   CHECK(camera[2].z < 0.999f);  // turned
   CHECK(walk() == camera);

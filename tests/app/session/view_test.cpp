@@ -42,15 +42,15 @@ TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind a
                "DEF C Viewpoint { position 0 0 -9 jump FALSE } ] }"));
   View view = view_of(shared, kSize, {});
   REQUIRE(view.list->viewpoints.size() == 3);
-  CHECK(view.navigation.pose.position == glm::vec3(0, 0, 5));
-  view.navigation.pose.position += glm::vec3(0, 1, 0);  // he has walked
+  CHECK(view.navigation.pose.position == glm::dvec3(0, 0, 5));
+  view.navigation.pose.position += glm::dvec3(0, 1, 0);  // he has walked
   const vrml::SceneGraph& scene = *shared->world.scene;
   CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{2, 0, 0}));
   CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, glm::vec3(2, 1, 5)) < 1e-5f);
+  CHECK(glm::distance(view.navigation.pose.position, glm::dvec3(2, 1, 5)) < 1e-5f);
   CHECK(shared->living->send(scene, scene.roots()[0], "rotation", vrml::SFRotation{0, 1, 0, 3.14159265f}));
   CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, glm::vec3(2, 1, -5)) < 1e-4f);
+  CHECK(glm::distance(view.navigation.pose.position, glm::dvec3(2, 1, -5)) < 1e-4f);
   const auto bind = [&](std::size_t index) {
     const render::ViewpointState& viewpoint = view.list->viewpoints[index];
     CHECK(shared->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true}));
@@ -60,17 +60,17 @@ TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind a
   CHECK(bind(1));
   CHECK(view.viewpoint == 1u);
   REQUIRE(view.navigation.transition);
-  CHECK(glm::distance(view.navigation.transition->to.position, glm::vec3(2, 0, -9)) < 1e-4f);
+  CHECK(glm::distance(view.navigation.transition->to.position, glm::dvec3(2, 0, -9)) < 1e-4f);
   CHECK_FALSE(follow_bound_viewpoint(view));
   view.navigation.transition.reset();
-  const glm::vec3 stays = view.navigation.pose.position;
+  const glm::dvec3 stays = view.navigation.pose.position;
   CHECK(bind(2));
   CHECK_FALSE(view.navigation.transition);
   CHECK(view.navigation.pose.position == stays);
   // From then on he moves with that one.
   CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
   CHECK(follow_world(view));
-  CHECK(glm::distance(view.navigation.pose.position, stays + glm::vec3(5, 0, 0)) < 1e-4f);
+  CHECK(glm::distance(view.navigation.pose.position, stays + glm::dvec3(5, 0, 0)) < 1e-4f);
 }
 
 TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML97 6.53)") {
@@ -80,7 +80,7 @@ TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML
   const vrml::SceneGraph& scene = *shared->world.scene;
   CHECK(shared->living->bound().viewpoint == &scene.node(scene.roots()[1]));
   REQUIRE(view.navigation.transition);
-  CHECK(view.navigation.transition->to.position == glm::vec3(0, 0, 50));
+  CHECK(view.navigation.transition->to.position == glm::dvec3(0, 0, 50));
   CHECK_FALSE(follow_bound_viewpoint(view));  // he is on his way already
   bind_viewpoint(view, 7);
   CHECK(view.viewpoint == 1u);

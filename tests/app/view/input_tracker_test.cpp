@@ -71,7 +71,7 @@ TEST_CASE("The wheel and the middle button zoom towards what is under the pointe
   tracker.set_target({1, 2, 3});
   const NavigationInput input = tracker.input(NavigationMode::examine, kPlace);
   CHECK(input.zoom == 2);
-  CHECK(input.target == glm::vec3(1, 2, 3));
+  CHECK(input.target == glm::dvec3(1, 2, 3));
   CHECK(
       tracker.take(event(EventKind::button_down, {0, 100}, MouseButton::middle), NavigationMode::examine).needs_target);
   tracker.take(event(EventKind::pointer, {0, 60}), NavigationMode::examine);

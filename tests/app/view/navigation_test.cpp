@@ -123,12 +123,12 @@ TEST_CASE("EXAMINE turns about the centre and keeps its distance") {
 TEST_CASE("EXAMINE turns about any centre as a rigid body") {
   Navigation state = start(NavigationMode::examine);
   state.center = {3, 1, -2};
-  const glm::vec3 before = glm::inverse(state.pose.orientation) * (state.center - state.pose.position);
+  const glm::vec3 before = glm::inverse(state.pose.orientation) * glm::vec3(state.center - state.pose.position);
   NavigationInput drag = idle();
   drag.drag = Drag::rotate;
   drag.moved = {37, -91};
   for (int i = 0; i < 200; ++i) state = step(state, drag, 0.01f);
-  check_close(glm::inverse(state.pose.orientation) * (state.center - state.pose.position), before, 0.01f);
+  check_close(glm::inverse(state.pose.orientation) * glm::vec3(state.center - state.pose.position), before, 0.01f);
 }
 
 TEST_CASE("A panned point stays under the pointer") {
@@ -136,7 +136,7 @@ TEST_CASE("A panned point stays under the pointer") {
   const glm::vec3 target(0.5f, 0.25f, 1);
   const glm::vec2 pointer(420, 250), moved(130, -70);
   const auto project = [](const Pose& pose, const glm::vec3& point) {
-    const glm::vec3 p = glm::inverse(pose.orientation) * (point - pose.position);
+    const glm::vec3 p = glm::inverse(pose.orientation) * glm::vec3(glm::dvec3(point) - pose.position);
     return glm::vec2(p.x, -p.y) / -p.z / std::tan(pose.field_of_view / 2) * 300.0f + kViewport / 2.0f;
   };
   const glm::vec2 before = project(state.pose, target);
@@ -154,7 +154,7 @@ TEST_CASE("The wheel goes towards the target, 15 % a notch, and back again") {
   wheel.zoom = 1;
   wheel.target = glm::vec3(2, 1, 0);
   const Navigation nearer = settle(step(first, wheel, 0.016f));
-  check_close(nearer.pose.position, *wheel.target + (first.pose.position - *wheel.target) * 0.85f);
+  check_close(nearer.pose.position, *wheel.target + (first.pose.position - *wheel.target) * 0.85);
   check_close(nearer.pose.forward(), first.pose.forward());
   wheel.zoom = -1;
   check_close(settle(step(nearer, wheel, 0.016f)).pose.position, first.pose.position);
@@ -171,7 +171,7 @@ TEST_CASE("FLY moves where it looks, with the speed of the NavigationInfo") {
   NavigationInput keys = idle();
   keys.move = {0, 0, 1};
   state = settle(run_for(state, keys, 2, 120));
-  const glm::vec3 way = state.pose.position - glm::vec3(0, 0, 10);
+  const glm::vec3 way(state.pose.position - glm::dvec3(0, 0, 10));
   CHECK(glm::length(way) == Approx(6).margin(0.05));  // what is late at the start is made up for at the end
   check_close(glm::normalize(way), {0, std::sin(0.5f), -std::cos(0.5f)});
 }
@@ -281,10 +281,10 @@ TEST_CASE("A transition takes 0.4 seconds, is smooth, and ends exactly") {
 }
 
 TEST_CASE("A double click makes the point the centre and brings it to the middle") {
-  const glm::vec3 point(1, 0.5f, 0.2f);
+  const glm::dvec3 point(1, 0.5, 0.2);
   const Navigation state = run_for(look_at_point(start(NavigationMode::examine), point), idle(), 0.5f, 30);
   CHECK(state.center == point);
-  check_close(glm::normalize(point - state.pose.position), state.pose.forward());
+  check_close(glm::vec3(glm::normalize(point - state.pose.position)), state.pose.forward());
   check_close(state.pose.forward(), {0, 0, -1});
 }
 
@@ -292,7 +292,7 @@ TEST_CASE("The whole is in view from +Z where there is no Viewpoint, and after f
   const auto sees_all = [](const Pose& pose) {
     for (int corner = 0; corner < 8; ++corner) {
       const glm::vec3 point(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-      const glm::vec3 p = glm::inverse(pose.orientation) * (point - pose.position);
+      const glm::vec3 p = glm::inverse(pose.orientation) * glm::vec3(glm::dvec3(point) - pose.position);
       const float limit = std::tan(pose.field_of_view / 2) * -p.z;
       if (p.z >= 0 || std::abs(p.y) > limit || std::abs(p.x) > limit * 800 / 600) return false;
     }
@@ -326,7 +326,7 @@ TEST_CASE("Any matrix gives a valid pose") {
     check_valid(state);
   }
   const render::Camera camera = camera_of(pose);
-  CHECK(camera.world_from_camera[3] == glm::vec4(1, 2, 3, 1));
+  CHECK(camera.world_from_camera[3] == glm::dvec4(1, 2, 3, 1));
   CHECK(camera.near_plane == 0);
 }
 

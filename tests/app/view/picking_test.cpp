@@ -263,6 +263,6 @@ TEST_CASE("A line of sight goes where the ray through the same pixel goes") {
     const Ray ray = ray_through(pose, pointer, {640, 200});
     const render::SightLine line = sight_line(pose, pointer, {640, 200});
     CHECK(glm::distance(glm::vec3(line.direction), ray.direction) < 1e-5f);
-    CHECK(glm::vec3(line.origin) == ray.origin);
+    CHECK(line.origin == ray.origin);
   }
 }

@@ -24,7 +24,7 @@ glm::vec3 corner(const vrml::Bounds& b, int i) {
 glm::dvec4 clip(const Camera& camera, float width, float height, const glm::vec3& point) {
   const glm::dmat3 rotation(glm::mat3(camera.world_from_camera));
   const glm::dvec3 in_camera = glm::transpose(rotation) * (glm::dvec3(point) - glm::dvec3(camera.world_from_camera[3]));
-  return glm::dmat4(projection(camera, width, height)) * glm::dvec4(in_camera, 1);
+  return glm::dmat4(projection(camera, width, height).clip_from_camera) * glm::dvec4(in_camera, 1);
 }
 
 }  // namespace
@@ -113,13 +113,37 @@ TEST_CASE("Depth planes enclose the bounds and keep their ratio small") {
   CHECK(behind.far_plane > behind.near_plane);
 }
 
+TEST_CASE("Reversed depth falls from 1 to 0 like one over the distance, and takes the near plane as near as wanted") {
+  Camera camera;
+  camera.near_plane = 0.5f;
+  camera.far_plane = 1e7f;
+  for (const bool reversed : {false, true}) {
+    const Projection lens = projection(camera, 300, 200, reversed);
+    CHECK(lens.window_depth(camera.near_plane) == Approx(lens.nearest_depth()).margin(1e-6));
+    CHECK(lens.window_depth(camera.far_plane) == Approx(lens.farthest_depth()).margin(1e-6));
+    // What the rasteriser makes of clip space: OpenGL's own has depths of -1 to 1.
+    for (const double distance : {0.5, 0.7, 3.0, 900.0, 5e6}) {
+      const glm::dvec4 c = glm::dmat4(lens.clip_from_camera) * glm::dvec4(0, 0, -distance, 1);
+      const double depth = reversed ? c.z / c.w : c.z / c.w * 0.5 + 0.5;
+      CHECK(lens.window_depth(static_cast<float>(distance)) == Approx(depth).margin(1e-6));
+    }
+  }
+  // Of floats, a millionth of the distance is told apart wherever it is.
+  const Projection lens = projection(camera, 1, 1, true);
+  for (float distance = 1; distance < 9e6f; distance *= 1.7f)
+    CHECK(lens.window_depth(distance) > lens.window_depth(distance * 1.000001f));
+  const Camera near = fit_depth(Camera{}, box({-1e7f, -1e7f, -1e7f}, {1e7f, 1e7f, 1e7f}), true);
+  CHECK(near.near_plane < 0.01f);
+  CHECK(near.far_plane >= 1e7f);
+}
+
 TEST_CASE("Nonsense fields of view and sizes still give a usable projection") {
   for (float angle : {0.0f, -1.0f, 4.0f, std::nanf(""), HUGE_VALF}) {
     Camera camera;
     camera.near_plane = 1;
     camera.far_plane = 2;
     camera.field_of_view = angle;
-    const glm::mat4 matrix = projection(camera, 0, -5);
+    const glm::mat4 matrix = projection(camera, 0, -5).clip_from_camera;
     for (int i = 0; i < 16; ++i) CHECK(std::isfinite((&matrix[0][0])[i]));
     CHECK(matrix[0][0] > 0);
   }

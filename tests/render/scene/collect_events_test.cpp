@@ -65,7 +65,7 @@ TEST_CASE("What is drawn follows events for lights (4.6.6)") {
   CHECK(world.now().lights.size() == 2);
   CHECK(world.after("P", "set_intensity", vrml::SFFloat{0.25F}).lights[1].intensity == 0.25F);
   CHECK(world.after("P", "set_color", vrml::SFColor{1, 0, 0}).lights[1].color == glm::vec3(1, 0, 0));
-  CHECK(world.after("P", "set_location", vrml::SFVec3f(1, 2, 3)).lights[1].location == glm::vec3(1, 2, 3));
+  CHECK(world.after("P", "set_location", vrml::SFVec3f(1, 2, 3)).lights[1].location == glm::dvec3(1, 2, 3));
   CHECK(world.after("D", "set_direction", vrml::SFVec3f(0, -2, 0)).lights[0].direction == glm::vec3(0, -1, 0));
   CHECK(world.after("D", "set_on", false).lights.size() == 1);
   CHECK(world.after("D", "set_on", true).items[0].directional_lights.size() == 1);

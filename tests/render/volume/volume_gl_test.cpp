@@ -283,7 +283,7 @@ TEST_CASE("OpenGL leaves volumes to the processor that it cannot draw") {
   const auto model = std::make_shared<const VolumeModel>(volume_model(*cloud));
   const SharedVolume held{cloud, model};
   VolumeItem item{cloud.get(), model.get(), glm::inverse(picture.camera.world_from_camera), cloud->size(), {}};
-  const VolumeGl::View view{picture.view(), picture.clip_from_camera(), {0, 0, 80, 60}, 0};
+  const VolumeGl::View view{picture.view(), picture.projection(), {0, 0, 80, 60}, 0};
   picture.clear(kBlue, 25);
   CHECK(volumes.draw(std::span(&held, 1), std::span(&item, 1), view).has_value());
   const std::vector<VolumeLight> lights(40);

@@ -49,8 +49,7 @@ TEST_CASE("A volume is blended over what was drawn, pixel by pixel") {
   CHECK(target.statistics.draw_calls == 1);
   SplatView view;
   view.camera_from_node = testing::translation({0, 0, -3});
-  const glm::mat4 clip_from_camera = projection(target.camera, kWidth, kHeight);
-  view.tangents = {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]};
+  view.tangents = projection(target.camera, kWidth, kHeight).tangents();
   view.width = kWidth;
   view.height = kHeight;
   view.near_plane = 0.1f;
@@ -341,15 +340,18 @@ TEST_CASE("Volumes meet polygons in depth buffers of all formats, and are drawn 
     Pixels wanted;
     for (const GLenum format : {GL_DEPTH_COMPONENT24, GL_DEPTH24_STENCIL8, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT32F,
                                 GL_DEPTH32F_STENCIL8, GL_NONE}) {
-      for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
+      for (const auto& [path, reversed] : {std::pair(SplatPath::cpu, false), std::pair(SplatPath::gl, false),
+                                           std::pair(SplatPath::cpu, true), std::pair(SplatPath::gl, true)}) {
         Target target(VolumeSort::automatic, kWidth, kHeight, samples, static_cast<GLenum>(format));
+        if (reversed && !target.reverse_depth()) continue;
         target.options.splats = path;
         target.clear({0, 0, 1}, 25);
         if (format != GL_NONE) target.polygon(rectangle(target, 3, 20.5f, 15.2f, 60, 45), {1, 1, 0});
         target.volumes(volume_list(cloud));
         const Pixels drawn = target.read();
         if (wanted.empty()) wanted = drawn;
-        INFO("format " << format << " samples " << samples << " path " << static_cast<int>(path));
+        INFO("format " << format << " samples " << samples << " path " << static_cast<int>(path) << " reversed "
+                       << reversed);
         if (format != GL_NONE) {
           CHECK(psnr_of(drawn, wanted) >= 40);
           continue;
