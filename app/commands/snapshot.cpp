@@ -22,6 +22,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <unordered_set>
 
@@ -31,6 +32,24 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double seconds_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+/// What the program has done before it came here, most of which is linking, takes the processor all the time.
+double seconds_so_far() {
+  timespec used{};
+  return clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) == 0
+             ? static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9
+             : 0;
+}
+
+/// The phases of the program, in sum `total_s`, so far.
+void add_phases(render::PhaseClock& phases, nlohmann::json& stats) {
+  phases.enter(render::Phase::other);
+  for (std::size_t i = 0; i < render::kPhaseNames.size(); ++i)
+    stats[std::string(render::kPhaseNames[i]) + "_s"] = phases.seconds(static_cast<render::Phase>(i));
+  stats["total_s"] = phases.total();
+}
 
 // A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
 bool may_write(const std::string& path, const std::string& world) {
@@ -83,15 +102,23 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 }  // namespace
 
 int run_snapshot(const Options& options, const std::string& file) {
+  using render::Phase;
   const Clock::time_point start = Clock::now();
-  WorldLoading loading(file, load_options(options));
+  render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
+  render::PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
+  LoadOptions load = load_options(options);
+  load.phases = measured;
+  phases.enter(Phase::read);
+  WorldLoading loading(file, load);
   OpenedWorld world = load_world(loading, file);
+  phases.enter(Phase::other);
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});
   simulation.fetch_with(loading);
+  simulation.measure(measured);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;
@@ -102,12 +129,15 @@ int run_snapshot(const Options& options, const std::string& file) {
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
   // Who is confined has no business with drivers and devices: drawn by the processor.
   const bool confined = !options.confine.empty() && options.backend == "auto";
+  phases.enter(Phase::compile);
   auto opened = render::open_headless_context(confined ? "osmesa" : options.backend);
   if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
   render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);
-  auto created = render::Renderer::create(context);
+  auto created = render::Renderer::create(context, measured);
   if (auto* problem = std::get_if<render::ContextError>(&created)) return fail(problem->message);
   render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
+
+  phases.enter(Phase::other);
 
   limit_drawing(options.timeout_seconds);
   simulation.run(options.time);
@@ -130,32 +160,36 @@ int run_snapshot(const Options& options, const std::string& file) {
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
+  phases.enter(Phase::draw);
   auto picture = renderer.draw_to_image(list, camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
   limit_drawing(0);
   const render::Image& image = std::get<render::Image>(picture);
   const double first_image_seconds = seconds_since(start);
+  phases.enter(Phase::write);
   if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))
     return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
+    nlohmann::json stats;
+    add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)renderer.draw_to_image(list, camera, draw);
-    const nlohmann::json stats = {{"bytes", simulation.world().bytes},
-                                  {"load_s", load_seconds},
-                                  {"first_image_s", first_image_seconds},
-                                  {"frame_s", seconds_since(again)},
-                                  {"triangles", statistics.triangles},
-                                  {"vectors", statistics.vectors},
-                                  {"items", statistics.items},
-                                  {"draw_calls", statistics.draw_calls},
-                                  {"colors", count_colors(image)},
-                                  {"peak_rss_bytes", peak_memory()},
-                                  {"backend", std::string(context.backend())},
-                                  {"renderer", renderer.gl_renderer()},
-                                  {"splats", statistics.splats},
-                                  {"errors", errors + left_out.errors()},
-                                  {"warnings", warnings}};
+    stats.update({{"bytes", simulation.world().bytes},
+                  {"load_s", load_seconds},
+                  {"first_image_s", first_image_seconds},
+                  {"frame_s", seconds_since(again)},
+                  {"triangles", statistics.triangles},
+                  {"vectors", statistics.vectors},
+                  {"items", statistics.items},
+                  {"draw_calls", statistics.draw_calls},
+                  {"colors", count_colors(image)},
+                  {"peak_rss_bytes", peak_memory()},
+                  {"backend", std::string(context.backend())},
+                  {"renderer", renderer.gl_renderer()},
+                  {"splats", statistics.splats},
+                  {"errors", errors + left_out.errors()},
+                  {"warnings", warnings}});
     if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }
   return simulation.world().truncated ? kFailed : kDone;

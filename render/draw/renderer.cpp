@@ -86,12 +86,13 @@ struct Renderer::State {
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::~Renderer() = default;
 
-std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext& context) {
+std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext& context, PhaseClock* phases) {
   auto loaded = Gl::load(context);
   if (auto* error = std::get_if<ContextError>(&loaded)) return std::move(*error);
   auto state = std::make_unique<State>();
   state->context = &context;
   state->gl = std::move(std::get<Gl>(loaded));
+  state->gl.phases = phases;
   auto background = BackgroundPass::create(state->gl);
   if (auto* error = std::get_if<ContextError>(&background)) return std::move(*error);
   state->background.emplace(std::move(std::get<BackgroundPass>(background)));

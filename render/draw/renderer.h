@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/base/phases.h"
 #include "render/gl/context.h"
 #include "render/image/image.h"
 #include "render/scene/camera.h"
@@ -20,8 +21,9 @@ namespace gs::render {
 /// else still holds them. Belongs to the thread of its context; destroy it while that is current.
 class Renderer {
  public:
-  /// Compiles the shaders. The error says what the driver said.
-  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
+  /// Compiles the shaders. The error says what the driver said. `phases`, which must outlive it, is told what time goes
+  /// to; null: nobody is.
+  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context, PhaseClock* phases = nullptr);
   ~Renderer();
 
   /// Draws into the framebuffer that is bound (0: the window's).

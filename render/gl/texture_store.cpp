@@ -82,6 +82,7 @@ void TextureStore::bind(const Entry& entry, bool repeat_s, bool repeat_t) {
 }
 
 void TextureStore::upload(const Image& given, Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   const Image* image = &given;
   Image smaller;
   const auto most = static_cast<std::uint32_t>(gl_.max_texture_size);

@@ -308,6 +308,25 @@ static std::size_t corners_of(GLenum primitive) {
   return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1;
 }
 
+/// Where somebody measures, the first primitive that a program draws is drawn on its own: drivers compile for a state
+/// of drawing when they first draw with it. The instance that it belongs to is then drawn.
+void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
+                          DrawPacer& pacer) {
+  const auto corners = static_cast<GLsizei>(corners_of(mesh.primitive));
+  {
+    const PhaseScope phase(gl_.phases, Phase::compile);
+    MeshStore::Slice one = mesh;
+    one.index_count = corners;
+    meshes_.draw(one, first, 1);
+  }
+  MeshStore::Slice rest = mesh;
+  rest.first_index += static_cast<std::size_t>(corners);
+  rest.index_count -= corners;
+  if (primitives > 1) draw_slices(rest, primitives - 1, first, 1, pacer);
+  ++first;
+  --count;
+}
+
 /// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
 void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                            DrawPacer& pacer) {
@@ -353,7 +372,12 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
       slice.first_index = prepared.sorted;
       slice.sorted = true;
     }
-    draw_slices(slice, primitives, batch.first, count, pacer);
+    std::size_t first = batch.first, left = count;
+    if (VariantProgram& used = *program(prepared.state.variant); gl_.phases && !used.drawn) {
+      used.drawn = true;
+      draw_first(slice, first, left, primitives, pacer);
+    }
+    draw_slices(slice, primitives, first, left, pacer);
     statistics.items += count;
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;

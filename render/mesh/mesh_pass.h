@@ -52,6 +52,7 @@ class MeshPass {
   };
   struct VariantProgram {
     Program program;
+    bool drawn = false;       // so that the driver has compiled the rest of it
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1;
     FogUniforms fog;
@@ -109,6 +110,8 @@ class MeshPass {
   void sort_triangles();
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
   void draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
+                  DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                    DrawPacer& pacer);
   void apply(const DrawState& state, const glm::mat4& clip_from_camera);

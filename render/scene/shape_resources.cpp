@@ -95,6 +95,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
     if (const auto* flag = std::get_if<vrml::SFBool>(&node.values[i])) key += *flag ? '1' : '0';
   key += static_cast<char>('a' + fineness);
   if (const auto known = meshes_.primitives.find(key); known != meshes_.primitives.end()) return known->second;
+  const PhaseScope phase(meshes_.phases, Phase::tessellate);
   vrml::MeshOptions options;
   options.default_measures = true;
   options.segments = kSegments[fineness];
@@ -152,6 +153,7 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
 
 void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                bool textured, std::size_t text_level) {
+  const PhaseScope phase(meshes_.phases, Phase::tessellate);
   vrml::MeshOptions options;
   options.texture_coordinates = textured;
   options.refiner = refiner_of(scene, geometry);
