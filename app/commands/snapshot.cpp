@@ -24,6 +24,8 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <unordered_set>
 
 namespace gs::app {
@@ -92,6 +94,38 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
+/// What draws; `problem` where there is no renderer.
+struct OpenedRenderer {
+  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  std::string problem;
+
+  OpenedRenderer() = default;
+  OpenedRenderer(OpenedRenderer&&) = default;
+  OpenedRenderer& operator=(OpenedRenderer&&) = delete;
+  ~OpenedRenderer() { renderer.reset(); }  // while its context is there
+};
+
+/// A context that is current nowhere, whose renderer is ready for pictures such as are wanted.
+OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptions& draw) {
+  OpenedRenderer result;
+  auto opened = render::open_headless_context(backend);
+  if (auto* problem = std::get_if<render::ContextError>(&opened)) {
+    result.problem = std::move(problem->message);
+    return result;
+  }
+  result.context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
+  auto created = render::Renderer::create(*result.context);
+  if (auto* problem = std::get_if<render::ContextError>(&created)) {
+    result.problem = std::move(problem->message);
+  } else {
+    result.renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
+    result.renderer->prepare(draw);
+  }
+  result.context->release_current();
+  return result;
+}
+
 render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
   constexpr float kFieldOfView = 0.785398f;
   return render::orbit_camera(bounds, glm::radians(static_cast<float>(options.orbit->first)),
@@ -108,6 +142,17 @@ int run_snapshot(const Options& options, const std::string& file) {
   render::PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
   LoadOptions load = load_options(options);
   load.phases = measured;
+  if (options.backend == "glfw")
+    return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
+  // Who is confined has no business with drivers and devices: drawn by the processor.
+  const bool confined = !options.confine.empty() && options.backend == "auto";
+  render::DrawOptions size_of_picture;
+  size_of_picture.width = options.width;
+  size_of_picture.height = options.height;
+  size_of_picture.samples = options.samples;
+  // The driver starts while the world is read.
+  std::future<OpenedRenderer> opening =
+      std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, size_of_picture);
   phases.enter(Phase::read);
   WorldLoading loading(file, load);
   OpenedWorld world = load_world(loading, file);
@@ -125,20 +170,6 @@ int run_snapshot(const Options& options, const std::string& file) {
   if (!may_write(options.snapshot, file))
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
 
-  if (options.backend == "glfw")
-    return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
-  // Who is confined has no business with drivers and devices: drawn by the processor.
-  const bool confined = !options.confine.empty() && options.backend == "auto";
-  phases.enter(Phase::compile);
-  auto opened = render::open_headless_context(confined ? "osmesa" : options.backend);
-  if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
-  render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);
-  auto created = render::Renderer::create(context, measured);
-  if (auto* problem = std::get_if<render::ContextError>(&created)) return fail(problem->message);
-  render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
-
-  phases.enter(Phase::other);
-
   limit_drawing(options.timeout_seconds);
   simulation.run(options.time);
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())
@@ -150,10 +181,15 @@ int run_snapshot(const Options& options, const std::string& file) {
   report_left_out(list, left_out);
   print_diagnostics(left_out);
 
-  render::DrawOptions draw;
-  draw.width = options.width;
-  draw.height = options.height;
-  draw.samples = options.samples;
+  phases.enter(Phase::compile);
+  const OpenedRenderer opened = opening.get();
+  if (!opened.renderer) return fail(opened.problem);
+  render::GlContext& context = *opened.context;
+  context.make_current();
+  render::Renderer& renderer = *opened.renderer;
+  renderer.measure(measured);
+  phases.enter(Phase::other);
+  render::DrawOptions draw = size_of_picture;
   draw.headlight = options.headlight.value_or(options.orbit || list.navigation.headlight);
   draw.visibility_limit = !options.orbit;
   draw.background = options.background;

@@ -1,5 +1,6 @@
 #include "render/draw/renderer.h"
 
+#include "qnv/base/parallel.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
@@ -7,6 +8,9 @@
 #include "render/volume/volume_pass.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -23,7 +27,9 @@ namespace {
 
 // Off-screen pictures larger than this give up samples first.
 constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
-constexpr std::size_t kBytesPerSample = 8;  // colour and depth
+constexpr std::size_t kBytesPerSample = 8;      // colour and depth
+constexpr int kPixelSide = 2;                   // of a pixel's samples, where they are pixels
+constexpr std::size_t kLightsOfManyPixels = 8;  // with more, shading each of those pixels costs more than that saves
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
             int height) {
@@ -56,18 +62,47 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   return target;
 }
 
-Image read_back(const Gl& gl, int width, int height) {
-  Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 3, {}};
-  const std::size_t row = std::size_t{image.width} * 3;
-  image.pixels.resize(row * image.height);
+/// The mean of two pixels of RGBA in one row and two in the next, as RGB: two components at a time.
+void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
+  static_assert(std::endian::native == std::endian::little);
+  constexpr std::uint32_t kEven = 0x00FF00FF, kHalf = 0x00020002;
+  std::array<std::uint32_t, 4> pixels;
+  std::memcpy(pixels.data(), above, 8);
+  std::memcpy(pixels.data() + 2, below, 8);
+  std::uint32_t even = kHalf, odd = kHalf;
+  for (const std::uint32_t pixel : pixels) {
+    even += pixel & kEven;
+    odd += pixel >> 8 & kEven;
+  }
+  const std::uint32_t mean = (even >> 2 & kEven) | (odd >> 2 & kEven) << 8;
+  std::memcpy(to, &mean, 3);
+}
+
+/// The picture in the buffer of pixels that is bound, the top row first, each pixel the mean of a square of `side` x
+/// `side`.
+Image read_back(const Gl& gl, int width, int height, int side) {
+  const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
+  const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
+  // Four bytes a pixel are copied as they are; three would be converted.
+  std::vector<std::uint8_t> pixels(stride * static_cast<std::size_t>(height));
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.pixels.data());
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
-  for (std::size_t top = 0, bottom = image.height - 1u; top < bottom; ++top, --bottom)
-    std::swap_ranges(image.pixels.begin() + static_cast<std::ptrdiff_t>(top * row),
-                     image.pixels.begin() + static_cast<std::ptrdiff_t>((top + 1) * row),
-                     image.pixels.begin() + static_cast<std::ptrdiff_t>(bottom * row));
+  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  Image image{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), 3, {}};
+  image.pixels.resize(columns * rows * 3);
+  const auto reduce_row = [&](std::size_t y) {
+    const std::uint8_t* from = pixels.data() + (rows - 1 - y) * square * stride;
+    std::uint8_t* to = image.pixels.data() + y * columns * 3;
+    if (square == 2) {
+      for (std::size_t x = 0; x < columns; ++x, from += 8, to += 3) put_mean(from, from + stride, to);
+    } else {
+      for (std::size_t x = 0; x < columns; ++x, from += 4)
+        for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
+    }
+  };
+  constexpr std::size_t kRows = 64;  // a task
+  (void)qnv::parallel_for((rows + kRows - 1) / kRows, [&](std::size_t task) {
+    for (std::size_t y = task * kRows; y < std::min(rows, (task + 1) * kRows); ++y) reduce_row(y);
+  });
   return image;
 }
 
@@ -86,13 +121,12 @@ struct Renderer::State {
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::~Renderer() = default;
 
-std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext& context, PhaseClock* phases) {
+std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext& context) {
   auto loaded = Gl::load(context);
   if (auto* error = std::get_if<ContextError>(&loaded)) return std::move(*error);
   auto state = std::make_unique<State>();
   state->context = &context;
   state->gl = std::move(std::get<Gl>(loaded));
-  state->gl.phases = phases;
   auto background = BackgroundPass::create(state->gl);
   if (auto* error = std::get_if<ContextError>(&background)) return std::move(*error);
   state->background.emplace(std::move(std::get<BackgroundPass>(background)));
@@ -144,7 +178,8 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
 std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list, const Camera& camera,
                                                           const DrawOptions& options, FrameStatistics* statistics) {
   const Gl& gl = state_->gl;
-  const int width = options.width, height = options.height, most = gl.max_renderbuffer_size;
+  int width = options.width, height = options.height;
+  const int most = gl.max_renderbuffer_size;
   if (width < 1 || height < 1 || width > most || height > most)
     return ContextError{"a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                         " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
@@ -152,6 +187,16 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
   const std::size_t bytes =
       std::size_t{1} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * kBytesPerSample;
   while (samples > 1 && bytes * static_cast<std::size_t>(samples) > kMostFramebufferBytes) samples /= 2;
+
+  // Drivers on the processor take three times as long for samples of their own as for four times the pixels. Clouds
+  // have samples of their own.
+  const bool more_pixels = gl.software && samples == kPixelSide * kPixelSide && list.splats.empty() &&
+                           list.lights.size() <= kLightsOfManyPixels && width <= most / kPixelSide &&
+                           height <= most / kPixelSide;
+  const int side = more_pixels ? kPixelSide : 1;
+  width *= side;
+  height *= side;
+  if (more_pixels) samples = 1;
 
   OffscreenTarget& target = state_->target;
   if (!target.framebuffer || target.width != width || target.height != height || target.samples != samples) {
@@ -169,6 +214,10 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
   }
   DrawOptions local = options;
   local.x = local.y = 0;
+  local.width = width;
+  local.height = height;
+  local.samples = more_pixels ? samples : options.samples;
+  local.pixel_side = side;
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
   const FrameStatistics drawn = draw(list, camera, local);
   if (statistics) *statistics = drawn;
@@ -178,10 +227,29 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
     gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
   }
-  Image image = read_back(gl, width, height);
+  Image image = read_back(gl, width, height, side);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return image;
 }
+
+void Renderer::prepare(const DrawOptions& options) {
+  // Whatever is drawn: drivers compile for the state of drawing, too.
+  vrml::Mesh triangle;
+  triangle.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  triangle.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  triangle.indices = {0, 1, 2};
+  for (const glm::vec3& position : triangle.positions) triangle.bounds.add(position);
+  RenderList list;
+  list.bounds = triangle.bounds;
+  DrawItem item;
+  item.mesh = std::make_shared<const vrml::Mesh>(std::move(triangle));
+  list.items.push_back(std::move(item));
+  Camera camera;
+  camera.world_from_camera[3] = {0, 0, 5, 1};
+  (void)draw_to_image(list, camera, options);
+}
+
+void Renderer::measure(PhaseClock* phases) { state_->gl.phases = phases; }
 
 const std::string& Renderer::gl_renderer() const { return state_->gl.renderer; }
 

@@ -21,9 +21,8 @@ namespace gs::render {
 /// else still holds them. Belongs to the thread of its context; destroy it while that is current.
 class Renderer {
  public:
-  /// Compiles the shaders. The error says what the driver said. `phases`, which must outlive it, is told what time goes
-  /// to; null: nobody is.
-  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context, PhaseClock* phases = nullptr);
+  /// Compiles the shaders. The error says what the driver said.
+  static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
   ~Renderer();
 
   /// Draws into the framebuffer that is bound (0: the window's).
@@ -32,6 +31,11 @@ class Renderer {
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
                                                                 const DrawOptions& options,
                                                                 FrameStatistics* statistics = nullptr);
+  /// Makes ready what pictures of this size and with these samples most likely need, so that the first one is there the
+  /// sooner.
+  void prepare(const DrawOptions& options);
+  /// Who is told what time goes to from now on, and outlives this; null: nobody.
+  void measure(PhaseClock* phases);
   /// The GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
 

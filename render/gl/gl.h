@@ -51,6 +51,7 @@
   X(ENABLE, Enable)                                                           \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
   X(FINISH, Finish)                                                           \
+  X(FLUSH, Flush)                                                             \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                         \
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                               \
   X(FRONTFACE, FrontFace)                                                     \
@@ -73,6 +74,7 @@
   X(GETSTRINGI, GetStringi)                                                   \
   X(GETUNIFORMBLOCKINDEX, GetUniformBlockIndex)                               \
   X(GETUNIFORMLOCATION, GetUniformLocation)                                   \
+  X(LINEWIDTH, LineWidth)                                                     \
   X(LINKPROGRAM, LinkProgram)                                                 \
   X(PIXELSTOREI, PixelStorei)                                                 \
   X(POINTSIZE, PointSize)                                                     \

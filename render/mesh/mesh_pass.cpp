@@ -396,7 +396,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
-  view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y);
+  view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
@@ -416,7 +416,8 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   gl_.DepthMask(GL_TRUE);
   gl_.CullFace(GL_BACK);
   gl_.Disable(GL_BLEND);
-  gl_.PointSize(kPointSize);
+  gl_.PointSize(kPointSize * static_cast<float>(options.pixel_side));
+  gl_.LineWidth(static_cast<float>(options.pixel_side));
   batch(opaque_, 0);
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
     return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
@@ -440,6 +441,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   }
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
+  gl_.LineWidth(1);
   statistics.given_up = pacer.given_up();
 }
 

@@ -178,12 +178,14 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 std::size_t text_level(const vrml::Mesh& text, const glm::mat4& world_from_node, const vrml::Bounds& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian) {
   constexpr double kMostPixels = 0.4;  // that outlines may be off
+  constexpr double kLeastLetters = 4;  // pixels of an em, of which small letters take half: below, nobody reads any
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
-  std::size_t level = vrml::kTextBars;
+  if (pixels <= kLeastLetters * distance) return vrml::kTextBars;
+  std::size_t level = vrml::kTextBars - 1;
   while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMostPixels * distance)) --level;
   return level;
 }
