@@ -176,7 +176,8 @@ int run_snapshot(const Options& options, const std::string& file) {
     complain("%s: warning: %s", file.c_str(), problem.c_str());
   const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.
-  const render::RenderList& list = simulation.look_from(glm::vec3(camera.world_from_camera[3]));
+  const render::RenderList& list =
+      simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);

@@ -50,7 +50,7 @@ class Simulation {
   /// What a picture of it is drawn with: of `look`.
   [[nodiscard]] render::Camera camera();
   /// The same world from somewhere else.
-  const render::RenderList& look_from(const glm::vec3& viewer);
+  const render::RenderList& look_from(const glm::vec3& viewer, const glm::vec3& up = {0, 1, 0});
 
  private:
   /// What happens at a time: an event for a node, a Viewpoint that is chosen, or an event of the window.

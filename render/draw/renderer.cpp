@@ -4,6 +4,7 @@
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
+#include "render/scene/collector.h"
 #include "render/splat/splat_pass.h"
 #include "render/volume/volume_pass.h"
 
@@ -166,6 +167,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
     state_->splats->draw(list, camera, clip_from_camera, options, statistics);
     state_->volumes->draw(list, camera, clip_from_camera, options, statistics);
   });
+  if (list.overlays && !statistics.given_up) draw_overlays(list, given, options, statistics);
   // Whoever draws next (the user interface) finds the defaults.
   gl.BindVertexArray(0);
   gl.UseProgram(0);
@@ -173,6 +175,21 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& given, cons
   gl.Disable(GL_SCISSOR_TEST);
   gl.Disable(GL_DEPTH_TEST);
   return statistics;
+}
+
+// What is fixed to the viewer has depths of its own, before all others.
+void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
+                             FrameStatistics& statistics) {
+  vrml::Bounds bounds;
+  for (const DrawItem& item : list.items)
+    if (item.overlay && item.mesh) bounds.add(world_bounds(item.mesh->bounds, glm::dmat4(item.world_from_node)));
+  const Camera camera = fit_depth(given, bounds);
+  const glm::mat4 clip_from_camera =
+      projection(camera, static_cast<float>(options.width), static_cast<float>(options.height));
+  state_->gl.DepthMask(GL_TRUE);
+  state_->gl.Clear(GL_DEPTH_BUFFER_BIT);
+  state_->meshes->draw(
+      list, camera, clip_from_camera, options, statistics, [] {}, true);
 }
 
 std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list, const Camera& camera,

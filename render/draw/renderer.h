@@ -42,6 +42,8 @@ class Renderer {
  private:
   struct State;
   explicit Renderer(std::unique_ptr<State> state);
+  void draw_overlays(const RenderList& list, const Camera& camera, const DrawOptions& options,
+                     FrameStatistics& statistics);
   std::unique_ptr<State> state_;
 };
 

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -197,17 +198,40 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   state.cull = surface && item.mesh->solid;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
+  const std::uint32_t layer = transparent ? 0 : layer_of(sphere.center, sphere.radius, state.packed());
   (transparent ? transparent_ : opaque_)
-      .push_back({state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
+      .push_back({layer, state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
 }
 
-void MeshPass::prepare(const RenderList& list, const View& view) {
+/// Of faces in the same place the last one of the file is seen, as if all were drawn in its order: items that fill the
+/// same sphere, and are not drawn together, are drawn one after the other. Depths that are equal pass.
+std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uint64_t state) {
+  constexpr std::uint32_t kMostLayers = 8;
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
+  const std::uint64_t key =
+      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
+      bits(radius);
+  std::uint32_t layer = 0;
+  const auto [first, last] = filled_.equal_range(key);
+  for (auto other = first; other != last; ++other)
+    if (other->second.center == center && other->second.radius == radius)
+      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
+  layer = std::min(layer, kMostLayers);
+  // One of each layer and state is enough to know of.
+  for (auto other = first; other != last; ++other)
+    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
+  filled_.insert({key, {center, radius, state, layer}});
+  return layer;
+}
+
+void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) {
   prepared_.clear();
   opaque_.clear();
   transparent_.clear();
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
+  filled_.clear();
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
   frame_variant_ = 0;
@@ -218,11 +242,13 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
     if (item.material.specular != glm::vec3(0)) frame_variant_ |= kSpecular;
     if (item.material.emissive != glm::vec3(0)) frame_variant_ |= kEmissive;
   }
-  for (const DrawItem& item : list.items) prepare_item(item, view);
+  for (const DrawItem& item : list.items)
+    if (item.overlay == overlays) prepare_item(item, view);
 
   // Near ones first where the order is free: what they hide is not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
-    return std::tie(a.state, a.mesh, a.depth, a.prepared) < std::tie(b.state, b.mesh, b.depth, b.prepared);
+    return std::tie(a.layer, a.state, a.mesh, a.depth, a.prepared) <
+           std::tie(b.layer, b.state, b.mesh, b.depth, b.prepared);
   });
   std::sort(transparent_.begin(), transparent_.end(), [](const SortKey& a, const SortKey& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
@@ -294,12 +320,13 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
     const SortKey& first = order[begin];
     std::size_t end = begin + 1;
     const auto joins = [&](const SortKey& key) {
-      return key.state == first.state && key.mesh == first.mesh && prepared_[key.prepared].sorted == kUnsorted;
+      return key.layer == first.layer && key.state == first.state && key.mesh == first.mesh &&
+             prepared_[key.prepared].sorted == kUnsorted;
     };
     if (prepared_[first.prepared].sorted == kUnsorted)
       while (end < order.size() && joins(order[end])) ++end;
-    batches_.push_back({first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth, first_instance + begin,
-                        end - begin, first.prepared});
+    batches_.push_back({first.layer, first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth,
+                        first_instance + begin, end - begin, first.prepared});
     begin = end;
   }
 }
@@ -385,7 +412,8 @@ void MeshPass::draw_batches(const glm::mat4& clip_from_camera, FrameStatistics& 
 }
 
 void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat4& clip_from_camera,
-                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between) {
+                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between,
+                    bool overlays) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
@@ -400,7 +428,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
-  prepare(list, view);
+  prepare(list, view, overlays);
   if (instances_.empty()) {
     between();
     return;
@@ -420,7 +448,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   gl_.LineWidth(static_cast<float>(options.pixel_side));
   batch(opaque_, 0);
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
-    return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
+    return std::tie(a.layer, a.state, a.page, a.depth, a.first) < std::tie(b.layer, b.state, b.page, b.depth, b.first);
   });
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
@@ -442,7 +470,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const glm::mat
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
   gl_.LineWidth(1);
-  statistics.given_up = pacer.given_up();
+  statistics.given_up = statistics.given_up || pacer.given_up();
 }
 
 }  // namespace gs::render

@@ -65,6 +65,7 @@ struct DrawItem {
   TextureUse texture;
   std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
   std::uint32_t place = kNoPlace;                 // of the Shape
+  bool overlay = false;                           // fixed to the viewer: drawn over everything that is not
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.
@@ -135,7 +136,8 @@ struct RenderList {
   Background background;
   NavigationState navigation;
   Fog fog;
-  vrml::Bounds bounds;                                          // world space, of all items
+  vrml::Bounds bounds;                                          // world space, of all items that are no overlays
+  bool overlays = false;                                        // some items are
   std::vector<LeftOut> left_out;                                // one for each reason
   std::vector<Place> places;                                    // of everything above, parents before children
   std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
