@@ -423,7 +423,8 @@ constexpr OptionRow kOptions[] = {
        o.log = v;
        return Problem{};
      }},
-    {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
+    {"--stats", "FILE.json", "", "write measurements of the run: seconds of its phases, bytes, triangles, memory",
+     "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;
        return Problem{};

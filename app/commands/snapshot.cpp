@@ -22,7 +22,10 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <unordered_set>
 
 namespace gs::app {
@@ -31,6 +34,24 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double seconds_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
+
+/// What the program has done before it came here, most of which is linking, takes the processor all the time.
+double seconds_so_far() {
+  timespec used{};
+  return clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) == 0
+             ? static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9
+             : 0;
+}
+
+/// The phases of the program, in sum `total_s`, so far.
+void add_phases(render::PhaseClock& phases, nlohmann::json& stats) {
+  phases.enter(render::Phase::other);
+  for (std::size_t i = 0; i < render::kPhaseNames.size(); ++i)
+    stats[std::string(render::kPhaseNames[i]) + "_s"] = phases.seconds(static_cast<render::Phase>(i));
+  stats["total_s"] = phases.total();
+}
 
 // A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
 bool may_write(const std::string& path, const std::string& world) {
@@ -73,6 +94,38 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
+/// What draws; `problem` where there is no renderer.
+struct OpenedRenderer {
+  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  std::string problem;
+
+  OpenedRenderer() = default;
+  OpenedRenderer(OpenedRenderer&&) = default;
+  OpenedRenderer& operator=(OpenedRenderer&&) = delete;
+  ~OpenedRenderer() { renderer.reset(); }  // while its context is there
+};
+
+/// A context that is current nowhere, whose renderer is ready for pictures such as are wanted.
+OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptions& draw) {
+  OpenedRenderer result;
+  auto opened = render::open_headless_context(backend);
+  if (auto* problem = std::get_if<render::ContextError>(&opened)) {
+    result.problem = std::move(problem->message);
+    return result;
+  }
+  result.context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
+  auto created = render::Renderer::create(*result.context);
+  if (auto* problem = std::get_if<render::ContextError>(&created)) {
+    result.problem = std::move(problem->message);
+  } else {
+    result.renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
+    result.renderer->prepare(draw);
+  }
+  result.context->release_current();
+  return result;
+}
+
 render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
   constexpr float kFieldOfView = 0.785398f;
   return render::orbit_camera(bounds, glm::radians(static_cast<float>(options.orbit->first)),
@@ -83,31 +136,39 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 }  // namespace
 
 int run_snapshot(const Options& options, const std::string& file) {
+  using render::Phase;
   const Clock::time_point start = Clock::now();
-  WorldLoading loading(file, load_options(options));
+  render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
+  render::PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
+  LoadOptions load = load_options(options);
+  load.phases = measured;
+  if (options.backend == "glfw")
+    return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
+  // Who is confined has no business with drivers and devices: drawn by the processor.
+  const bool confined = !options.confine.empty() && options.backend == "auto";
+  render::DrawOptions size_of_picture;
+  size_of_picture.width = options.width;
+  size_of_picture.height = options.height;
+  size_of_picture.samples = options.samples;
+  // The driver starts while the world is read.
+  std::future<OpenedRenderer> opening =
+      std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, size_of_picture);
+  phases.enter(Phase::read);
+  WorldLoading loading(file, load);
   OpenedWorld world = load_world(loading, file);
+  phases.enter(Phase::other);
   const double load_seconds = seconds_since(start);
   print_diagnostics(world.diagnostics);
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});
   simulation.fetch_with(loading);
+  simulation.measure(measured);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
   if (!plan_input(options, simulation)) return kFailed;
   if (!may_write(options.snapshot, file))
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
-
-  if (options.backend == "glfw")
-    return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
-  // Who is confined has no business with drivers and devices: drawn by the processor.
-  const bool confined = !options.confine.empty() && options.backend == "auto";
-  auto opened = render::open_headless_context(confined ? "osmesa" : options.backend);
-  if (auto* problem = std::get_if<render::ContextError>(&opened)) return fail(problem->message);
-  render::GlContext& context = *std::get<std::unique_ptr<render::GlContext>>(opened);
-  auto created = render::Renderer::create(context);
-  if (auto* problem = std::get_if<render::ContextError>(&created)) return fail(problem->message);
-  render::Renderer& renderer = *std::get<std::unique_ptr<render::Renderer>>(created);
 
   limit_drawing(options.timeout_seconds);
   simulation.run(options.time);
@@ -115,47 +176,57 @@ int run_snapshot(const Options& options, const std::string& file) {
     complain("%s: warning: %s", file.c_str(), problem.c_str());
   const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.
-  const render::RenderList& list = simulation.look_from(glm::dvec3(camera.world_from_camera[3]));
+  const render::RenderList& list =
+      simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);
 
-  render::DrawOptions draw;
-  draw.width = options.width;
-  draw.height = options.height;
-  draw.samples = options.samples;
+  phases.enter(Phase::compile);
+  const OpenedRenderer opened = opening.get();
+  if (!opened.renderer) return fail(opened.problem);
+  render::GlContext& context = *opened.context;
+  context.make_current();
+  render::Renderer& renderer = *opened.renderer;
+  renderer.measure(measured);
+  phases.enter(Phase::other);
+  render::DrawOptions draw = size_of_picture;
   draw.headlight = options.headlight.value_or(options.orbit || list.navigation.headlight);
   draw.visibility_limit = !options.orbit;
   draw.background = options.background;
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
+  phases.enter(Phase::draw);
   auto picture = renderer.draw_to_image(list, camera, draw, &statistics);
   if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
   limit_drawing(0);
   const render::Image& image = std::get<render::Image>(picture);
   const double first_image_seconds = seconds_since(start);
+  phases.enter(Phase::write);
   if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))
     return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
+    nlohmann::json stats;
+    add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)renderer.draw_to_image(list, camera, draw);
-    const nlohmann::json stats = {{"bytes", simulation.world().bytes},
-                                  {"load_s", load_seconds},
-                                  {"first_image_s", first_image_seconds},
-                                  {"frame_s", seconds_since(again)},
-                                  {"triangles", statistics.triangles},
-                                  {"vectors", statistics.vectors},
-                                  {"items", statistics.items},
-                                  {"draw_calls", statistics.draw_calls},
-                                  {"colors", count_colors(image)},
-                                  {"peak_rss_bytes", peak_memory()},
-                                  {"backend", std::string(context.backend())},
-                                  {"renderer", renderer.gl_renderer()},
-                                  {"splats", statistics.splats},
-                                  {"errors", errors + left_out.errors()},
-                                  {"warnings", warnings}};
+    stats.update({{"bytes", simulation.world().bytes},
+                  {"load_s", load_seconds},
+                  {"first_image_s", first_image_seconds},
+                  {"frame_s", seconds_since(again)},
+                  {"triangles", statistics.triangles},
+                  {"vectors", statistics.vectors},
+                  {"items", statistics.items},
+                  {"draw_calls", statistics.draw_calls},
+                  {"colors", count_colors(image)},
+                  {"peak_rss_bytes", peak_memory()},
+                  {"backend", std::string(context.backend())},
+                  {"renderer", renderer.gl_renderer()},
+                  {"splats", statistics.splats},
+                  {"errors", errors + left_out.errors()},
+                  {"warnings", warnings}});
     if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
   }
   return simulation.world().truncated ? kFailed : kDone;

@@ -154,8 +154,9 @@ render::Camera Simulation::camera() {
   return camera_of(seen.navigation.pose);
 }
 
-const render::RenderList& Simulation::look_from(const glm::dvec3& viewer) {
+const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const glm::dvec3& up) {
   const View& seen = look();
+  seen.scene->scene.set_viewer_up(up);
   (void)document_->living->show(*seen.scene, viewer);
   return *seen.list;
 }

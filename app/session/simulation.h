@@ -40,6 +40,9 @@ class Simulation {
   /// Urls that are set from now on are read by this, which has read the world, before time goes on.
   void fetch_with(WorldLoading& loading) { loading_ = &loading; }
 
+  /// Who measures what time goes to, which must outlive it.
+  void measure(render::PhaseClock* phases) { document_->meshes.phases = phases; }
+
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
   /// The world as it is after `run`, and who looks at it.
@@ -47,7 +50,7 @@ class Simulation {
   /// What a picture of it is drawn with: of `look`.
   [[nodiscard]] render::Camera camera();
   /// The same world from somewhere else.
-  const render::RenderList& look_from(const glm::dvec3& viewer);
+  const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});
 
  private:
   /// What happens at a time: an event for a node, a Viewpoint that is chosen, or an event of the window.

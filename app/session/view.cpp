@@ -98,6 +98,7 @@ bool follow_world(View& view) {
   if (!view.scene || !view.document || !view.document->living) return false;
   view.scene->scene.set_pixels_per_radian(
       render::pixels_per_radian(view.navigation.pose.field_of_view, view.home_size.x, view.home_size.y));
+  view.scene->scene.set_viewer_up(view.navigation.pose.up());
   const bool changed = view.document->living->show(*view.scene, view.navigation.pose.position);
   if (!changed) return false;
   const auto& viewpoints = view.list->viewpoints;

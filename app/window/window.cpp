@@ -191,6 +191,7 @@ Window::~Window() {
   glfwTerminate();
 }
 
+void Window::release_current() { glfwMakeContextCurrent(nullptr); }
 void Window::make_current() { glfwMakeContextCurrent(window_); }
 void Window::present() { glfwSwapBuffers(window_); }
 Window::Procedure Window::proc_address(const char* name) { return glfwGetProcAddress(name); }

@@ -83,6 +83,7 @@ class Window final : public render::GlContext {
   Window& operator=(const Window&) = delete;
 
   void make_current() override;
+  void release_current() override;
   void present() override;
   [[nodiscard]] Procedure proc_address(const char* name) override;
   [[nodiscard]] std::string_view backend() const override { return "glfw"; }

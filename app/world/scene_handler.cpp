@@ -98,6 +98,14 @@ void SceneHandler::read_rest(std::span<const std::byte> bytes) {
   if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
   if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(world_.budget);
   is_gzip_known_ = true;
+  parse(bytes);
+  world_.changed = true;
+  attach();
+  look_for_references();
+}
+
+void SceneHandler::parse(std::span<const std::byte> bytes) {
+  const render::PhaseScope phase(world_.options.phases, render::Phase::parse);
   if (gunzip_)
     gunzip_->push(bytes, [this](std::string_view piece) {
       parser_->push(piece);
@@ -105,9 +113,6 @@ void SceneHandler::read_rest(std::span<const std::byte> bytes) {
     });
   else
     parser_->push(text_of(bytes));
-  world_.changed = true;
-  attach();
-  look_for_references();
 }
 
 CloudHandler& SceneHandler::cloud_handler() {
@@ -135,6 +140,7 @@ void SceneHandler::outlines_changed(vrml::NodeId id) {
 }
 
 void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
+  const render::PhaseScope phase(world_.options.phases, render::Phase::parse);
   auto read =
       import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
   refused = !read;

@@ -73,6 +73,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   // scene_handler.cpp
   bool choose_type(bool last);
   void read_rest(std::span<const std::byte> bytes);
+  void parse(std::span<const std::byte> bytes);
   [[nodiscard]] CloudHandler& cloud_handler();
   void read_mesh(std::span<const std::byte> bytes);
   void show_outlines();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/world/opened_world.h"
+#include "render/base/phases.h"
 #include "vrml/scene/limits.h"
 
 #include <atomic>
@@ -30,6 +31,7 @@ struct LoadOptions {
   bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
   std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are
   std::string cache_folder;  // for what comes over the network; empty: none
+  render::PhaseClock* phases = nullptr;        // of who measures how long texts take to parse; null: nobody does
   std::shared_ptr<net::MemoryNetwork> memory;  // for tests: what memory: URLs name
 };
 

@@ -181,6 +181,7 @@ void WorldLoading::State::local_step() {
     const auto piece = fetch.rest.first(std::min(kLocalBytes, fetch.rest.size()));
     fetch.rest = fetch.rest.subspan(piece.size());
     deliver(fetch, piece);
+    if (fetch.file) fetch.file->put_aside(static_cast<std::size_t>(fetch.received));
   }
   if (!fetch.refused && !fetch.rest.empty()) return;
   local.pop_front();

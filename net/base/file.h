@@ -34,6 +34,8 @@ class MappedFile {
   [[nodiscard]] std::span<const std::byte> bytes() const {
     return mapping_.bytes().empty() ? std::span<const std::byte>(copy_) : mapping_.bytes();
   }
+  /// Whoever goes through a large file once need not keep the first `size` bytes, which he has read, in memory.
+  void put_aside(std::size_t size) const { mapping_.put_aside(size); }
   /// What to say of the file when the bytes may not be those of the moment of opening: it became shorter, or was
   /// written to. Nothing as long as they are, as far as the clock of the file system tells. To be asked after reading.
   [[nodiscard]] std::optional<std::string> changed() const;

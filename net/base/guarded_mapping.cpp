@@ -1,5 +1,6 @@
 #include "net/base/guarded_mapping.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -140,6 +141,12 @@ void GuardedMapping::release() noexcept {
   const std::lock_guard lock(guarded_mutex);
   change_range(*range_, 0, 0);
   ::munmap(const_cast<std::byte*>(data_), size_);
+}
+
+void GuardedMapping::put_aside(std::size_t size) const {
+  const std::size_t whole = std::min(size, size_) & ~static_cast<std::size_t>(guarded_page_size - 1);
+  // Where zeros stand for what was lost, they would be lost again.
+  if (whole > 0 && !lost()) (void)::madvise(const_cast<std::byte*>(data_), whole, MADV_DONTNEED);
 }
 
 bool GuardedMapping::lost() const { return range_ && range_->lost.load(std::memory_order_acquire); }

@@ -26,6 +26,8 @@ class GuardedMapping {
   [[nodiscard]] static std::optional<GuardedMapping> of(int file, std::size_t size);
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return {data_, size_}; }
+  /// The first `size` bytes are not needed soon: they take no memory until they are read again.
+  void put_aside(std::size_t size) const;
   /// Whether zeros were read in the place of bytes that are no longer there.
   [[nodiscard]] bool lost() const;
 

@@ -1,12 +1,17 @@
 #include "render/draw/renderer.h"
 
+#include "qnv/base/parallel.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
+#include "render/scene/collector.h"
 #include "render/splat/splat_pass.h"
 #include "render/volume/volume_pass.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -24,7 +29,9 @@ namespace {
 
 // Off-screen pictures larger than this give up samples first.
 constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
-constexpr std::size_t kBytesPerSample = 8;  // colour and depth
+constexpr std::size_t kBytesPerSample = 8;      // colour and depth
+constexpr int kPixelSide = 2;                   // of a pixel's samples, where they are pixels
+constexpr std::size_t kLightsOfManyPixels = 8;  // with more, shading each of those pixels costs more than that saves
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
             int height) {
@@ -58,18 +65,47 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   return target;
 }
 
-Image read_back(const Gl& gl, int width, int height) {
-  Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 3, {}};
-  const std::size_t row = std::size_t{image.width} * 3;
-  image.pixels.resize(row * image.height);
+/// The mean of two pixels of RGBA in one row and two in the next, as RGB: two components at a time.
+void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
+  static_assert(std::endian::native == std::endian::little);
+  constexpr std::uint32_t kEven = 0x00FF00FF, kHalf = 0x00020002;
+  std::array<std::uint32_t, 4> pixels;
+  std::memcpy(pixels.data(), above, 8);
+  std::memcpy(pixels.data() + 2, below, 8);
+  std::uint32_t even = kHalf, odd = kHalf;
+  for (const std::uint32_t pixel : pixels) {
+    even += pixel & kEven;
+    odd += pixel >> 8 & kEven;
+  }
+  const std::uint32_t mean = (even >> 2 & kEven) | (odd >> 2 & kEven) << 8;
+  std::memcpy(to, &mean, 3);
+}
+
+/// The picture in the buffer of pixels that is bound, the top row first, each pixel the mean of a square of `side` x
+/// `side`.
+Image read_back(const Gl& gl, int width, int height, int side) {
+  const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
+  const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
+  // Four bytes a pixel are copied as they are; three would be converted.
+  std::vector<std::uint8_t> pixels(stride * static_cast<std::size_t>(height));
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, image.pixels.data());
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
-  for (std::size_t top = 0, bottom = image.height - 1u; top < bottom; ++top, --bottom)
-    std::swap_ranges(image.pixels.begin() + static_cast<std::ptrdiff_t>(top * row),
-                     image.pixels.begin() + static_cast<std::ptrdiff_t>((top + 1) * row),
-                     image.pixels.begin() + static_cast<std::ptrdiff_t>(bottom * row));
+  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+  Image image{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), 3, {}};
+  image.pixels.resize(columns * rows * 3);
+  const auto reduce_row = [&](std::size_t y) {
+    const std::uint8_t* from = pixels.data() + (rows - 1 - y) * square * stride;
+    std::uint8_t* to = image.pixels.data() + y * columns * 3;
+    if (square == 2) {
+      for (std::size_t x = 0; x < columns; ++x, from += 8, to += 3) put_mean(from, from + stride, to);
+    } else {
+      for (std::size_t x = 0; x < columns; ++x, from += 4)
+        for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
+    }
+  };
+  constexpr std::size_t kRows = 64;  // a task
+  (void)qnv::parallel_for((rows + kRows - 1) / kRows, [&](std::size_t task) {
+    for (std::size_t y = task * kRows; y < std::min(rows, (task + 1) * kRows); ++y) reduce_row(y);
+  });
   return image;
 }
 
@@ -190,6 +226,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
     state_->splats->draw(list, camera, lens, options, statistics);
     state_->volumes->draw(list, camera, lens, options, statistics);
   });
+  if (list.overlays && !statistics.given_up) draw_overlays(list, given, options, statistics);
   // Whoever draws next (the user interface) finds the defaults.
   if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   gl.DepthFunc(GL_LESS);
@@ -201,27 +238,76 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   return statistics;
 }
 
+// What is fixed to the viewer has depths of its own, before all others.
+void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
+                             FrameStatistics& statistics) {
+  vrml::Bounds bounds;
+  for (const DrawItem& item : list.items)
+    if (item.overlay && item.mesh) bounds.add(world_bounds(item.mesh->bounds, item.world_from_node));
+  const bool reversed = state_->gl.ClipControl != nullptr;
+  const Camera camera = fit_depth(given, bounds, reversed);
+  const Projection lens =
+      projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
+  const float farthest = lens.farthest_depth();
+  state_->gl.DepthMask(GL_TRUE);
+  state_->gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
+  state_->meshes->draw(
+      list, camera, lens, options, statistics, [] {}, true);
+}
+
 std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list, const Camera& camera,
                                                           const DrawOptions& options, FrameStatistics* statistics) {
   const Gl& gl = state_->gl;
-  const int width = options.width, height = options.height, most = gl.max_renderbuffer_size;
+  int width = options.width, height = options.height;
+  const int most = gl.max_renderbuffer_size;
   if (width < 1 || height < 1 || width > most || height > most)
     return ContextError{"a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                         " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
-  if (!bind_target(width, height, options.samples)) {
+  // Drivers on the processor take three times as long for samples of their own as for four times the pixels. Clouds
+  // have samples of their own.
+  const bool more_pixels = gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide &&
+                           list.splats.empty() && list.lights.size() <= kLightsOfManyPixels &&
+                           width <= most / kPixelSide && height <= most / kPixelSide;
+  const int side = more_pixels ? kPixelSide : 1;
+  width *= side;
+  height *= side;
+  if (!bind_target(width, height, more_pixels ? 1 : options.samples)) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
     return ContextError{"the driver has no memory for a picture of " + std::to_string(width) + "x" +
                         std::to_string(height)};
   }
   DrawOptions local = options;
   local.x = local.y = 0;
+  local.width = width;
+  local.height = height;
+  if (more_pixels) local.samples = 1;
+  local.pixel_side = side;
   const FrameStatistics drawn = draw_in_target(list, camera, local);
   if (statistics) *statistics = drawn;
   resolve(width, height);
-  Image image = read_back(gl, width, height);
+  Image image = read_back(gl, width, height, side);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return image;
 }
+
+void Renderer::prepare(const DrawOptions& options) {
+  // Whatever is drawn: drivers compile for the state of drawing, too.
+  vrml::Mesh triangle;
+  triangle.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  triangle.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  triangle.indices = {0, 1, 2};
+  for (const glm::vec3& position : triangle.positions) triangle.bounds.add(position);
+  RenderList list;
+  list.bounds = triangle.bounds;
+  DrawItem item;
+  item.mesh = std::make_shared<const vrml::Mesh>(std::move(triangle));
+  list.items.push_back(std::move(item));
+  Camera camera;
+  camera.world_from_camera[3] = {0, 0, 5, 1};
+  (void)draw_to_image(list, camera, options);
+}
+
+void Renderer::measure(PhaseClock* phases) { state_->gl.phases = phases; }
 
 const std::string& Renderer::gl_renderer() const { return state_->gl.renderer; }
 

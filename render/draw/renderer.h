@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/base/phases.h"
 #include "render/gl/context.h"
 #include "render/image/image.h"
 #include "render/scene/camera.h"
@@ -30,6 +31,11 @@ class Renderer {
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
                                                                 const DrawOptions& options,
                                                                 FrameStatistics* statistics = nullptr);
+  /// Makes ready what pictures of this size and with these samples most likely need, so that the first one is there the
+  /// sooner.
+  void prepare(const DrawOptions& options);
+  /// Who is told what time goes to from now on, and outlives this; null: nobody.
+  void measure(PhaseClock* phases);
   /// The GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
 
@@ -39,6 +45,8 @@ class Renderer {
   FrameStatistics draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options);
   void resolve(int width, int height);
   explicit Renderer(std::unique_ptr<State> state);
+  void draw_overlays(const RenderList& list, const Camera& camera, const DrawOptions& options,
+                     FrameStatistics& statistics);
   std::unique_ptr<State> state_;
 };
 

@@ -15,6 +15,8 @@ class GlContext {
   using Procedure = void (*)();
   virtual ~GlContext() = default;
   virtual void make_current() = 0;
+  /// So that another thread may make it current.
+  virtual void release_current() = 0;
   /// Shows what was drawn; nothing to do off screen.
   virtual void present() = 0;
   [[nodiscard]] virtual Procedure proc_address(const char* name) = 0;

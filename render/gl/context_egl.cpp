@@ -64,6 +64,7 @@ class EglContext final : public GlContext {
     library_.destroy_context(display_, context_);
   }
   void make_current() override { library_.make_current(display_, nullptr, nullptr, context_); }
+  void release_current() override { library_.make_current(display_, nullptr, nullptr, nullptr); }
   void present() override {}
   Procedure proc_address(const char* name) override { return library_.get_proc_address(name); }
   [[nodiscard]] std::string_view backend() const override { return "egl"; }

@@ -45,6 +45,7 @@ class OsmesaContext final : public GlContext {
     library_.destroy_context(context_);
   }
   void make_current() override { (void)bind(); }
+  void release_current() override { (void)library_.make_current(nullptr, nullptr, 0, 0, 0); }
   void present() override {}
   Procedure proc_address(const char* name) override { return library_.proc_address(name); }
   [[nodiscard]] std::string_view backend() const override { return "osmesa"; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/base/phases.h"
 #include "render/gl/context.h"
 
 #include <GL/glcorearb.h>
@@ -50,6 +51,7 @@
   X(ENABLE, Enable)                                                           \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
   X(FINISH, Finish)                                                           \
+  X(FLUSH, Flush)                                                             \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                         \
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                               \
   X(FRONTFACE, FrontFace)                                                     \
@@ -72,6 +74,7 @@
   X(GETSTRINGI, GetStringi)                                                   \
   X(GETUNIFORMBLOCKINDEX, GetUniformBlockIndex)                               \
   X(GETUNIFORMLOCATION, GetUniformLocation)                                   \
+  X(LINEWIDTH, LineWidth)                                                     \
   X(LINKPROGRAM, LinkProgram)                                                 \
   X(PIXELSTOREI, PixelStorei)                                                 \
   X(POINTSIZE, PointSize)                                                     \
@@ -120,8 +123,9 @@ struct Gl {
   PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
   PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;
 
-  std::string renderer;   // GL_RENDERER
-  bool software = false;  // it is one that runs on the processor
+  PhaseClock* phases = nullptr;  // of who measures where time goes; null: nobody does
+  std::string renderer;          // GL_RENDERER
+  bool software = false;         // it is one that runs on the processor
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
   float max_anisotropy = 1;  // 1: not available
 

@@ -62,6 +62,7 @@ Renderbuffer make_renderbuffer(const Gl& gl) {
 
 std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines, std::string_view vertex_source,
                                                  std::string_view fragment_source) {
+  const PhaseScope phase(gl.phases, Phase::compile);
   auto vertex = compile(gl, GL_VERTEX_SHADER, defines, vertex_source);
   if (auto* error = std::get_if<ContextError>(&vertex)) return std::move(*error);
   auto fragment = compile(gl, GL_FRAGMENT_SHADER, defines, fragment_source);

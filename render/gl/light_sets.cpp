@@ -157,6 +157,7 @@ std::uint32_t LightSets::choose(const std::vector<std::uint16_t>& directional, c
 }
 
 void LightSets::upload() {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   // VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view
   ShaderLight headlight = directional_light({0, 0, 1});
   headlight.color = glm::vec3(1);

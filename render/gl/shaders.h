@@ -137,6 +137,8 @@ vec3 normal_in_camera() {
 }
 #endif
 
+// Faces in the same place have the same depths, whatever else is made of them.
+invariant gl_Position;
 void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));

@@ -82,6 +82,7 @@ void TextureStore::bind(const Entry& entry, bool repeat_s, bool repeat_t) {
 }
 
 void TextureStore::upload(const Image& given, Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   const Image* image = &given;
   Image smaller;
   const auto most = static_cast<std::uint32_t>(gl_.max_texture_size);
@@ -107,7 +108,19 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, kInternal[kind], static_cast<GLsizei>(image->width),
                  static_cast<GLsizei>(image->height), 0, kFormats[kind], GL_UNSIGNED_BYTE, image->pixels.data());
-  gl_.GenerateMipmap(GL_TEXTURE_2D);
+  if (gl_.software) {
+    // Drivers on the processor compile a shader for that and draw with it: ten times as long.
+    GLint level = 0;
+    while (image->width > 1 || image->height > 1) {
+      Image half = halved(*image);
+      smaller = std::move(half);
+      image = &smaller;
+      gl_.TexImage2D(GL_TEXTURE_2D, ++level, kInternal[kind], static_cast<GLsizei>(image->width),
+                     static_cast<GLsizei>(image->height), 0, kFormats[kind], GL_UNSIGNED_BYTE, image->pixels.data());
+    }
+  } else {
+    gl_.GenerateMipmap(GL_TEXTURE_2D);
+  }
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 

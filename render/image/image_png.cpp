@@ -1,7 +1,6 @@
 #include "render/image/image_codecs.h"
 
 #include <png.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -161,46 +160,6 @@ ImageError png_error_of(const PngReader& reader) {
   return {std::string("broken PNG: ") + reader.message + " (at byte " + std::to_string(reader.position) + ")"};
 }
 
-/// Where the encoder's bytes go; an allocation that fails is remembered, not thrown through C.
-struct PngWriter {
-  std::vector<std::byte> bytes;
-  bool failed = false;
-};
-
-void write_bytes(png_structp png, png_bytep from, png_size_t count) {
-  auto* writer = static_cast<PngWriter*>(png_get_io_ptr(png));
-  if (writer->failed) return;
-  try {
-    const auto* first = reinterpret_cast<const std::byte*>(from);
-    writer->bytes.insert(writer->bytes.end(), first, first + count);
-  } catch (const std::bad_alloc&) {
-    writer->failed = true;
-  }
-}
-
-void flush_bytes(png_structp) {}
-
-void on_write_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
-
-bool write_png(png_structp png, png_infop info, PngWriter& writer, const Image& image) {
-  if (setjmp(png_jmpbuf(png))) return false;
-  constexpr int kColorTypes[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
-                                 PNG_COLOR_TYPE_RGB_ALPHA};
-  png_set_write_fn(png, &writer, write_bytes, flush_bytes);
-  png_set_IHDR(png, info, image.width, image.height, 8, kColorTypes[image.components - 1], PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  // A third of the time of the defaults, for files larger by a tenth (docs/benchmarks.md).
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_ALL_FILTERS);
-  png_set_compression_level(png, 1);
-  png_set_compression_strategy(png, Z_RLE);
-  png_set_compression_buffer_size(png, std::size_t{1} << 16);
-  png_write_info(png, info);
-  const std::size_t stride = std::size_t{image.width} * image.components;
-  for (std::uint32_t y = 0; y < image.height; ++y) png_write_row(png, image.pixels.data() + y * stride);
-  png_write_end(png, info);
-  return true;
-}
-
 }  // namespace
 
 DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& limits) {
@@ -240,20 +199,6 @@ DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& lim
   image.components = reader.components;
   if (reader.components != reader.channels) keep_grey(image.pixels, reader.channels);
   return image;
-}
-
-std::vector<std::byte> encode_png(const Image& image) {
-  if (image.components < 1 || image.components > 4 || image.width == 0 || image.height == 0 ||
-      image.pixels.size() != std::uint64_t{image.width} * image.height * image.components)
-    return {};
-  PngWriter writer;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_write_error, on_warning);
-  png_infop info = png ? png_create_info_struct(png) : nullptr;
-  const bool written = info && write_png(png, info, writer, image);
-  png_destroy_write_struct(&png, &info);
-  if (writer.failed) throw std::bad_alloc();
-  if (!written) writer.bytes.clear();
-  return std::move(writer.bytes);
 }
 
 }  // namespace gs::render

@@ -106,6 +106,9 @@ void BackgroundPass::draw_rings(const Background& background, const glm::mat3& w
   gl_->Disable(GL_CULL_FACE);
   gl_->Disable(GL_BLEND);
   gl_->BindVertexArray(no_attributes_.name());
+  // With the first one the driver compiles.
+  const PhaseScope phase(drawn_ ? nullptr : gl_->phases, Phase::compile);
+  drawn_ = true;
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -35,6 +35,7 @@ class BackgroundPass {
   TextureStore textures_;
   // Made for the first panorama; the driver may refuse it.
   Program panorama_;
+  bool drawn_ = false;
   bool tried_panorama_ = false;
   GLint camera_from_face_ = -1, panorama_tangents_ = -1;
 };

@@ -9,6 +9,8 @@ namespace {
 // The first slice of a frame may fill the whole target so many times: some tenths of a second of a software rasteriser.
 constexpr std::size_t kFirstPixels = std::size_t{1} << 27;
 constexpr std::size_t kLargestSlice = std::size_t{1} << 24;
+// What a driver on the processor is to keep of a picture before it fills pixels, which other threads do meanwhile.
+constexpr std::size_t kSoftwareSlice = std::size_t{1} << 15;
 constexpr std::chrono::milliseconds kShort{40}, kLong{150};
 
 }  // namespace
@@ -16,13 +18,19 @@ constexpr std::chrono::milliseconds kShort{40}, kLong{150};
 DrawPacer::DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels)
     : gl_(gl),
       go_on_(go_on),
-      slice_(go_on ? std::clamp<std::size_t>(kFirstPixels / std::max<std::size_t>(pixels, 1), 16, 4096)
-                   : std::numeric_limits<std::size_t>::max()),
+      slice_(go_on         ? std::clamp<std::size_t>(kFirstPixels / std::max<std::size_t>(pixels, 1), 16, 4096)
+             : gl.software ? kSoftwareSlice
+                           : std::numeric_limits<std::size_t>::max()),
       begin_(Clock::now()) {}
 
 void DrawPacer::spend(std::size_t primitives) {
   spent_ += primitives;
-  if (!go_on_ || spent_ < slice_) return;
+  if (spent_ < slice_) return;
+  if (!go_on_) {
+    gl_.Flush();
+    spent_ = 0;
+    return;
+  }
   gl_.Finish();
   const auto now = Clock::now();
   if (now - begin_ < kShort)

@@ -14,7 +14,7 @@ namespace gs::render {
 /// context.
 class DrawPacer {
  public:
-  /// Where `go_on` is null there are no slices. `pixels`: of the target.
+  /// Where `go_on` is null nothing is waited for; there are slices only where the driver draws on the processor. `pixels`: of the target.
   DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels);
 
   /// How many primitives may be drawn before the next `spend`: at least 1.

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -208,17 +209,40 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   state.cull = surface && item.mesh->solid;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
+  const std::uint32_t layer = transparent ? 0 : layer_of(sphere.center, sphere.radius, state.packed());
   (transparent ? transparent_ : opaque_)
-      .push_back({state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
+      .push_back({layer, state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
 }
 
-void MeshPass::prepare(const RenderList& list, const View& view) {
+/// Of faces in the same place the last one of the file is seen, as if all were drawn in its order: items that fill the
+/// same sphere, and are not drawn together, are drawn one after the other. Depths that are equal pass.
+std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uint64_t state) {
+  constexpr std::uint32_t kMostLayers = 8;
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
+  const std::uint64_t key =
+      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
+      bits(radius);
+  std::uint32_t layer = 0;
+  const auto [first, last] = filled_.equal_range(key);
+  for (auto other = first; other != last; ++other)
+    if (other->second.center == center && other->second.radius == radius)
+      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
+  layer = std::min(layer, kMostLayers);
+  // One of each layer and state is enough to know of.
+  for (auto other = first; other != last; ++other)
+    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
+  filled_.insert({key, {center, radius, state, layer}});
+  return layer;
+}
+
+void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) {
   prepared_.clear();
   opaque_.clear();
   transparent_.clear();
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
+  filled_.clear();
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
   frame_variant_ = 0;
@@ -229,11 +253,13 @@ void MeshPass::prepare(const RenderList& list, const View& view) {
     if (item.material.specular != glm::vec3(0)) frame_variant_ |= kSpecular;
     if (item.material.emissive != glm::vec3(0)) frame_variant_ |= kEmissive;
   }
-  for (const DrawItem& item : list.items) prepare_item(item, view);
+  for (const DrawItem& item : list.items)
+    if (item.overlay == overlays) prepare_item(item, view);
 
   // Near ones first where the order is free: what they hide is not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
-    return std::tie(a.state, a.mesh, a.depth, a.prepared) < std::tie(b.state, b.mesh, b.depth, b.prepared);
+    return std::tie(a.layer, a.state, a.mesh, a.depth, a.prepared) <
+           std::tie(b.layer, b.state, b.mesh, b.depth, b.prepared);
   });
   std::sort(transparent_.begin(), transparent_.end(), [](const SortKey& a, const SortKey& b) {
     return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
@@ -305,18 +331,38 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
     const SortKey& first = order[begin];
     std::size_t end = begin + 1;
     const auto joins = [&](const SortKey& key) {
-      return key.state == first.state && key.mesh == first.mesh && prepared_[key.prepared].sorted == kUnsorted;
+      return key.layer == first.layer && key.state == first.state && key.mesh == first.mesh &&
+             prepared_[key.prepared].sorted == kUnsorted;
     };
     if (prepared_[first.prepared].sorted == kUnsorted)
       while (end < order.size() && joins(order[end])) ++end;
-    batches_.push_back({first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth, first_instance + begin,
-                        end - begin, first.prepared});
+    batches_.push_back({first.layer, first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth,
+                        first_instance + begin, end - begin, first.prepared});
     begin = end;
   }
 }
 
 static std::size_t corners_of(GLenum primitive) {
   return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1;
+}
+
+/// Where somebody measures, the first primitive that a program draws is drawn on its own: drivers compile for a state
+/// of drawing when they first draw with it. The instance that it belongs to is then drawn.
+void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
+                          DrawPacer& pacer) {
+  const auto corners = static_cast<GLsizei>(corners_of(mesh.primitive));
+  {
+    const PhaseScope phase(gl_.phases, Phase::compile);
+    MeshStore::Slice one = mesh;
+    one.index_count = corners;
+    meshes_.draw(one, first, 1);
+  }
+  MeshStore::Slice rest = mesh;
+  rest.first_index += static_cast<std::size_t>(corners);
+  rest.index_count -= corners;
+  if (primitives > 1) draw_slices(rest, primitives - 1, first, 1, pacer);
+  ++first;
+  --count;
 }
 
 /// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
@@ -364,7 +410,12 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
       slice.first_index = prepared.sorted;
       slice.sorted = true;
     }
-    draw_slices(slice, primitives, batch.first, count, pacer);
+    std::size_t first = batch.first, left = count;
+    if (VariantProgram& used = *program(prepared.state.variant); gl_.phases && !used.drawn) {
+      used.drawn = true;
+      draw_first(slice, first, left, primitives, pacer);
+    }
+    draw_slices(slice, primitives, first, left, pacer);
     statistics.items += count;
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
@@ -372,7 +423,8 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
 }
 
 void MeshPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
-                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between) {
+                    const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between,
+                    bool overlays) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
@@ -383,11 +435,11 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
-  view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y);
+  view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
-  prepare(list, view);
+  prepare(list, view, overlays);
   if (instances_.empty()) {
     between();
     return;
@@ -403,10 +455,11 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   gl_.DepthMask(GL_TRUE);
   gl_.CullFace(GL_BACK);
   gl_.Disable(GL_BLEND);
-  gl_.PointSize(kPointSize);
+  gl_.PointSize(kPointSize * static_cast<float>(options.pixel_side));
+  gl_.LineWidth(static_cast<float>(options.pixel_side));
   batch(opaque_, 0);
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
-    return std::tie(a.state, a.page, a.depth, a.first) < std::tie(b.state, b.page, b.depth, b.first);
+    return std::tie(a.layer, a.state, a.page, a.depth, a.first) < std::tie(b.layer, b.state, b.page, b.depth, b.first);
   });
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
@@ -427,7 +480,8 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   }
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
-  statistics.given_up = pacer.given_up();
+  gl_.LineWidth(1);
+  statistics.given_up = statistics.given_up || pacer.given_up();
 }
 
 }  // namespace gs::render

@@ -32,9 +32,10 @@ class MeshPass {
 
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
   /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
+  /// `overlays`: the items that are such, and no others.
   /// When `options.go_on` ends the frame before that, it is not called.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
-            FrameStatistics& statistics, const std::function<void()>& between);
+            FrameStatistics& statistics, const std::function<void()>& between, bool overlays = false);
 
  private:
   /// Bits that select a shader variant; each is one #define. What costs little where it is not needed is no variant:
@@ -52,6 +53,7 @@ class MeshPass {
   };
   struct VariantProgram {
     Program program;
+    bool drawn = false;       // so that the driver has compiled the rest of it
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1;
     FogUniforms fog;
@@ -79,6 +81,7 @@ class MeshPass {
     std::size_t sorted = kUnsorted;  // where its triangles begin in sorted_indices_, the farthest first
   };
   struct SortKey {
+    std::uint32_t layer;  // so many opaque items before it fill the same place: they are drawn before
     std::uint64_t state;
     std::uint64_t mesh;
     float depth;  // metres in front of the camera, of the item's centre
@@ -86,6 +89,7 @@ class MeshPass {
   };
   /// Items that are drawn by one call.
   struct Batch {
+    std::uint32_t layer;
     std::uint64_t state;
     std::uint32_t page;
     float depth;               // of the nearest
@@ -102,13 +106,16 @@ class MeshPass {
   explicit MeshPass(const Gl& gl);
   /// The program of a variant, built on first use; null when the driver refused it.
   VariantProgram* program(unsigned variant);
-  void prepare(const RenderList& list, const View& view);
+  void prepare(const RenderList& list, const View& view, bool overlays);
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
+  [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
+                  DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                    DrawPacer& pacer);
   void apply(const DrawState& state, const Projection& projection);
@@ -130,6 +137,13 @@ class MeshPass {
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
+  struct Filled {                                                          // by an opaque item
+    glm::vec3 center;
+    float radius;
+    std::uint64_t state;
+    std::uint32_t layer;
+  };
+  std::unordered_multimap<std::uint64_t, Filled> filled_;  // by centre and radius
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
   unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs

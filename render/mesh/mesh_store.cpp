@@ -196,6 +196,7 @@ void MeshStore::point_at_instances(std::size_t first) {
 }
 
 void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t vertices = mesh.positions.size(), indices = mesh.indices.size();
   constexpr std::size_t kMost = std::numeric_limits<GLint>::max();
   if (vertices == 0 || indices == 0 || vertices > kMost || indices > kMost || !indices_in_range(mesh)) return;
@@ -237,12 +238,14 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
 }
 
 void MeshStore::set_instances(const std::vector<Instance>& instances) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.name());
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(Instance)), instances.data(),
                  GL_STREAM_DRAW);
 }
 
 void MeshStore::set_sorted_indices(const std::vector<std::uint32_t>& indices) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   gl_.BindBuffer(GL_ARRAY_BUFFER, sorted_indices_.name());
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)), indices.data(),
                  GL_STREAM_DRAW);

@@ -99,8 +99,8 @@ dmat4 transform_matrix(const NodeView& view) {
                                 view.get(F::scale_orientation, vrml::Rotation{}));
 }
 
-dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer) {
-  return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer);
+dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer, const dvec3& up) {
+  return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer, up);
 }
 
 int lod_level(const NodeView& lod, const dvec3& viewer) {

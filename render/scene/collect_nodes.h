@@ -16,7 +16,7 @@ namespace gs::render {
 /// parent_from_local of a Transform (VRML97 6.52).
 [[nodiscard]] glm::dmat4 transform_matrix(const NodeView& transform);
 /// parent_from_local of a Billboard seen from `viewer`, given in its parent's space (6.6).
-[[nodiscard]] glm::dmat4 billboard_matrix(const NodeView& billboard, const glm::dvec3& viewer);
+[[nodiscard]] glm::dmat4 billboard_matrix(const NodeView& billboard, const glm::dvec3& viewer, const glm::dvec3& up);
 /// The index of the level to show, -1 for none; `viewer` in the LOD's space (6.26).
 [[nodiscard]] int lod_level(const NodeView& lod, const glm::dvec3& viewer);
 

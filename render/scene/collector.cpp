@@ -1,6 +1,7 @@
 #include "render/scene/collector.h"
 
 #include "vrml/scene/transformation.h"
+#include "vrml/syntax/stand_ins.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -22,6 +23,19 @@ constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // and coordinate sys
 constexpr std::size_t kBetweenLooks = 1024;                // visits that make no mesh, at the time
 // With more triangles than that, primitives are coarser: as many segments as make no more, or the fewest.
 constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
+
+/// Whether one of the prototypes that the node is an instance of stands for something that is fixed to the viewer.
+bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  constexpr int kMostSteps = 64;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const vrml::Node& node = scene.node(id);
+    if (node.type->stands_in && vrml::is_overlay(*node.type)) return true;
+    if (node.expansion.empty()) return false;
+    id = node.expansion.front();
+    if (!scene.contains(id)) return false;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -132,6 +146,7 @@ void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFN
   Frame frame{parent.scene,    parent.on_path,          id.index, children->begin(),
               children->end(), parent.world_from_local, 0,        parent.main};
   frame.frame = parent.frame;
+  frame.overlay = parent.overlay;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -149,6 +164,7 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   }
   Frame frame{parent.scene,    parent.on_path,   id.index, children->begin(),
               children->end(), world_from_local, 0,        parent.main};
+  frame.overlay = parent.overlay;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -180,6 +196,7 @@ void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::M
   const vrml::NodeId* chosen = choices->begin() + which;
   Frame frame{parent.scene, parent.on_path, id.index, chosen, chosen + 1, parent.world_from_local, 0, parent.main};
   frame.frame = parent.frame;
+  frame.overlay = parent.overlay;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -198,6 +215,7 @@ void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
   Frame frame{inlined, &open->second, 0, inlined->roots().begin(), inlined->roots().end(), parent.world_from_local,
               0,       false};
   frame.frame = parent.frame;
+  frame.overlay = parent.overlay;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -209,7 +227,14 @@ dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
   return vrml::viewer_in_local(viewer_, world_from_local);
 }
 
-void Collector::visit(const Frame& parent, vrml::NodeId id) {
+void Collector::visit(const Frame& given, vrml::NodeId id) {
+  Frame inside;
+  const bool begins = !given.overlay && given.scene->contains(id) && begins_overlay(*given.scene, id);
+  if (begins) {
+    inside = given;
+    inside.overlay = true;
+  }
+  const Frame& parent = begins ? inside : given;
   id = parent.scene->resolve(id);
   if (!id || (*parent.on_path)[id.index]) return;
   const vrml::Node& node = parent.scene->node(id);
@@ -227,7 +252,7 @@ void Collector::visit(const Frame& parent, vrml::NodeId id) {
       break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
-                  billboard_matrix(view, viewer_in(world)), true);
+                  billboard_matrix(view, viewer_in(world), vrml::direction_in_local(viewer_up_, world)), true);
       break;
     case NodeKind::switch_node:
       enter_choice(parent, id, view.find<vrml::MFNode>(SwitchFields::choice),
@@ -346,7 +371,9 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     }
     if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
   }
-  if (!source.bounds.empty()) list_.bounds.add(source.bounds);
+  item.overlay = parent.overlay;
+  list_.overlays = list_.overlays || item.overlay;
+  if (!item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);
 }

@@ -64,7 +64,7 @@ class Collector {
   /// `sources`: where to tell where everything comes from; null: nowhere.
   Collector(ShapeResources& resources, const glm::dvec3& viewer, const Clouds& clouds, const BoundNodes* bound,
             std::shared_ptr<vrml::Budget> budget, RenderSources* sources,
-            float pixels_per_radian = kUsualPixelsPerRadian)
+            float pixels_per_radian = kUsualPixelsPerRadian, const glm::dvec3& viewer_up = {0, 1, 0})
       : resources_(resources),
         schemas_(resources.schemas()),
         viewer_(viewer),
@@ -72,7 +72,8 @@ class Collector {
         bound_(bound),
         sources_(sources),
         budget_(std::move(budget)),
-        pixels_per_radian_(pixels_per_radian) {}
+        pixels_per_radian_(pixels_per_radian),
+        viewer_up_(viewer_up) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -87,6 +88,7 @@ class Collector {
     glm::dmat4 world_from_local;
     std::size_t lights_outside;  // how many of active_lights_ hold outside of this group
     bool main;                   // not inside an Inline
+    bool overlay = false;        // inside what is fixed to the viewer
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
     std::size_t content_before = 0;
@@ -129,6 +131,7 @@ class Collector {
   std::size_t visits_ = 0;
   std::shared_ptr<vrml::Budget> budget_;
   float pixels_per_radian_;
+  glm::dvec3 viewer_up_;
   std::size_t triangles_ = 0;  // of all items, of primitives the coarsest ones
   // Primitives of which there are items, by their finest mesh.
   struct Primitives {

@@ -17,6 +17,7 @@ enum class SplatPath : std::uint8_t { automatic, gl, cpu };
 struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
+  int pixel_side = 1;                            // of the picture's pixels, in pixels of the target
   bool headlight = true;
   bool visibility_limit = true;         // what lies behind that of the bound NavigationInfo is not drawn (VRML97 6.29)
   std::size_t budget = 0;               // discs of all clouds together; 0: no limit

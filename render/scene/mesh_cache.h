@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/base/phases.h"
 #include "render/image/image.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/mesh/text_shaper.h"
@@ -44,13 +45,19 @@ struct MeshCache {
   /// which share one mesh under different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
+  PhaseClock* phases = nullptr;  // of who measures how long meshes take; null: nobody does
+
   /// This node has changed: a geometry, or a node that geometries are made of (Coordinate, Color, FontStyle, ...).
   void forget(const vrml::Node* node);
   /// This node of `scene` is about to be removed; its place in memory may become another's.
   void remove(const vrml::SceneGraph& scene, const vrml::Node* node);
   /// A mesh was made of this geometry.
   void made(const vrml::Node* geometry);
-  void clear() { *this = {}; }
+  void clear() {
+    PhaseClock* const kept = phases;
+    *this = {};
+    phases = kept;
+  }
 
  private:
   std::set<std::pair<const vrml::Node*, const vrml::Node*>> geometries_of_;  // by the node that they are made of

@@ -68,6 +68,7 @@ struct DrawItem {
   std::uint32_t place = kNoPlace;                 // of the Shape
   bool seen = true;                               // false: the proxy of a Collision (6.8)
   bool met = true;                                // false: the viewer goes through it
+  bool overlay = false;                           // fixed to the viewer: drawn over everything that is not
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.
@@ -139,7 +140,8 @@ struct RenderList {
   Background background;
   NavigationState navigation;
   Fog fog;
-  vrml::Bounds bounds;                                          // world space, of all items
+  vrml::Bounds bounds;                                          // world space, of all items that are no overlays
+  bool overlays = false;                                        // some items are
   std::vector<LeftOut> left_out;                                // one for each reason
   std::vector<Place> places;                                    // of everything above, parents before children
   std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places

@@ -42,8 +42,8 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
-  *list_ =
-      Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_).collect(scene_);
+  *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
+               .collect(scene_);
   ++gathered_;
   frame_uses_known_ = item_uses_known_ = false;
   frame_uses_.clear();
@@ -53,7 +53,8 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   const std::size_t blocks = (list_->items.size() + kBoundsBlock - 1) / kBoundsBlock;
   block_bounds_.assign(blocks, {});
   for (std::size_t i = 0; i < sources_.items.size(); ++i)
-    if (!sources_.items[i].bounds.empty()) block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
+    if (!list_->items[i].overlay && !sources_.items[i].bounds.empty())
+      block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
   stale_blocks_.clear();
   block_stale_.assign(blocks, false);
   frame_lost_ = splat_moved_ = false;
@@ -285,7 +286,9 @@ bool RenderScene::follow_viewer(const dvec3& viewer) {
   for (const std::uint32_t frame : sources_.billboards) {
     const RenderSources::Frame& source = sources_.frames[frame];
     const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
-    const dmat4 matrix = billboard_matrix(view, vrml::viewer_in_local(viewer, list_->world_from_frame[source.parent]));
+    const dmat4& parent = list_->world_from_frame[source.parent];
+    const dmat4 matrix =
+        billboard_matrix(view, vrml::viewer_in_local(viewer, parent), vrml::direction_in_local(viewer_up_, parent));
     if (matrix != source.parent_from_local) mark_frame(frame, matrix);
   }
   return true;
@@ -395,7 +398,7 @@ void RenderScene::sum_bounds() {
     vrml::Bounds& sum = block_bounds_[block] = {};
     const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
     for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
-      if (!sources_.items[i].bounds.empty()) sum.add(sources_.items[i].bounds);
+      if (!list_->items[i].overlay && !sources_.items[i].bounds.empty()) sum.add(sources_.items[i].bounds);
   }
   stale_blocks_.clear();
   splat_moved_ = false;

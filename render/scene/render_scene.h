@@ -32,6 +32,9 @@ class RenderScene {
   /// How large the pictures are that the list is for, which Text is cut for: pixels of an angle in their middle.
   void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
 
+  /// Which way is up for the viewer, in world space: for the next `gather` or `update`.
+  void set_viewer_up(const glm::dvec3& up) { viewer_up_ = up; }
+
   [[nodiscard]] const RenderList& list() const { return *list_; }
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Whether some of the list depends on where the viewer is.
@@ -79,6 +82,7 @@ class RenderScene {
   RenderSources sources_;
   BoundNodes bound_;
   glm::dvec3 viewer_{0, 0, 10};
+  glm::dvec3 viewer_up_{0, 1, 0};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
   Uses frame_uses_, item_uses_;  // sorted; made when they are first asked for

@@ -95,6 +95,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
     if (const auto* flag = std::get_if<vrml::SFBool>(&node.values[i])) key += *flag ? '1' : '0';
   key += static_cast<char>('a' + fineness);
   if (const auto known = meshes_.primitives.find(key); known != meshes_.primitives.end()) return known->second;
+  const PhaseScope phase(meshes_.phases, Phase::tessellate);
   vrml::MeshOptions options;
   options.default_measures = true;
   options.segments = kSegments[fineness];
@@ -152,6 +153,7 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
 
 void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                bool textured, std::size_t text_level) {
+  const PhaseScope phase(meshes_.phases, Phase::tessellate);
   vrml::MeshOptions options;
   options.texture_coordinates = textured;
   options.refiner = refiner_of(scene, geometry);
@@ -176,12 +178,14 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const vrml::Bounds& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian) {
   constexpr double kMostPixels = 0.4;  // that outlines may be off
+  constexpr double kLeastLetters = 4;  // pixels of an em, of which small letters take half: below, nobody reads any
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
-  std::size_t level = vrml::kTextBars;
+  if (pixels <= kLeastLetters * distance) return vrml::kTextBars;
+  std::size_t level = vrml::kTextBars - 1;
   while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMostPixels * distance)) --level;
   return level;
 }

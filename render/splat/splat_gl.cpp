@@ -196,6 +196,7 @@ std::optional<SplatTextures> SplatGl::draw(const SplatRecords& records, const Sp
 
 // False when there is no memory.
 bool SplatGl::upload(const Surface& surface) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t rows = (surface.pieces.size() + kPiecesARow - 1) / kPiecesARow;
   if (rows > static_cast<std::size_t>(gl_.max_texture_size)) return false;
   take_errors(gl_);

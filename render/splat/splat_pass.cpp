@@ -231,7 +231,10 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
       wanted.viewport += shown[item.cloud->levels.get()]++ << 16;
       if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     }
-    const SplatCut cut = cut_cloud(item.cloud, view, wanted);
+    const SplatCut cut = [&] {
+      const PhaseScope phase(gl_.phases, Phase::cut);
+      return cut_cloud(item.cloud, view, wanted);
+    }();
     const std::vector<SharedSplatPiece>& pieces = cut.pieces;
     statistics.pending = statistics.pending || cut.pending;
     decodable -= std::min(decodable, cut.decoded);

@@ -285,6 +285,7 @@ void SplatStore::forget_unused() {
 }
 
 void SplatStore::upload(std::span<const Upload> uploads) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   // A part of a range that is encoded at one go.
   struct Task {
     const Upload* upload;

@@ -119,6 +119,7 @@ bool VolumeGl::make_program_once() {
 }
 
 bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (visible.items.size() * kItemTexels > static_cast<std::size_t>(std::max(most, 0))) return false;

@@ -218,6 +218,7 @@ std::vector<VolumeStore::Place> VolumeStore::place(std::span<const SharedVolume>
 }
 
 void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<VolumeCode> codes(std::min(entry.count, kUploaded));
   gl_.BindBuffer(GL_TEXTURE_BUFFER, code_buffer_.name());
   for (std::size_t first = 0; first < entry.count; first += kUploaded) {
@@ -232,6 +233,7 @@ void VolumeStore::upload(const qnv::Cloud& cloud, const Entry& entry) {
 }
 
 void VolumeStore::upload_spacings(const qnv::Cloud& cloud, const VolumeModel& model, const Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<float> spacings = model.spacing;
   // Codes have no words for what is not drawn.
   for (std::size_t k = 0; k < spacings.size(); ++k)

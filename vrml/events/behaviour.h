@@ -35,7 +35,7 @@ struct Behaviour {
   /// Where a grouping node puts its children, and a Viewpoint the viewer; null: nowhere else.
   glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
   /// The same of a grouping node that faces the viewer, who is given in its parent's space (6.6).
-  glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer) = nullptr;
+  glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) = nullptr;
   /// Of a pointing-device sensor (4.6.7.3, vrml/events/pointing.h); null for all others.
   const PointingSensor* pointing = nullptr;
   /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that

@@ -227,7 +227,7 @@ std::span<const glm::dmat4> Execution::places_of(EventNode node) {
   const Member& at = nodes_[node];
   const std::span<const glm::dmat4> unturned = placement_.places_of(*at.scene, at.id);
   if (!placement_.below_billboard()) return unturned;
-  const glm::dvec3 from(viewer()[3]);
+  const glm::dmat4 from = viewer();
   return placement_.places_of(*at.scene, at.id, from);
 }
 

@@ -52,9 +52,9 @@ glm::dmat4 transform_of(const Node& node) {
       std::get<SFRotation>(node.values[slots.scale_orientation]));
 }
 
-glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer) {
+glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) {
   static const int axis = node.type->find_field("axisOfRotation")->slot;
-  return billboard_matrix(std::get<SFVec3f>(node.values[axis]), viewer);
+  return billboard_matrix(std::get<SFVec3f>(node.values[axis]), viewer, up);
 }
 
 // An Anchor is activated by a click on what is below it (6.2).

@@ -77,7 +77,7 @@ void Placement::search() {
 }
 
 std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node,
-                                                 const std::optional<glm::dvec3>& viewer) {
+                                                 const std::optional<glm::dmat4>& viewer) {
   const auto [paths, fresh] = paths_.try_emplace(&scene.node(node));
   if (fresh || !known_) search();
   places_.clear();
@@ -92,7 +92,9 @@ std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId
         continue;
       }
       below_billboard_ = true;
-      if (viewer) matrix *= behaviour.parent_from_facing(moving, viewer_in_local(*viewer, matrix));
+      if (viewer)
+        matrix *= behaviour.parent_from_facing(moving, viewer_in_local(glm::dvec3((*viewer)[3]), matrix),
+                                               direction_in_local(glm::dvec3((*viewer)[1]), matrix));
     }
     places_.push_back(matrix);
   }

@@ -29,10 +29,10 @@ class Placement {
   /// The hierarchy has changed.
   void forget() { known_ = false; }
   /// world_from_local of each place of the node, one for each USE that leads to it, at most kMostPlaces; none for a
-  /// node that is not in the hierarchy. Billboards above it face `viewer`, a place in the world (6.6); without one they
+  /// node that is not in the hierarchy. Billboards above it face `viewer` (world_from_viewer, 6.6); without one they
   /// count as if they did not turn. Valid until the next call.
   [[nodiscard]] std::span<const glm::dmat4> places_of(const SceneGraph& scene, NodeId node,
-                                                      const std::optional<glm::dvec3>& viewer = {});
+                                                      const std::optional<glm::dmat4>& viewer = {});
   /// Whether there is a Billboard above a place that the last call gave.
   [[nodiscard]] bool below_billboard() const { return below_billboard_; }
 

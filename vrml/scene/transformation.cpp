@@ -51,14 +51,18 @@ dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const 
   return result;
 }
 
-dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const dvec3& viewer) {
+dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const dvec3& viewer, const dvec3& up) {
   const double distance = glm::length(viewer);
   if (!(distance > kTiny) || !std::isfinite(distance)) return dmat4(1);
   const dvec3 to_viewer = viewer / distance;
   dvec3 axis(usable(axis_of_rotation, SFVec3f(0, 1, 0)));
   if (axis == dvec3(0)) {
-    dvec3 side = glm::cross(dvec3(0, 1, 0), to_viewer);
-    side = glm::length(side) > 1e-6 ? glm::normalize(side) : dvec3(1, 0, 0);
+    const auto beside = [&](const dvec3& above) { return glm::cross(above, to_viewer); };
+    dvec3 side = beside(up);
+    // Who sees it along his up direction has none there; nor have numbers that are none.
+    if (!(glm::length(side) > 1e-6 * glm::length(up))) side = beside(dvec3(0, 1, 0));
+    if (!(glm::length(side) > 1e-6)) side = beside(dvec3(0, 0, -1));
+    side = glm::normalize(side);
     return dmat4(dmat3(side, glm::cross(to_viewer, side), to_viewer));
   }
   axis = glm::normalize(axis);
@@ -71,6 +75,11 @@ dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const dvec3& viewer) {
 dvec3 viewer_in_local(const dvec3& viewer, const dmat4& world_from_local) {
   const dvec3 local(glm::inverse(world_from_local) * glm::dvec4(viewer, 1));
   return std::isfinite(local.x + local.y + local.z) ? local : dvec3(0);
+}
+
+dvec3 direction_in_local(const dvec3& direction, const dmat4& world_from_local) {
+  const dvec3 local = glm::inverse(dmat3(world_from_local)) * direction;
+  return std::isfinite(local.x + local.y + local.z) ? local : direction;
 }
 
 dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation) {

@@ -18,12 +18,17 @@ namespace gs::vrml {
 [[nodiscard]] glm::dmat4 transform_matrix(const SFVec3f& translation, const SFVec3f& center, const SFRotation& rotation,
                                           const SFVec3f& scale, const SFRotation& scale_orientation);
 
-/// parent_from_local of a Billboard seen from `viewer`, given in its parent's space (6.6). Screen
-/// alignment (axisOfRotation 0 0 0) keeps the local Y axis as near to up as facing the viewer allows.
-[[nodiscard]] glm::dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const glm::dvec3& viewer);
+/// parent_from_local of a Billboard seen from `viewer`, given in its parent's space like `up`, the viewer's up
+/// direction (6.6). Screen alignment (axisOfRotation 0 0 0) keeps the local Y axis as near to `up` as facing the viewer
+/// allows.
+[[nodiscard]] glm::dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const glm::dvec3& viewer,
+                                          const glm::dvec3& up = {0, 1, 0});
 
 /// A viewer of the world in local coordinates; the origin where those have no inverse.
 [[nodiscard]] glm::dvec3 viewer_in_local(const glm::dvec3& viewer, const glm::dmat4& world_from_local);
+
+/// A direction in local coordinates; `direction` itself where those have no inverse.
+[[nodiscard]] glm::dvec3 direction_in_local(const glm::dvec3& direction, const glm::dmat4& world_from_local);
 
 /// parent_from_viewer of a Viewpoint (6.53).
 [[nodiscard]] glm::dmat4 viewer_matrix(const SFVec3f& position, const SFRotation& orientation);

@@ -4,6 +4,8 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 
@@ -43,9 +45,10 @@ constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
 struct Row {
   std::string_view name, text;
+  bool overlay = false;
 };
 constexpr Row kRows[] = {
-    {"BlaxxunZone", kNothing}, {"BspGroup", kGroup},    {"DeviceSensor", kNothing}, {"HUD", kOverlay},
+    {"BlaxxunZone", kNothing}, {"BspGroup", kGroup},    {"DeviceSensor", kNothing}, {"HUD", kOverlay, true},
     {"Layer", kGroup},         {"Layer2D", kGroup},     {"Layer3D", kGroup},        {"LayerSet", kLayers},
     {"Occlusion", kGroup},     {"Particles", kNothing}, {"SharedEvent", kNothing},  {"SharedObject", kNothing},
 };
@@ -65,6 +68,11 @@ const NodeType* stand_in(SceneGraph& scene, std::string_view name) {
   for (const Row& row : kRows)
     if (row.name == name) return make(scene, row.name, row.text);
   return nullptr;
+}
+
+bool is_overlay(const NodeType& type) {
+  return type.stands_in && std::any_of(std::begin(kRows), std::end(kRows),
+                                       [&](const Row& row) { return row.overlay && row.name == type.name; });
 }
 
 const NodeType* stand_in_for(SceneGraph& scene, const NodeType& external) {

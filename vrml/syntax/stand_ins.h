@@ -15,4 +15,7 @@ namespace gs::vrml {
 /// `children`, a Group of these; else null.
 [[nodiscard]] const NodeType* stand_in_for(SceneGraph& scene, const NodeType& external);
 
+/// Whether what a stand-in shows is fixed to the viewer, and so seen over everything else.
+[[nodiscard]] bool is_overlay(const NodeType& type);
+
 }  // namespace gs::vrml

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -153,6 +155,20 @@ TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
   for (const char* key :
        {"bytes", "load_s", "first_image_s", "frame_s", "vectors", "peak_rss_bytes", "splats", "errors", "warnings"})
     CHECK(stats.contains(key));
+  double sum = 0;
+  for (const char* phase :
+       {"read_s", "parse_s", "tessellate_s", "compile_s", "upload_s", "cut_s", "draw_s", "write_s", "other_s"}) {
+    INFO(phase);
+    REQUIRE(stats.contains(phase));
+    const double seconds = stats[phase];
+    CHECK(std::isfinite(seconds));
+    CHECK(seconds >= 0);
+    sum += seconds;
+  }
+  CHECK(sum == Approx(stats["total_s"].get<double>()));
+  // What cannot be done in no time.
+  for (const char* phase : {"parse_s", "tessellate_s", "compile_s", "upload_s", "draw_s", "write_s"})
+    CHECK(stats[phase] > 0);
   CHECK(run(base + quoted(world)).status == kDone);
   CHECK(folder.read("out.png") == picture);
 

@@ -85,6 +85,24 @@ TEST_CASE("small, large and empty files are read") {
   }
 }
 
+TEST_CASE("what is put aside of a file can be read again") {
+  const Folder folder;
+  std::string text(MappedFile::kMappedSize + 12345, 'a');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
+  for (const std::size_t size : {std::size_t{100}, text.size()}) {
+    std::ofstream(folder.path() / "long.txt", std::ios::binary) << text.substr(0, size);
+    auto opened = map_file((folder.path() / "long.txt").string());
+    REQUIRE(std::holds_alternative<MappedFile>(opened));
+    const MappedFile& file = std::get<MappedFile>(opened);
+    for (const std::size_t part : {std::size_t{0}, std::size_t{5000}, size, size + 1'000'000}) {
+      file.put_aside(part);
+      REQUIRE(file.bytes().size() == size);
+      CHECK(std::memcmp(file.bytes().data(), text.data(), size) == 0);
+      CHECK_FALSE(file.changed());
+    }
+  }
+}
+
 TEST_CASE("what cannot be opened is said with the reason") {
   const Folder folder;
   CHECK(message_of(folder / "none") == "cannot open " + (folder / "none") + ": No such file or directory");

@@ -64,6 +64,24 @@ TEST_CASE("PNG keeps images of 1 to 4 components") {
     }
 }
 
+TEST_CASE("PNG keeps images of many rows, which are compressed in strips, and is the same every time") {
+  for (const std::uint32_t height : {63u, 64u, 65u, 128u, 331u})
+    for (std::uint32_t components = 1; components <= 4; ++components) {
+      Image image = made(37, height, components);
+      std::uint32_t noise = 1;
+      for (std::size_t i = image.pixels.size() / 3; i < image.pixels.size() / 2; ++i) {
+        noise = noise * 1664525 + 1013904223;
+        image.pixels[i] = static_cast<std::uint8_t>(noise >> 24);
+      }
+      const Bytes bytes = encode_png(image);
+      CHECK(decoded(bytes).pixels == image.pixels);
+      CHECK(encode_png(image) == bytes);
+    }
+  // What is smooth becomes small.
+  const Image flat{1000, 700, 3, std::vector<std::uint8_t>(std::size_t{2'100'000}, 77)};
+  CHECK(encode_png(flat).size() < 20'000);
+}
+
 TEST_CASE("what is no image has no PNG") {
   CHECK(encode_png({}).empty());
   CHECK(encode_png({2, 2, 3, {1, 2, 3}}).empty());

@@ -63,6 +63,16 @@ TEST_CASE("a HUD goes with the viewer, wherever it stands") {
   CHECK(scene.get<MFNode>(frame, "children").empty());
 }
 
+TEST_CASE("of the stand-ins, a HUD alone is fixed to the viewer") {
+  SceneGraph scene("main.wrl");
+  REQUIRE(stand_in(scene, "HUD"));
+  CHECK(is_overlay(*stand_in(scene, "HUD")));
+  CHECK_FALSE(is_overlay(*stand_in(scene, "Layer")));
+  NodeType own;  // of the world, with the same name
+  own.name = "HUD";
+  CHECK_FALSE(is_overlay(own));
+}
+
 TEST_CASE("what a stand-in does not have is passed over, in nodes, ROUTEs and PROTO bodies") {
   World world(
       "DEF Clock TimeSensor { } DEF Wave SharedEvent { name \"wave\" url [ \"a\" \"b\" ] node Group { } } "

@@ -1,0 +1,186 @@
+#include "qnv/base/parallel.h"
+#include "render/image/image_codecs.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <initializer_list>
+#include <new>
+#include <string_view>
+#include <vector>
+
+// PNG (ISO/IEC 15948) as the others of the room write it, but for the threads: strips of rows are filtered and
+// compressed side by side, each as deflate blocks that end at a byte and refer to nothing before, so that they stand
+// one behind the other.
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kStripRows = 64;
+enum RowFilter : std::uint8_t { kUnfiltered, kFromLeft, kFromAbove, kFromBoth, kPaethOf, kRowFilters };
+
+std::uint8_t paeth(int left, int up, int corner) {
+  const int from_left = std::abs(up - corner), from_up = std::abs(left - corner),
+            from_corner = std::abs(left + up - 2 * corner);
+  return static_cast<std::uint8_t>(from_left <= from_up && from_left <= from_corner ? left
+                                   : from_up <= from_corner                         ? up
+                                                                                    : corner);
+}
+
+/// `row` and `above` have `pixel` zeros in front of their first byte.
+void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* above, std::size_t count,
+                std::size_t pixel, std::uint8_t* to) {
+  const std::uint8_t *left = row - pixel, *corner = above - pixel;
+  const auto each = [&](const auto& predicted) {
+    for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(row[i] - predicted(i));
+  };
+  switch (filter) {
+    case kFromLeft:
+      return each([&](std::size_t i) { return left[i]; });
+    case kFromAbove:
+      return each([&](std::size_t i) { return above[i]; });
+    case kFromBoth:
+      return each([&](std::size_t i) { return (left[i] + above[i]) / 2; });
+    case kPaethOf:
+      return each([&](std::size_t i) { return paeth(left[i], above[i], corner[i]); });
+    default:
+      return each([](std::size_t) { return 0; });
+  }
+}
+
+/// How badly bytes compress, as libpng guesses it: the sum of how far they are from 0.
+std::size_t row_roughness(const std::vector<std::uint8_t>& bytes) {
+  std::size_t sum = 0;
+  for (const std::uint8_t byte : bytes) sum += byte < 128 ? byte : 256u - byte;
+  return sum;
+}
+
+struct PngStrip {
+  std::vector<std::uint8_t> compressed;
+  uLong checksum = 0;  // Adler-32 of `bytes` bytes
+  std::size_t bytes = 0;
+};
+
+void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStrip& strip) {
+  strip.bytes = filtered.size();
+  strip.checksum = adler32(adler32(0, nullptr, 0), filtered.data(), static_cast<uInt>(filtered.size()));
+  z_stream stream{};
+  // A third of the time of the defaults, for files larger by a tenth (docs/benchmarks.md).
+  if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK) throw std::bad_alloc();
+  constexpr std::size_t kFlush = 64;  // what the end of the blocks may take
+  try {
+    strip.compressed.resize(deflateBound(&stream, static_cast<uLong>(filtered.size())) + kFlush);
+  } catch (...) {
+    deflateEnd(&stream);
+    throw;
+  }
+  stream.next_in = const_cast<Bytef*>(filtered.data());
+  stream.avail_in = static_cast<uInt>(filtered.size());
+  stream.next_out = strip.compressed.data();
+  stream.avail_out = static_cast<uInt>(strip.compressed.size());
+  (void)deflate(&stream, last ? Z_FINISH : Z_FULL_FLUSH);
+  strip.compressed.resize(stream.total_out);
+  deflateEnd(&stream);
+}
+
+PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end) {
+  const std::size_t pixel = image.components, count = std::size_t{image.width} * pixel;
+  // Zeros stand for what is left of the first pixel and above the first row.
+  std::vector<std::uint8_t> above(pixel + count), row(pixel + count), filtered;
+  filtered.reserve((end - first) * (count + 1));
+  const auto load = [&](std::size_t y, std::vector<std::uint8_t>& to) {
+    std::copy_n(image.pixels.data() + y * count, count, to.begin() + static_cast<std::ptrdiff_t>(pixel));
+  };
+  if (first > 0) load(first - 1, above);
+  std::vector<std::uint8_t> best(count), tried(count);
+  for (std::size_t y = first; y < end; ++y) {
+    load(y, row);
+    std::uint8_t chosen = kUnfiltered;
+    std::size_t least = SIZE_MAX;
+    for (std::uint8_t filter = kUnfiltered; filter < kRowFilters; ++filter) {
+      filter_row(static_cast<RowFilter>(filter), row.data() + pixel, above.data() + pixel, count, pixel, tried.data());
+      if (const std::size_t sum = row_roughness(tried); sum < least) {
+        least = sum;
+        chosen = filter;
+        best.swap(tried);
+      }
+    }
+    filtered.push_back(chosen);
+    filtered.insert(filtered.end(), best.begin(), best.end());
+    row.swap(above);
+  }
+  PngStrip strip;
+  compress_strip(filtered, end == image.height, strip);
+  return strip;
+}
+
+class PngChunks {
+ public:
+  explicit PngChunks(std::vector<std::byte>& bytes) : bytes_(bytes) {}
+  void number(std::uint32_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) bytes_.push_back(static_cast<std::byte>(value >> shift));
+  }
+  void bytes(const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), first, first + size);
+  }
+  void begin(std::string_view type, std::size_t size) {
+    number(static_cast<std::uint32_t>(size));
+    start_ = bytes_.size();
+    bytes(type.data(), type.size());
+  }
+  void end() {
+    const auto* first = reinterpret_cast<const Bytef*>(bytes_.data() + start_);
+    number(static_cast<std::uint32_t>(crc32_z(crc32(0, nullptr, 0), first, bytes_.size() - start_)));
+  }
+
+ private:
+  std::vector<std::byte>& bytes_;
+  std::size_t start_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::byte> encode_png(const Image& image) {
+  // A strip is to fit into what zlib counts with, and a chunk into what PNG does.
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
+  if (image.components < 1 || image.components > 4 || image.width == 0 || image.height == 0 ||
+      image.width >= kMost / 4 / kStripRows || image.height >= kMost ||
+      image.pixels.size() != std::uint64_t{image.width} * image.height * image.components)
+    return {};
+  std::vector<PngStrip> strips((image.height + kStripRows - 1) / kStripRows);
+  (void)qnv::parallel_for(strips.size(), [&](std::size_t i) {
+    strips[i] = encode_strip(image, i * kStripRows, std::min<std::size_t>(image.height, (i + 1) * kStripRows));
+  });
+
+  static constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, with alpha, RGB, with alpha
+  static constexpr std::array<unsigned char, 2> kZlibHeader = {0x78, 0x01};
+  std::vector<std::byte> result;
+  PngChunks writer(result);
+  writer.bytes(kSignature.data(), kSignature.size());
+  writer.begin("IHDR", 13);
+  writer.number(image.width);
+  writer.number(image.height);
+  const std::array<unsigned char, 5> rest = {8, kColorTypes[image.components - 1], 0, 0, 0};
+  writer.bytes(rest.data(), rest.size());
+  writer.end();
+  uLong checksum = adler32(0, nullptr, 0);
+  for (std::size_t i = 0; i < strips.size(); ++i) {
+    const PngStrip& strip = strips[i];
+    checksum = adler32_combine(checksum, strip.checksum, static_cast<z_off_t>(strip.bytes));
+    const bool first = i == 0, last = i + 1 == strips.size();
+    writer.begin("IDAT", strip.compressed.size() + (first ? kZlibHeader.size() : 0) + (last ? 4 : 0));
+    if (first) writer.bytes(kZlibHeader.data(), kZlibHeader.size());
+    writer.bytes(strip.compressed.data(), strip.compressed.size());
+    if (last) writer.number(static_cast<std::uint32_t>(checksum));
+    writer.end();
+  }
+  writer.begin("IEND", 0);
+  writer.end();
+  return result;
+}
+
+}  // namespace gs::render

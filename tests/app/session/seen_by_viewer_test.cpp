@@ -1,0 +1,88 @@
+// What depends on how the viewer holds his head: Billboards that face the screen, and what is fixed to him.
+#include "app/session/simulation.h"
+#include "app/world/world_loader.h"
+#include "tests/app/pairs.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <utility>
+
+namespace gs::app::test {
+namespace {
+
+render::Image seen(const std::string& text) {
+  const ScratchFolder folder;
+  OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
+  REQUIRE(world.scene);
+  CHECK(world.diagnostics.errors() == 0);
+  Simulation simulation(std::move(world), {64, 64});
+  simulation.run(0.1);
+  const render::Camera camera = simulation.camera();
+  const render::RenderList& list =
+      simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
+  render::testing::Drawing drawing;
+  drawing.options.headlight = list.navigation.headlight;
+  return drawing.draw(list, camera);
+}
+
+std::array<int, 3> pixel_at(const render::Image& image, std::size_t x, std::size_t y) {
+  const std::uint8_t* pixel = image.pixels.data() + (y * image.width + x) * image.components;
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
+// Neither of its halves is the other's mirror image.
+const std::string kFlag =
+    "Shape { geometry IndexedFaceSet { solid FALSE coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -0.2 0.3 0 ] } "
+    "coordIndex [ 0 1 2 3 ] } }";
+
+std::string shape_of(const std::string& color, const std::string& geometry) {
+  return "Shape { appearance Appearance { material Material { diffuseColor 0 0 0 emissiveColor " + color +
+         " } } geometry " + geometry + " } ";
+}
+
+TEST_CASE("a Billboard that faces the screen rolls with the viewer (VRML97 6.6)") {
+  // "the local Y-axis of the Billboard node is parallel to the Y-axis of the viewer"
+  for (const char* roll : {"0.6", "-1.9"}) {
+    const std::string turn = std::string("rotation 0 0 1 ") + roll;
+    const std::string viewpoint = std::string("Viewpoint { position 0 0 5 orientation 0 0 1 ") + roll + " } ";
+    const render::Image billboard = seen(viewpoint + "Billboard { axisOfRotation 0 0 0 children " + kFlag + " }");
+    const render::Image by_hand = seen(viewpoint + "Transform { " + turn + " children " + kFlag + " }");
+    const render::Image unrolled = seen(viewpoint + kFlag);
+    CHECK(compare_pictures(billboard, by_hand).pixels == 0);
+    CHECK(compare_pictures(unrolled, by_hand).pixels > 100);
+    // Below groups that turn it is the same.
+    const render::Image below = seen(viewpoint + "Transform { rotation 0.3 0.5 0.2 1.1 children " +
+                                     "Billboard { axisOfRotation 0 0 0 children " + kFlag + " } }");
+    CHECK(compare_pictures(below, by_hand).pixels < 8);
+  }
+}
+
+TEST_CASE("about any other axis a Billboard does not roll (VRML97 6.6)") {
+  const std::string viewpoint = "Viewpoint { position 0 0 5 orientation 0 0 1 0.6 } ";
+  CHECK(compare_pictures(seen(viewpoint + "Billboard { children " + kFlag + " }"), seen(viewpoint + kFlag)).pixels ==
+        0);
+}
+
+TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
+  const std::string wall = "Transform { translation 3 0 3 children " + shape_of("0 0 1", "Box { size 40 40 1 }") + "} ";
+  const std::string sign =
+      "HUD { children Transform { translation 0 0 -20 children " + shape_of("1 0 0", "Box { size 4 4 1 }") + "} } ";
+  const std::string viewpoint = "NavigationInfo { headlight FALSE } Viewpoint { position 3 0 10 } ";
+  for (const std::string& both : {wall + sign, sign + wall}) {
+    const render::Image image = seen(viewpoint + both);
+    CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{255, 0, 0});
+    CHECK(pixel_at(image, 8, 8) == std::array<int, 3>{0, 0, 255});
+  }
+  // Among themselves the nearer hides the farther.
+  const std::string two =
+      "HUD { children [ Transform { translation 0 0 -5 children " + shape_of("0 1 0", "Box { size 0.4 0.4 0.1 }") +
+      "} Transform { translation 0 0 -20 children " + shape_of("1 0 0", "Box { size 4 4 1 }") + "} ] } ";
+  const render::Image image = seen(viewpoint + wall + two);
+  CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{0, 255, 0});
+  CHECK(pixel_at(image, 27, 32) == std::array<int, 3>{255, 0, 0});
+}
+
+}  // namespace
+}  // namespace gs::app::test

@@ -1,0 +1,173 @@
+// Faces in the same place, and textures that are seen small: no stipple in either.
+#include "render/gl/texture_store.h"
+#include "tests/render/drawing.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cstdint>
+#include <utility>
+
+namespace gs::render::testing {
+namespace {
+
+TEST_CASE("Of faces in the same place the last one is seen, without a speck of the others") {
+  Drawing drawing;
+  for (const float angle : {0.0f, 0.4f, 1.1f, -1.3f}) {
+    glm::mat4 slanted = glm::rotate(translation({0.3f, 0, 0}), angle, glm::normalize(glm::vec3(0.3f, 1, 0.2f)));
+    slanted = glm::scale(slanted, glm::vec3(3, 2, 1));
+    // They are drawn by different programs: with light, without, with a texture.
+    DrawItem lit = glowing(square(), {1, 0, 0}, slanted), plain = unlit(square(), slanted),
+             textured = unlit(square(), slanted);
+    textured.texture.image = std::make_shared<const Image>(Image{1, 1, 3, {0, 255, 0}});
+    const std::pair<DrawItem, glm::vec3> items[] = {{lit, {1, 0, 0}}, {plain, {1, 1, 1}}, {textured, {0, 1, 0}}};
+    for (const auto& below : items)
+      for (const auto& above : items) {
+        RenderList list;
+        for (const auto& third : items)
+          if (third.second != above.second) add(list, third.first);
+        add(list, below.first);
+        add(list, above.first);
+        const Image image = drawing.draw(list);
+        std::size_t shown = 0, others = 0;
+        for (std::uint32_t y = 0; y < image.height; ++y)
+          for (std::uint32_t x = 0; x < image.width; ++x) {
+            const glm::vec3 color = pixel(image, x, y);
+            shown += color == above.second * 255.0f;
+            others += color != above.second * 255.0f && color != glm::vec3(0);
+          }
+        CHECK(shown > 50);
+        CHECK(others == 0);
+      }
+  }
+}
+
+TEST_CASE("Faces of one mesh in the same place: the last one is seen") {
+  Drawing drawing;
+  auto mesh = square();
+  const auto first = static_cast<std::uint32_t>(mesh->positions.size());
+  for (std::uint32_t i = 0; i < first; ++i) {
+    mesh->positions.push_back(glm::vec3(mesh->positions[i]));
+    mesh->normals.push_back({0, 0, 1});
+    mesh->texture_coordinates.push_back({0, 0});
+  }
+  for (std::uint32_t i = 0; i < 2 * first; ++i)
+    mesh->colors.push_back(i < first ? vrml::Color{1, 0, 0} : vrml::Color{0, 0, 1});
+  for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) mesh->indices.push_back(first + corner);
+  RenderList list;
+  add(list, unlit(mesh, glm::rotate(glm::mat4(1), 0.9f, glm::normalize(glm::vec3(1, 2, 0)))));
+  const Image image = drawing.draw(list);
+  std::size_t red = 0, blue = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
+    red += image.pixels[i] != 0;
+    blue += image.pixels[i + 2] != 0;
+  }
+  CHECK(red == 0);
+  CHECK(blue > 20);
+}
+
+TEST_CASE("A fine checker on a slanted plane is as grey as its mean, without moire") {
+  // 128 x 128 cells on a plane that recedes to where a pixel has some twenty of them.
+  constexpr std::uint32_t kCells = 128;
+  Image checker{kCells, kCells, 3, {}};
+  for (std::uint32_t i = 0; i < kCells * kCells; ++i)
+    checker.pixels.insert(checker.pixels.end(), 3, (i + i / kCells) % 2 == 0 ? 255 : 0);
+  constexpr float kRepeats = 8, kHalf = 40;
+  DrawItem item = unlit(square(kHalf), glm::rotate(translation({0, -2, -kHalf}), -1.5707963f, {1, 0, 0}));
+  item.texture.image = std::make_shared<const Image>(std::move(checker));
+  item.texture.transform[0][0] = item.texture.transform[1][1] = kRepeats;
+  RenderList list;
+  add(list, item);
+  for (const int samples : {1, 4}) {
+    Drawing drawing;
+    drawing.options.width = drawing.options.height = 128;
+    drawing.options.samples = samples;
+    const Image image = drawing.draw(list, camera_at({0, 0, 0}));
+    // One cell is kHalf * 2 / (kRepeats * kCells) m wide; the row y below the horizon is 2 / slope away.
+    const float cell = kHalf * 2 / (kRepeats * kCells), pixel_angle = 2 * std::tan(0.785398f / 2) / 128;
+    std::size_t looked_at = 0;
+    double worst = 0, sum = 0;
+    for (std::uint32_t y = 65; y < 128; ++y) {
+      const float slope = (static_cast<float>(y) + 0.5f - 64) * pixel_angle, distance = 2 / slope;
+      const float wide = distance * pixel_angle / cell;  // cells in a pixel, across
+      // Where a pixel's width has two cells at least, its mean is grey but for the edges of the square that it is.
+      if (wide < 2 || distance > 2 * kHalf - 2) continue;
+      for (std::uint32_t x = 32; x < 96; ++x) {
+        const double off = std::abs(pixel(image, x, y).x - 127.5);
+        worst = std::max(worst, off);
+        sum += off;
+        ++looked_at;
+      }
+    }
+    INFO("samples " << samples << ", pixels " << looked_at << ", mean " << sum / static_cast<double>(looked_at));
+    REQUIRE(looked_at > 500);
+    // A box filter of as many cells leaves at most half a cell's share of them.
+    CHECK(worst <= 255.0 / 8);
+    CHECK(sum / static_cast<double>(looked_at) < 8);
+  }
+}
+
+TEST_CASE("Textures are filtered along the slant where the driver can") {
+  Drawing drawing;
+  auto loaded = Gl::load(drawing.context());
+  REQUIRE(std::holds_alternative<Gl>(loaded));
+  const Gl& gl = std::get<Gl>(loaded);
+  if (gl.max_anisotropy <= 1) return;  // the driver has no GL_EXT_texture_filter_anisotropic
+  TextureStore store(gl);
+  const auto image = std::make_shared<const Image>(Image{2, 2, 3, std::vector<std::uint8_t>(12, 255)});
+  const TextureStore::Entry* entry = store.find(image);
+  REQUIRE(entry);
+  store.bind(*entry, true, true);
+  GLint sampler = 0;
+  constexpr GLenum kSamplerBinding = 0x8919;
+  gl.GetIntegerv(kSamplerBinding, &sampler);
+  CHECK(sampler != 0);
+  const auto get =
+      reinterpret_cast<PFNGLGETSAMPLERPARAMETERFVPROC>(drawing.context().proc_address("glGetSamplerParameterfv"));
+  REQUIRE(get);
+  float anisotropy = 0;
+  constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
+  get(static_cast<GLuint>(sampler), kTextureMaxAnisotropy, &anisotropy);
+  CHECK(anisotropy >= std::min(gl.max_anisotropy, 4.0f));
+}
+
+TEST_CASE("Lines and points are as wide in pictures with samples as in those without") {
+  Drawing drawing;
+  auto lines = std::make_shared<vrml::Mesh>();
+  lines->primitive = vrml::Mesh::Primitive::lines;
+  lines->lit = false;
+  lines->positions = {{-20, 0.3f, 0}, {20, 0.3f, 0}};
+  lines->indices = {0, 1};
+  for (const glm::vec3& p : lines->positions) lines->bounds.add(p);
+  auto points = std::make_shared<vrml::Mesh>(*lines);
+  points->primitive = vrml::Mesh::Primitive::points;
+  points->positions = {{0, -1, 0}};
+  points->indices = {0};
+  const auto light = [&](const std::shared_ptr<vrml::Mesh>& mesh, int samples) {
+    drawing.options.samples = samples;
+    RenderList list;
+    add(list, unlit(mesh));
+    const Image image = drawing.draw(list);
+    double sum = 0;
+    for (const std::uint8_t value : image.pixels) sum += value / 765.0;
+    return sum;
+  };
+  CHECK(light(lines, 1) == Approx(64).margin(1));
+  CHECK(light(lines, 4) == Approx(64).margin(1));
+  CHECK(light(points, 1) == Approx(4).margin(0.1));
+  CHECK(light(points, 4) == Approx(4).margin(0.1));
+}
+
+TEST_CASE("What is made ready is not seen") {
+  RenderList list;
+  add(list, glowing(square(), {0, 0.5f, 1}));
+  for (const int samples : {1, 4}) {
+    Drawing fresh, ready;
+    fresh.options.samples = ready.options.samples = samples;
+    ready.renderer().prepare(ready.options);
+    CHECK(fresh.draw(list).pixels == ready.draw(list).pixels);
+    CHECK(ready.draw(RenderList()).pixels == std::vector<std::uint8_t>(std::size_t{64} * 64 * 3, 0));
+  }
+}
+
+}  // namespace
+}  // namespace gs::render::testing
