@@ -92,7 +92,8 @@ std::vector<Vector> vectors_of(const qnv::Cloud& cloud, const SplatView& view, c
 
 double alpha_at(const Vector& v, const dvec3& ray) {
   const dvec3 away = ray * -v.place.z - v.place;
-  return v.alpha * std::exp(-glm::dot(away, away) / v.area);
+  const double exponent = glm::dot(away, away) / v.area;
+  return exponent > 60 ? 0 : v.alpha * std::exp(-exponent);  // below 1e-26: nothing that a float could tell
 }
 
 struct Disc {

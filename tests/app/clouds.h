@@ -43,11 +43,11 @@ inline void check_sound(const Cloud& cloud) {
   double total = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::vec3 p = cloud.positions[i], n = cloud.normals[i];
-    REQUIRE((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
-    REQUIRE(std::abs(length(n) - 1) < 1e-3f);
-    REQUIRE((std::isfinite(cloud.weights[i]) && cloud.weights[i] > 0));
+    REQUIRE_EACH((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
+    REQUIRE_EACH(std::abs(length(n) - 1) < 1e-3f);
+    REQUIRE_EACH((std::isfinite(cloud.weights[i]) && cloud.weights[i] > 0));
     const auto& box = cloud.description.box;
-    for (int k = 0; k < 3; ++k) REQUIRE((p[k] >= box.lower[k] && p[k] <= box.upper[k]));
+    for (int k = 0; k < 3; ++k) REQUIRE_EACH((p[k] >= box.lower[k] && p[k] <= box.upper[k]));
     total += cloud.weights[i];
   }
   REQUIRE(cloud.description.total == Approx(total));

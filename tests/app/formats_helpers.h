@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/watched.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
@@ -117,7 +118,7 @@ inline void check_sound(const Imported& result) {
     const auto& points = scene.get<vrml::MFVec3f>(scene.get<vrml::SFNode>(node, "coord"), "point");
     const auto& index = scene.get<vrml::MFInt32>(node, "coordIndex");
     REQUIRE(all_finite(points));
-    for (const std::int32_t i : index) REQUIRE((i >= -1 && i < static_cast<std::int32_t>(points.size())));
+    for (const std::int32_t i : index) REQUIRE_EACH((i >= -1 && i < static_cast<std::int32_t>(points.size())));
     for (const char* other : {"normalIndex", "texCoordIndex"}) {
       const auto& along = scene.get<vrml::MFInt32>(node, other);
       REQUIRE((along.empty() || along.size() == index.size()));
@@ -128,7 +129,7 @@ inline void check_sound(const Imported& result) {
     for (const vrml::NodeId node : result.all(type)) (void)vrml::tessellate(scene, node);
   for (const vrml::NodeId node : result.all("Color"))
     for (const vrml::Color& c : scene.get<vrml::MFColor>(node, "color"))
-      REQUIRE((c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1));
+      REQUIRE_EACH((c.r >= 0 && c.r <= 1 && c.g >= 0 && c.g <= 1 && c.b >= 0 && c.b <= 1));
 }
 
 /// Every prefix of a file, in memory of exactly its size, and every byte of it changed.

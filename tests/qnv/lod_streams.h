@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,7 +29,12 @@ inline EncodedStream stream_of(const Triangles& triangles, std::size_t vectors, 
   return std::move(std::get<EncodedStream>(encoded));
 }
 
-inline EncodedStream sphere_stream(std::size_t vectors) { return stream_of(sphere(200), vectors); }
+/// Encoded once, however many cases of a file look at it.
+inline const EncodedStream& sphere_stream(std::size_t vectors) {
+  static std::map<std::size_t, EncodedStream> made;
+  const auto found = made.find(vectors);
+  return found != made.end() ? found->second : made.emplace(vectors, stream_of(sphere(200), vectors)).first->second;
+}
 
 /// A sphere with bumps a tenth of its radius high.
 inline Triangles bumpy_sphere(int n) {

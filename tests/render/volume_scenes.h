@@ -64,7 +64,9 @@ inline render::RayImage exact_volumes(std::span<const render::VolumeItem> items,
       for (const Vector& v : vectors) {
         if (-v.place.z > stop) break;
         const glm::dvec3 away = ray * -v.place.z - v.place;
-        const double alpha = v.alpha * std::exp(-glm::dot(away, away) / v.area);
+        const double exponent = glm::dot(away, away) / v.area;
+        if (exponent > 60) continue;  // less than 1e-26: nothing that a float could tell
+        const double alpha = v.alpha * std::exp(-exponent);
         color += v.color * (alpha * clear);
         clear *= 1 - alpha;
       }

@@ -173,16 +173,16 @@ TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing"
 TEST_CASE("too little memory gives a line and a status, never a crash, however little it is") {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";
-  for (int i = 0; i < 300; ++i) text += "Shape { geometry Sphere { radius " + std::to_string(i) + " } }\n";
+  for (int i = 0; i < 120; ++i) text += "Shape { geometry Sphere { radius " + std::to_string(i) + " } }\n";
   const std::string world = quoted(folder.write("spheres.wrl", text));
-  std::string raw(std::size_t{64} * 64 * 64, '\0');
+  std::string raw(std::size_t{32} * 32 * 32, '\0');
   for (std::size_t i = 0; i < raw.size(); ++i) raw[i] = static_cast<char>((i * 2654435761U) >> 13U);
   const std::string volume = quoted(folder.write("v.raw", raw)), stream = quoted(folder.path("o.qnv"));
   int failed = 0, done = 0;
   for (const std::string& arguments :
        {"check " + world, "info " + world, "encode --vectors 20000 " + world + " " + stream,
-        "encode --dims 64x64x64 --fraction 0.5 " + volume + " " + stream,
-        "export --dims 64x64x64 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
+        "encode --dims 32x32x32 --fraction 0.5 " + volume + " " + stream,
+        "export --dims 32x32x32 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
     for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 3) {
       const Run result =
           run_shell("ulimit -v " + std::to_string(megabytes) + "000; " GHOSTSPACE_BINARY " " + arguments);

@@ -1,5 +1,4 @@
-#include "app/base/gunzip.h"
-#include "net/base/file.h"
+#include "tests/app/gzip_bomb.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/watched.h"
@@ -7,10 +6,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <filesystem>
 #include <string>
-#include <variant>
 
 namespace gs::limits_program_test {
 // The program itself on files that ask for far more than they are, with the limits as they are by default: what it
@@ -40,14 +39,6 @@ Run measured(const ScratchFolder& folder, const std::string& command, const std:
   return result;
 }
 
-std::string gzip_of(std::string head, const std::string& unit, std::size_t bytes) {
-  std::string text = std::move(head);
-  text.reserve(text.size() + bytes + unit.size());
-  for (const std::size_t end = text.size() + bytes; text.size() < end;) text += unit;
-  const auto packed = gzip(std::as_bytes(std::span(text)));
-  return {reinterpret_cast<const char*>(packed.data()), packed.size()};
-}
-
 }  // namespace
 
 TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay below two gigabytes") {
@@ -55,19 +46,19 @@ TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay
   const std::size_t large = kMeasures ? std::size_t{600} << 20 : std::size_t{80} << 20;
   SECTION("nodes") {
     const Run nodes =
-        measured(folder, "check", folder.write("nodes.wrz", gzip_of(kHeader, "Group{}", large / watched_step(8))));
+        measured(folder, "check", folder.write("nodes.wrz", gzip_bomb(kHeader, "Group{}", large / watched_step(8))));
     if (kMeasures) CHECK(nodes.output.find("more than the limit for nodes and numbers") != std::string::npos);
   }
   SECTION("numbers") {
     const Run numbers = measured(
         folder, "check",
-        folder.write("numbers.wrz", gzip_of(kHeader + "Shape { geometry PointSet { coord Coordinate { point [ ", "0 ",
-                                            large / watched_step(8))));
+        folder.write("numbers.wrz", gzip_bomb(kHeader + "Shape { geometry PointSet { coord Coordinate { point [ ", "0 ",
+                                              large / watched_step(8))));
     if (kMeasures) CHECK(numbers.output.find("unpacks to more than 250 times its size") != std::string::npos);
   }
   SECTION("a ratio that no honest file has") {
     const Run blanks =
-        measured(folder, "check", folder.write("blanks.wrz", gzip_of(kHeader, std::string(4096, ' '), large)));
+        measured(folder, "check", folder.write("blanks.wrz", gzip_bomb(kHeader, std::string(4096, ' '), large)));
     CHECK(blanks.output.find("unpacks to more than 250 times its size") != std::string::npos);
   }
   SECTION("PROTO") {

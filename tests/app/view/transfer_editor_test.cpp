@@ -2,6 +2,7 @@
 
 #include "render/scene/cloud_look.h"
 #include "render/volume/volume_model.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -64,8 +65,8 @@ TEST_CASE("The editor shows what the renderer draws") {
     const render::VolumeTransfer table = render::volume_transfer({}, transfer);
     for (std::size_t i = 0; i < table.size(); ++i) {
       const qnv::TransferPoint at = transfer_at(transfer, static_cast<float>(i) / 255);
-      CHECK(1 - std::exp(-table[i].w) == Approx(std::min(at.opacity, 0.999f)).margin(1e-4));
-      CHECK(table[i].x * 255 == Approx(static_cast<float>(at.color.r)).margin(0.51));
+      REQUIRE_EACH(1 - std::exp(-table[i].w) == Approx(std::min(at.opacity, 0.999f)).margin(1e-4));
+      REQUIRE_EACH(table[i].x * 255 == Approx(static_cast<float>(at.color.r)).margin(0.51));
     }
   }
 }

@@ -20,10 +20,9 @@
 #include <csignal>
 #include <limits>
 #include <memory>
-#include <set>
 #include <string>
-#include <tuple>
 #include <variant>
+#include <vector>
 
 using namespace gs;
 using namespace gs::app;
@@ -76,10 +75,12 @@ qnv::Cloud cloud_of_world(const OpenedWorld& world) {
   return cloud.levels ? cloud.levels->whole() : cloud;
 }
 
-std::multiset<std::tuple<float, float, float, float>> discs_of(const qnv::Cloud& cloud) {
-  std::multiset<std::tuple<float, float, float, float>> all;
+/// Place and weight of each disc, in an order of their own.
+std::vector<std::array<float, 4>> discs_of(const qnv::Cloud& cloud) {
+  std::vector<std::array<float, 4>> all;
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    all.emplace(cloud.positions[i].x, cloud.positions[i].y, cloud.positions[i].z, cloud.weights[i]);
+    all.push_back({cloud.positions[i].x, cloud.positions[i].y, cloud.positions[i].z, cloud.weights[i]});
+  std::sort(all.begin(), all.end());
   return all;
 }
 
@@ -200,14 +201,14 @@ OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& 
   return world;
 }
 
-/// A server as a program of its own, that can be killed.
+/// A server as a program of its own, that can be killed: one whose streams take a while, and one that follows it.
 class ServerProgram {
  public:
-  explicit ServerProgram(const CellSite& site) {
+  explicit ServerProgram(const CellSite& site, const char* rate = "2000000") {
     const std::string port = std::to_string(*site.options.cells_port), folder = site.folder.path("");
     process_ = ::fork();
     if (process_ != 0) return;
-    ::execl(GHOSTSPACE_BINARY, "ghostspace", "serve", "--cells", port.c_str(), "--rate", "2000000", folder.c_str(),
+    ::execl(GHOSTSPACE_BINARY, "ghostspace", "serve", "--cells", port.c_str(), "--rate", rate, folder.c_str(),
             static_cast<char*>(nullptr));
     ::_exit(127);
   }
@@ -247,7 +248,7 @@ TEST_CASE("A server of cells that is killed is asked again, and one with another
   SECTION("the same file: what is there stays") {
     const OpenedWorld world = interrupted(site, options, [&] {
       server.reset();
-      server = std::make_unique<ServerProgram>(site);
+      server = std::make_unique<ServerProgram>(site, "20000000");
     });
     CHECK(world.diagnostics.errors() == 0);
     CHECK(cloud_of_world(world).size() > 500'000);

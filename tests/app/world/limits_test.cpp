@@ -6,6 +6,7 @@
 #include "app/world/world_loader.h"
 #include "render/image/image.h"
 #include "tests/app/formats_helpers.h"
+#include "tests/app/gzip_bomb.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/watched.h"
 
@@ -30,9 +31,7 @@ const std::string kBox = "Shape { geometry Box { } }\n";
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 std::string packed(const std::string& head, std::size_t zeros, char fill = '\0') {
-  const std::string whole = head + std::string(zeros, fill);
-  const auto bytes = gzip(bytes_of(whole));
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  return gzip_bomb(head, std::string(4096, fill), zeros);
 }
 
 std::string repeated(const std::string& text, int count) {

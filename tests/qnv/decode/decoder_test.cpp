@@ -157,7 +157,7 @@ TEST_CASE("However a stream is cut in two, the picture is the same") {
   const PackedParts parts = small_parts();
   const Cloud expected = parts.whole();
   CHECK(expected.size() > 1500);
-  for (std::size_t at = 0; at <= parts.stream.bytes.size(); at += watched_step(3)) {
+  for (std::size_t at = 0; at <= parts.stream.bytes.size(); at += watched_step(5)) {
     StreamDecoder decoder;
     REQUIRE(decoder.push(std::span(parts.stream.bytes).first(at)));
     REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at)));
@@ -218,7 +218,7 @@ TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is w
     growing.add(ChunkType::packed, payload);
     for (const glm::vec3& p : growing.cloud().positions) right.insert({p.x, p.y, p.z});
   }
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += watched_step(5)) {
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += watched_step(11)) {
     bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
     StreamDecoder decoder;
     const bool good = decoder.push(bytes);
@@ -230,7 +230,7 @@ TEST_CASE("Every flipped bit of a stream is reported and shows nothing that is w
     } else if (bit % 8 == 0) {
       const Cloud cloud = decoder.cloud();
       REQUIRE(cloud.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
-      for (const glm::vec3& p : cloud.positions) REQUIRE(right.contains({p.x, p.y, p.z}));
+      for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(right.contains({p.x, p.y, p.z}));
     }
     bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
   }
@@ -240,13 +240,14 @@ TEST_CASE("Every flipped bit of chunks that no checksum guards does no harm") {
   const PackedParts parts = small_parts();
   std::vector<Bytes> payloads = parts.payloads;
   for (std::size_t which = 0; which < 3; ++which)
-    for (std::size_t bit = 0; bit < 8 * payloads[which].size(); bit += (bit < 8 * 22 ? 1 : 5) * watched_step(3)) {
+    for (std::size_t bit = 0; bit < 8 * payloads[which].size(); bit += (bit < 8 * 22 ? 1 : 5) * watched_step(7)) {
       payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       StreamDecoder decoder = parts.begun();
       for (const Bytes& payload : payloads) decoder.add(ChunkType::packed, payload);
       const Cloud cloud = decoder.cloud();
       REQUIRE(cloud.size() == decoder.vectors());
-      for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
       payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
     }
 }

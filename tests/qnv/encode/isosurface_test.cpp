@@ -55,7 +55,9 @@ struct Mesh {
 Mesh measured(const std::vector<std::array<glm::vec3, 3>>& triangles) {
   Mesh mesh;
   std::unordered_map<std::array<float, 3>, std::uint32_t, Bits> points;
-  std::unordered_map<std::uint64_t, int> edges;
+  points.reserve(triangles.size() / 2 + 16);
+  std::vector<std::uint64_t> edges, opposite;  // from a point in the upper half to one in the lower; and the other way
+  edges.reserve(3 * triangles.size());
   for (const auto& corners : triangles) {
     std::array<std::uint32_t, 3> index{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -66,13 +68,20 @@ Mesh measured(const std::vector<std::array<glm::vec3, 3>>& triangles) {
     const glm::dvec3 a(corners[0]), b(corners[1]), c(corners[2]);
     mesh.area += glm::length(glm::cross(b - a, c - a)) / 2;
     mesh.volume += glm::dot(a, glm::cross(b, c)) / 6;
-    for (std::size_t i = 0; i < 3; ++i) ++edges[std::uint64_t{index[i]} << 32 | index[(i + 1) % 3]];
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::uint64_t{index[i]} << 32 | index[(i + 1) % 3]);
   }
   mesh.points = points.size();
-  for (const auto& [edge, count] : edges) {
-    const auto other = edges.find(edge >> 32 | edge << 32);
-    mesh.open_edges += static_cast<std::size_t>(std::max(0, count - (other == edges.end() ? 0 : other->second)));
-    mesh.shared_edges += count > 1;
+  for (const std::uint64_t edge : edges) opposite.push_back(edge >> 32 | edge << 32);
+  std::sort(edges.begin(), edges.end());
+  std::sort(opposite.begin(), opposite.end());
+  for (auto edge = edges.begin(), other = opposite.begin(); edge != edges.end();) {
+    const auto end = std::find_if(edge, edges.end(), [&](std::uint64_t one) { return one != *edge; });
+    while (other != opposite.end() && *other < *edge) ++other;
+    std::ptrdiff_t back = 0;
+    for (; other != opposite.end() && *other == *edge; ++other) ++back;
+    mesh.open_edges += static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, end - edge - back));
+    mesh.shared_edges += end - edge > 1;
+    edge = end;
   }
   return mesh;
 }

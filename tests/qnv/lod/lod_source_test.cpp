@@ -55,7 +55,7 @@ void check_sound(LodStream& lod, std::size_t most) {
 }  // namespace
 
 TEST_CASE("Of a stream that lies elsewhere only what a view needs is read", "[optimised]") {
-  const EncodedStream stream = sphere_stream(400'000);
+  const EncodedStream& stream = sphere_stream(400'000);
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source));
   const std::size_t directory = stream.bytes.size() - static_cast<std::size_t>(stream.header.directory);
@@ -75,7 +75,7 @@ TEST_CASE("Of a stream that lies elsewhere only what a view needs is read", "[op
 }
 
 TEST_CASE("Without a sound directory all of a stream is read") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const auto expected = places(opened(stream.bytes)->cut(everything()));
   const auto at = static_cast<std::size_t>(stream.header.directory);
   auto cut_off = stream.bytes;
@@ -104,7 +104,7 @@ TEST_CASE("Without a sound directory all of a stream is read") {
 }
 
 TEST_CASE("A chunk that is damaged costs itself and what is below it, once") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const std::vector<DirectoryEntry> entries = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
   for (const std::size_t which : {5u, 17u}) {
@@ -126,7 +126,7 @@ TEST_CASE("A chunk that is damaged costs itself and what is below it, once") {
 }
 
 TEST_CASE("A stream that becomes shorter while one looks keeps what it has") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const auto source = std::make_shared<WatchedSource>(stream.bytes);
   const auto lod = taken(LodStream::open(source, 0));
   const LodView view = from({0, 0, 30}, 20);
@@ -143,7 +143,7 @@ TEST_CASE("A stream that becomes shorter while one looks keeps what it has") {
 }
 
 TEST_CASE("Whatever one entry of a directory says wrongly costs that cluster at most") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   REQUIRE(sound.size() == stream.header.chunks);
   REQUIRE(sound.size() > 30);
@@ -184,7 +184,7 @@ TEST_CASE("Whatever one entry of a directory says wrongly costs that cluster at 
 }
 
 TEST_CASE("A directory that lies everywhere leaves a smaller picture, or none") {
-  const EncodedStream stream = sphere_stream(20'000);
+  const EncodedStream& stream = sphere_stream(20'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
   std::mt19937 random(5);
@@ -221,7 +221,7 @@ TEST_CASE("A directory that lies everywhere leaves a smaller picture, or none") 
 }
 
 TEST_CASE("Clusters whose checksums are right and whose bits are not cost themselves at most") {
-  const EncodedStream stream = sphere_stream(20'000);
+  const EncodedStream& stream = sphere_stream(20'000);
   const std::vector<DirectoryEntry> sound = entries_of(stream);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
   std::mt19937 random(9);

@@ -15,7 +15,7 @@
 namespace gs::qnv {
 
 TEST_CASE("A cut without limits is everything the decoder gives") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   const Cloud all = decoder.cloud();
@@ -71,7 +71,7 @@ TEST_CASE("What lies outside of the view is neither refined nor drawn") {
 }
 
 TEST_CASE("A small cache gives the same cuts and stays small", "[optimised]") {
-  const EncodedStream stream = sphere_stream(200'000);
+  const EncodedStream& stream = sphere_stream(200'000);
   constexpr std::size_t kSmall = 100'000;
   const auto large = opened_there(stream.bytes), small = opened_there(stream.bytes, kSmall);
   std::size_t most_bytes = 0;
@@ -99,7 +99,7 @@ TEST_CASE("A small cache gives the same cuts and stays small", "[optimised]") {
 }
 
 TEST_CASE("Every prefix and every damaged byte of a stream with levels is a smaller one or refused") {
-  const EncodedStream stream = sphere_stream(3000);
+  const EncodedStream& stream = sphere_stream(3000);
   LodView view;
   view.error_pixels = 0;
   std::size_t most = 0;
@@ -121,7 +121,7 @@ TEST_CASE("Every prefix and every damaged byte of a stream with levels is a smal
 }
 
 TEST_CASE("Lost packets cost detail and leave no hole") {
-  const EncodedStream stream = sphere_stream(200'000);
+  const EncodedStream& stream = sphere_stream(200'000);
   CHECK(drop_packets(stream.bytes, 0.3, 1) == drop_packets(stream.bytes, 0.3, 1));
   CHECK(drop_packets(stream.bytes, 0.3, 1) != drop_packets(stream.bytes, 0.3, 2));
   LodView view;

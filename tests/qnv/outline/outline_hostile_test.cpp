@@ -1,6 +1,7 @@
 #include "qnv/outline/outline_groups.h"
 
 #include "tests/qnv/outline_models.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -21,7 +22,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 void require_sound(const PolygonModel& model, const OutlineGroups& made) {
   REQUIRE(made.group_of.size() == model.ends.size());
   for (const std::uint32_t group : made.group_of)
-    REQUIRE((group < made.groups.size() || group == OutlineGroups::kNoGroup));
+    REQUIRE_EACH((group < made.groups.size() || group == OutlineGroups::kNoGroup));
   std::size_t grouped = 0;
   for (const OutlineGroup& group : made.groups) {
     REQUIRE(group.area > 0);
@@ -34,8 +35,8 @@ void require_sound(const PolygonModel& model, const OutlineGroups& made) {
       for (std::size_t i = 0; i < polygons->size(); ++i) {
         const OutlinePolygon polygon = (*polygons)[i];
         REQUIRE(polygon.rings() > 0);
-        for (std::size_t r = 0; r < polygon.rings(); ++r) REQUIRE(polygon.ring(r).size() >= 3);
-        for (const std::uint32_t corner : bridged_ring(polygon)) REQUIRE(corner < polygon.positions.size());
+        for (std::size_t r = 0; r < polygon.rings(); ++r) REQUIRE_EACH(polygon.ring(r).size() >= 3);
+        for (const std::uint32_t corner : bridged_ring(polygon)) REQUIRE_EACH(corner < polygon.positions.size());
       }
     }
   }

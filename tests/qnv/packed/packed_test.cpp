@@ -70,14 +70,14 @@ void check_promises(const Packed& packed) {
     seen[static_cast<std::size_t>(cluster.level())] += v.size();
     for (std::size_t i = 0; i < v.size(); ++i) {
       const auto found = truth.find(key_of(v, i));
-      REQUIRE(found != truth.end());
+      REQUIRE_EACH(found != truth.end());
       const SurfaceMoments& m = found->second;
       if ((v.state[i] & kDouble) != 0) {
-        REQUIRE(glm::length(m.normal) <= 0.3501f * m.area);
+        REQUIRE_EACH(glm::length(m.normal) <= 0.3501f * m.area);
         continue;
       }
       const auto l1 = octahedral_normal(v.u[i], v.v[i]);
-      REQUIRE(std::abs(l1[0]) + std::abs(l1[1]) + std::abs(l1[2]) == kOctahedral);
+      REQUIRE_EACH(std::abs(l1[0]) + std::abs(l1[1]) + std::abs(l1[2]) == kOctahedral);
       const glm::vec3 normal = glm::normalize(glm::vec3(l1[0], l1[1], l1[2])), true_normal = glm::normalize(m.normal);
       worst_turn = std::max(worst_turn, static_cast<double>(std::acos(std::min(1.0f, glm::dot(normal, true_normal)))));
       const float one_norm = std::abs(true_normal.x) + std::abs(true_normal.y) + std::abs(true_normal.z);
@@ -112,13 +112,13 @@ TEST_CASE("A packed sphere decodes to what the encoder promises, at every level"
         const glm::vec3 out = cloud.positions[i] - glm::vec3(10, -4, 2);
         furthest = std::max(furthest, std::abs(glm::length(out) - 3) / edge);
         most_turned = std::max(most_turned, 1 - glm::dot(cloud.normals[i], glm::normalize(out)));
-        REQUIRE(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-        REQUIRE(cloud.weights[i] > 0);
-        REQUIRE(cloud.cells[i].edge == edge);
+        REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
+        REQUIRE_EACH(cloud.weights[i] > 0);
+        REQUIRE_EACH(cloud.cells[i].edge == edge);
         // The centre of its cube.
         const glm::vec3 cell =
             (cloud.positions[i] - cloud.normals[i] * cloud.cells[i].offset - packed.cube.lower) / edge - 0.5f;
-        for (int axis = 0; axis < 3; ++axis) REQUIRE(std::abs(cell[axis] - std::round(cell[axis])) < 1e-2f);
+        for (int axis = 0; axis < 3; ++axis) REQUIRE_EACH(std::abs(cell[axis] - std::round(cell[axis])) < 1e-2f);
       }
       CHECK(furthest < 0.5f);
       if (level >= 5) CHECK(most_turned < 0.03f);
@@ -195,9 +195,9 @@ TEST_CASE("Colours come out within half a step") {
       const SurfaceMoments& m = packed.truth[static_cast<std::size_t>(cluster.level())].at(key_of(v, i));
       const auto whole = [&](float sum) { return static_cast<int>(std::lround(sum / m.area)); };
       const auto want = ycocg_of(whole(m.color.x), whole(m.color.y), whole(m.color.z));
-      REQUIRE(std::abs(want[0] - v.luma[i]) <= 4);
-      REQUIRE(std::abs(want[1] - v.co[i]) <= 8);
-      REQUIRE(std::abs(want[2] - v.cg[i]) <= 8);
+      REQUIRE_EACH(std::abs(want[0] - v.luma[i]) <= 4);
+      REQUIRE_EACH(std::abs(want[1] - v.co[i]) <= 8);
+      REQUIRE_EACH(std::abs(want[2] - v.cg[i]) <= 8);
     }
   }
   const Cloud cloud = packed.discs(6);
@@ -206,7 +206,7 @@ TEST_CASE("Colours come out within half a step") {
     for (int g = 0; g < 256; g += 5)
       for (int b = 0; b < 256; b += 5) {
         const auto y = ycocg_of(r, g, b);
-        REQUIRE(rgb_of(y[0], y[1], y[2]) == std::array<int, 3>{r, g, b});
+        REQUIRE_EACH(rgb_of(y[0], y[1], y[2]) == std::array<int, 3>{r, g, b});
       }
 }
 
@@ -251,7 +251,7 @@ TEST_CASE("Clusters fit into a datagram, and name parents that came before") {
     }
     // In Morton order of the run.
     const PackedVoxels& v = packed.clusters[i].voxels;
-    for (std::size_t k = 1; k < v.size(); ++k) REQUIRE(key_of(v, k - 1) < key_of(v, k));
+    for (std::size_t k = 1; k < v.size(); ++k) REQUIRE_EACH(key_of(v, k - 1) < key_of(v, k));
   }
 }
 
@@ -342,8 +342,8 @@ TEST_CASE("Every flipped bit of a cluster does no harm, and nearly all are notic
         Cloud cloud;
         append_discs(*cluster, 0, cluster->voxels.size(), packed.cube, cloud);
         for (std::size_t i = 0; i < cloud.size(); ++i) {
-          REQUIRE(cloud.weights[i] > 0);
-          REQUIRE(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
+          REQUIRE_EACH(cloud.weights[i] > 0);
+          REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
         }
       }
       payload[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);

@@ -4,6 +4,7 @@
 #include "qnv/order/order.h"
 #include "qnv/records/records_assembly.h"
 #include "tests/qnv/pinned_vectors.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 
@@ -343,9 +344,9 @@ TEST_CASE("damaged chunks are refused or decode to finite vectors") {
     if (!patch) return;
     ++decoded_ones;
     for (std::size_t i = 0; i < patch->size(); ++i) {
-      REQUIRE((std::isfinite(patch->positions[i].x) && std::isfinite(patch->positions[i].y) &&
-               std::isfinite(patch->positions[i].z)));
-      REQUIRE((patch->weights[i] > 0 && std::isfinite(patch->weights[i])));
+      REQUIRE_EACH((std::isfinite(patch->positions[i].x) && std::isfinite(patch->positions[i].y) &&
+                    std::isfinite(patch->positions[i].z)));
+      REQUIRE_EACH((patch->weights[i] > 0 && std::isfinite(patch->weights[i])));
     }
     assembly.add(*patch);
   };
@@ -361,7 +362,7 @@ TEST_CASE("damaged chunks are refused or decode to finite vectors") {
     check(bytes);
   }
   CHECK(decoded_ones > 500);
-  for (const float weight : assembly.conserved_weights()) REQUIRE((weight >= 0 && std::isfinite(weight)));
+  for (const float weight : assembly.conserved_weights()) REQUIRE_EACH((weight >= 0 && std::isfinite(weight)));
 }
 
 TEST_CASE("whatever prefix of the chunks arrives, the whole and its octants keep their weight") {
@@ -383,7 +384,8 @@ TEST_CASE("whatever prefix of the chunks arrives, the whole and its octants keep
     }
     CHECK(assembly.size() == cloud.size());
     const std::vector<float> weights = assembly.conserved_weights();
-    for (std::size_t i = 0; i < weights.size(); ++i) REQUIRE(weights[i] == Approx(assembly.weights()[i]).epsilon(2e-3));
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      REQUIRE_EACH(weights[i] == Approx(assembly.weights()[i]).epsilon(2e-3));
   }
 }
 

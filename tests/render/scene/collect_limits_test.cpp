@@ -1,4 +1,5 @@
 #include "render/scene/render_list.h"
+#include "tests/watched.h"
 #include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
@@ -11,10 +12,13 @@ namespace {
 
 using namespace render;
 
+constexpr std::size_t kVisits = vrml::Limits().visits;
+
 /// A parsed world of little memory.
 struct SmallWorld {
   SmallWorld(const std::string& body, std::size_t memory)
-      : scene(std::make_unique<vrml::SceneGraph>("bomb.wrl", vrml::Limits{.memory = memory})) {
+      : scene(std::make_unique<vrml::SceneGraph>(
+            "bomb.wrl", vrml::Limits{.memory = memory, .visits = kVisits / watched_step(16)})) {
     vrml::Diagnostics diagnostics;
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
     for (const vrml::Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
@@ -54,7 +58,7 @@ std::size_t triangles_of(const RenderList& list) {
 }  // namespace
 
 TEST_CASE("USE inside USE makes no more shapes than the limit, and the first one left out is named") {
-  SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 18), 16 * kMega);
+  SmallWorld world("Shape { geometry Box { } }\n" + nested_uses("Shape { geometry Cylinder { } }", 15), 16 * kMega);
   const RenderList list = world.collect();
   const std::size_t most = world.budget().limit(vrml::Resource::items);
   CHECK(most == 2048);
@@ -72,7 +76,8 @@ TEST_CASE("A walk over empty groups ends at the limit for visits") {
   const RenderList list = world.collect();
   CHECK(list.items.empty());
   REQUIRE(list.left_out.size() == 1);
-  CHECK(list.left_out[0].why.find("4000000 that one picture may visit") != std::string::npos);
+  CHECK(list.left_out[0].why.find(std::to_string(kVisits / watched_step(16)) + " that one picture may visit") !=
+        std::string::npos);
 }
 
 TEST_CASE("Shapes that together have too many triangles are left out, others show") {

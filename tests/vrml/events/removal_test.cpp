@@ -14,7 +14,7 @@ MFNode read(World& world, const std::string& text) {
   Diagnostics diagnostics;
   const RunTimeNodes made = read_into(world.scene(), "made.wrl", text, diagnostics);
   for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
-  CHECK(diagnostics.errors() == 0);
+  REQUIRE_EACH(diagnostics.errors() == 0);
   world.execution().attach(world.scene());
   return made.roots;
 }

@@ -10,6 +10,7 @@
 #include "tests/app/formats_helpers.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 #include "vrml/syntax/parser.h"
 
 #include <catch2/catch.hpp>
@@ -179,8 +180,9 @@ TEST_CASE("Every prefix of an outline stream shows its groups, and the area only
   double outlines = 0;  // the area when all outlines are there
   for (const qnv::OutlineGroup& group : made.groups.groups)
     for (std::size_t i = 0; i < group.outline.size(); ++i) outlines += group.outline[i].area;
+  const std::size_t kPiece = 97 * watched_step(3);
   double last = 0;
-  for (std::size_t bytes = 200; bytes <= stream.size() + 97; bytes += 97) {
+  for (std::size_t bytes = 200; bytes <= stream.size() + kPiece; bytes += kPiece) {
     LoadOptions options;
     options.max_bytes = bytes;
     const OpenedWorld world = load_world(path, options);

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <zlib.h>
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace gs::app {
+
+/// One gzip member that unpacks to `head` and then `unit` again and again, `bytes` of it and at most a unit more:
+/// packed as well as zlib can, but for that a piece of it is packed once and then repeated.
+inline std::string gzip_bomb(std::string_view head, std::string_view unit, std::size_t bytes) {
+  constexpr std::size_t kPiece = std::size_t{4} << 20;
+  std::string piece;
+  while (piece.size() < std::min(kPiece, bytes)) piece += unit;
+  const std::size_t pieces = bytes / piece.size();
+  std::string rest;
+  while (rest.size() < bytes - pieces * piece.size()) rest += unit;
+
+  // Blocks that end at a whole byte and refer to nothing before them.
+  const auto blocks = [](std::string_view text, int flush) {
+    z_stream stream{};
+    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK);
+    std::string out(deflateBound(&stream, static_cast<uLong>(text.size())) + 64, '\0');
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+    stream.avail_in = static_cast<uInt>(text.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = static_cast<uInt>(out.size());
+    const int status = deflate(&stream, flush);
+    REQUIRE(status == (flush == Z_FINISH ? Z_STREAM_END : Z_OK));
+    out.resize(stream.total_out);
+    deflateEnd(&stream);
+    return out;
+  };
+  const auto crc_of = [](std::string_view text) {
+    return crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size());
+  };
+  std::string packed("\x1f\x8b\x08\0\0\0\0\0\0\x03", 10);  // RFC 1952 2.3
+  packed += blocks(head, Z_FULL_FLUSH);
+  const std::string packed_piece = blocks(piece, Z_FULL_FLUSH);
+  const uLong piece_crc = crc_of(piece);
+  uLong crc = crc_of(head);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    packed += packed_piece;
+    crc = crc32_combine(crc, piece_crc, static_cast<z_off_t>(piece.size()));
+  }
+  packed += blocks(rest, Z_FINISH);
+  crc = crc32_combine(crc, crc_of(rest), static_cast<z_off_t>(rest.size()));
+  for (const std::size_t number : {static_cast<std::size_t>(crc), head.size() + pieces * piece.size() + rest.size()})
+    for (int i = 0; i < 4; ++i) packed += static_cast<char>(number >> (8 * i) & 255);
+  return packed;
+}
+
+}  // namespace gs::app
