@@ -193,6 +193,7 @@ int run_snapshot(const Options& options, const std::string& file) {
   render::DrawOptions draw = size_of_picture;
   draw.headlight = options.headlight.value_or(options.orbit || list.navigation.headlight);
   draw.visibility_limit = !options.orbit;
+  draw.unit = static_cast<float>(simulation.look().scale);
   draw.background = options.background;
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);

@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kLifeStep = 1.0 / 60;  // seconds: how often time goes on in worlds
 constexpr double kLongLife = 0.05;
+constexpr std::size_t kMostMet = 20'000;                       // triangles around one who moves
+constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // triangles
 
 }  // namespace
 
@@ -134,6 +136,31 @@ void Session::end_journey(View& seen) const {
   seen.navigation.transition.reset();
 }
 
+// To `after`, as far as what he meets lets him.
+void Session::move_viewer(View& seen, Navigation after, bool loading, float seconds) {
+  const render::RenderList& list = *seen.list;
+  Obstacles obstacles;
+  obstacles.near = [&](const glm::dvec3& lower, const glm::dvec3& upper) {
+    return picker_.items().near(list, lower, upper, kMostMet);
+  };
+  obstacles.distance = [&](const glm::dvec3& origin, const glm::dvec3& direction) -> std::optional<double> {
+    const auto hit = picker_.items().nearest(list, {origin, direction}, kMostRemembered, render::Sought::met);
+    return hit ? std::optional(hit->triangle.distance) : std::nullopt;
+  };
+  Avatar avatar = seen.rules.avatar;
+  avatar.radius *= seen.scale;
+  avatar.height *= seen.scale;
+  avatar.step *= seen.scale;
+  avatar.gravity = !loading;  // the ground may be still to come
+  const std::optional<std::size_t> before = seen.navigation.body.item;
+  seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
+  const std::optional<std::size_t> met = seen.navigation.body.item;
+  if (!met || met == before || !seen.document->living) return;
+  Hit hit;
+  hit.item = *met;
+  (void)seen.document->living->execution().collide(path_of(list, hit));
+}
+
 void Session::move_views(float seconds, bool look) {
   const std::vector<std::size_t> sight = panes_.visible();
   const std::vector<Viewport> rectangles = places();
@@ -145,7 +172,7 @@ void Session::move_views(float seconds, bool look) {
     const Pose before = seen->navigation.pose;
     const NavigationInput input = pane.input.input(seen->navigation.mode, rectangles[i]);
     if (input.any()) leader_ = sight[i];
-    seen->navigation = app::step(seen->navigation, input, seconds);
+    move_viewer(*seen, app::step(seen->navigation, input, seconds), panes_.loading(sight[i]), seconds);
     const Pose& after = seen->navigation.pose;
     if (before.position == after.position && before.orientation == after.orientation) continue;
     moved.push_back(sight[i]);

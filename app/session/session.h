@@ -135,6 +135,7 @@ class Session {
   /// In simulated time nobody is on the way to a Viewpoint.
   void end_journey(View& view) const;
   [[nodiscard]] std::optional<double> next_life() const;
+  void move_viewer(View& seen, Navigation after, bool loading, float seconds);
   void move_views(float seconds, bool look);
   /// Of the viewports in sight, in the order of `Panes::visible`.
   [[nodiscard]] std::vector<Viewport> places() const { return arrange(panes_.layout(), area_); }

@@ -117,6 +117,10 @@ bool Session::run_in(View& seen, Action action) {
     case Action::pan:
       choose_mode(static_cast<NavigationMode>(1 + static_cast<int>(action) - static_cast<int>(Action::examine)));
       return true;
+    case Action::ghost:
+      seen.navigation.ghost = !seen.navigation.ghost;
+      tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false);
+      return true;
     case Action::faster:
       change_speed(std::sqrt(2.0f));
       return true;

@@ -20,6 +20,23 @@ std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::
   return std::nullopt;
 }
 
+/// What is up for the viewer and how long his metre is, he has from the Viewpoint that he is bound to (6.29).
+void take_measures(View& view, const render::ViewpointState& viewpoint) {
+  view.navigation.up = glm::vec3(viewpoint.up);
+  view.navigation.speed *= static_cast<float>(viewpoint.scale / std::exchange(view.scale, viewpoint.scale));
+}
+
+/// Another NavigationInfo is bound, or it says something else (4.6.10, 6.29): what has changed in it counts anew.
+void follow_navigation_info(View& view) {
+  const render::NavigationState& now = view.list->navigation;
+  if (now == view.navigation_info) return;
+  const render::NavigationState before = std::exchange(view.navigation_info, now);
+  view.rules = navigation_rules(now);
+  if (now.speed != before.speed) view.navigation.speed = now.speed * static_cast<float>(view.scale);
+  if (now.headlight != before.headlight) view.headlight = now.headlight;
+  if (now.types != before.types) view.navigation = with_mode(view.navigation, view.rules.start);
+}
+
 }  // namespace
 
 View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found) {
@@ -36,6 +53,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   const render::RenderList& list = *view.list;
   view.rules = document->has_navigation_info ? navigation_rules(list.navigation)
                                              : default_navigation_rules(list.bounds, !list.viewpoints.empty());
+  view.navigation_info = list.navigation;
   view.headlight = list.navigation.headlight;
   const auto named = viewpoint.empty() ? std::nullopt : find_viewpoint(list.viewpoints, viewpoint);
   view.viewpoint = named ? named : list.viewpoints.empty() ? std::nullopt : std::optional<std::size_t>(0);
@@ -50,6 +68,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   }
   view.home_size = viewport;
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
+  if (view.viewpoint) take_measures(view, list.viewpoints[*view.viewpoint]);
   view.document = std::move(document);
   if (found) *found = viewpoint.empty() || named.has_value();
   return view;
@@ -101,6 +120,7 @@ bool follow_world(View& view) {
   view.scene->scene.set_viewer_up(view.navigation.pose.up());
   const bool changed = view.document->living->show(*view.scene, view.navigation.pose.position);
   if (!changed) return false;
+  follow_navigation_info(view);
   const auto& viewpoints = view.list->viewpoints;
   if (view.viewpoint && *view.viewpoint >= viewpoints.size()) view.viewpoint.reset();
   if (!view.viewpoint) return true;
@@ -110,6 +130,7 @@ bool follow_world(View& view) {
   const glm::dmat4 moved = viewpoint.world_from_camera * glm::inverse(view.world_from_viewpoint);
   const auto carry = [&](Pose& pose) { pose = pose_of(moved * world_from_viewer(pose), viewpoint.field_of_view); };
   const bool stays = at_home(view);
+  take_measures(view, viewpoint);
   view.world_from_viewpoint = viewpoint.world_from_camera;
   carry(view.navigation.pose);
   if (view.navigation.transition) {
@@ -127,6 +148,7 @@ void bind_viewpoint(View& view, std::size_t index) {
   view.viewpoint = index;
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  take_measures(view, viewpoint);
   view.navigation = travel_to(view.navigation, view.home);
   if (!view.document || !view.document->living) return;
   (void)view.document->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
@@ -144,6 +166,7 @@ bool follow_bound_viewpoint(View& view) {
   view.viewpoint = index;
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  take_measures(view, viewpoint);
   if (viewpoint.jump) view.navigation = travel_to(view.navigation, view.home);
   return true;
 }

@@ -21,11 +21,13 @@ struct View {
   std::shared_ptr<LivingScene> scene;              // what it sees of the living world; null: that does not live yet
   std::shared_ptr<const render::RenderList> list;  // of that, or of what has come so far
   NavigationRules rules;
+  render::NavigationState navigation_info;  // that the rules were last made of
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
   glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
+  double scale = 1;                      // of that: how long its metre is in the world's (6.29)
   const vrml::Node* bound = nullptr;     // the Viewpoint that was bound in the world when that was last looked at
   bool headlight = true;
   render::CloudLook look;

@@ -20,6 +20,7 @@ enum class Action : std::uint8_t {
   fly,
   walk,
   pan,
+  ghost,
   faster,
   slower,
   open_file,

@@ -61,16 +61,36 @@ float examined_distance(const Navigation& state, const std::optional<glm::dvec3>
   return std::clamp(distance, state.scene_size * 1e-3f, state.scene_size * 1e3f);
 }
 
+/// The shortest rotation from one direction to another, both of length 1.
+glm::quat rotation_between(const glm::vec3& from, const glm::vec3& to) {
+  const float cosine = glm::dot(from, to);
+  if (cosine > 0.9999999f) return {1, 0, 0, 0};
+  if (cosine < -0.9999999f)
+    return glm::angleAxis(kPi, unit_or(glm::cross(from, glm::vec3(1, 0, 0)), glm::vec3(0, 0, 1)));
+  const glm::vec3 axis = glm::cross(from, to);
+  return glm::normalize(glm::quat(1 + cosine, axis.x, axis.y, axis.z));
+}
+
+/// The level part of a direction, of length 1; 0 where it has none.
+glm::vec3 level(const Navigation& state, const glm::vec3& direction) {
+  return unit_or(direction - state.up * glm::dot(direction, state.up), glm::vec3(0));
+}
+
 /// Turns the view by `right` and `up` radians: about the world's up, so that a level view stays level.
-glm::quat turned(const Pose& pose, float right, float up) {
-  const float sense = glm::dot(pose.up(), kUp) < 0 ? -1.0f : 1.0f;  // upside down, right is still right
-  const glm::quat yaw = glm::angleAxis(-right * sense, kUp);
+glm::quat turned(const Navigation& state, float right, float up) {
+  const Pose& pose = state.pose;
+  const float sense = glm::dot(pose.up(), state.up) < 0 ? -1.0f : 1.0f;  // upside down, right is still right
+  const glm::quat yaw = glm::angleAxis(-right * sense, state.up);
   const glm::quat pitch = glm::angleAxis(up, glm::vec3(1, 0, 0));
   return glm::normalize(yaw * pose.orientation * pitch);
 }
 
 /// A walker's view: turned, looking at most 85 degrees up or down, with `roll_left` of its roll.
-glm::quat turned_level(const Pose& pose, float right, float up, float roll_left) {
+glm::quat turned_level(const Navigation& state, float right, float up, float roll_left) {
+  // Where +Y is up.
+  const glm::quat upright = rotation_between(state.up, kUp);
+  Pose pose;
+  pose.orientation = upright * state.pose.orientation;
   const glm::vec3 forward = pose.forward();
   const glm::vec3 ahead = glm::vec3(forward.x, 0, forward.z);
   // Straight up or down the top of the view tells where ahead is.
@@ -84,7 +104,8 @@ glm::quat turned_level(const Pose& pose, float right, float up, float roll_left)
   if (roll < -kPi) roll += 2 * kPi;
   roll = std::abs(roll) < 1e-4f ? 0.0f : roll * roll_left;
   const float steep = std::max(kSteepest, std::abs(pitch));  // who starts steeper is not torn away
-  return glm::angleAxis(yaw - right, kUp) * glm::angleAxis(std::clamp(pitch + up, -steep, steep), glm::vec3(1, 0, 0)) *
+  return glm::inverse(upright) * glm::angleAxis(yaw - right, kUp) *
+         glm::angleAxis(std::clamp(pitch + up, -steep, steep), glm::vec3(1, 0, 0)) *
          glm::angleAxis(roll, glm::vec3(0, 0, 1));
 }
 
@@ -100,7 +121,7 @@ Vector ease(Vector& value, const Vector& target, float seconds) {
 
 void rotate_about_center(Navigation& state, float right, float up) {
   const Pose before = state.pose;
-  state.pose.orientation = turned(before, right, up);
+  state.pose.orientation = turned(state, right, up);
   const glm::quat change = state.pose.orientation * glm::inverse(before.orientation);
   state.pose.position = state.center + glm::dquat(change) * (before.position - state.center);
 }
@@ -115,8 +136,8 @@ void apply_drag(Navigation& state, const NavigationInput& input) {
       break;
     case Drag::look:
       state.pose.orientation = state.mode == NavigationMode::walk
-                                   ? turned_level(state.pose, moved.x * radians / 2, -moved.y * radians / 2, 1)
-                                   : turned(state.pose, moved.x * radians / 2, -moved.y * radians / 2);
+                                   ? turned_level(state, moved.x * radians / 2, -moved.y * radians / 2, 1)
+                                   : turned(state, moved.x * radians / 2, -moved.y * radians / 2);
       break;
     case Drag::pan: {
       const float metres = pixel_size(state.pose, examined_distance(state, input.target), input.viewport);
@@ -142,7 +163,7 @@ void apply_zoom(Navigation& state, float seconds) {
   }
   if (state.mode == NavigationMode::fly || state.mode == NavigationMode::walk) {
     glm::vec3 ahead = state.pose.forward();
-    if (state.mode == NavigationMode::walk) ahead = unit_or({ahead.x, 0, ahead.z}, glm::vec3(0));
+    if (state.mode == NavigationMode::walk) ahead = level(state, ahead);
     state.pose.position += glm::dvec3(ahead * (state.speed * 0.5f * now));
     return;
   }
@@ -194,18 +215,16 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       break;
     }
     case NavigationMode::fly:
-      pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
+      pose.orientation = turned(state, turn.x / 2, turn.y / 2);
       pose.position += glm::dvec3((pose.right() * move.x + pose.up() * move.y + pose.forward() * move.z) * state.speed);
-      pose.orientation = turned(pose, turn.x / 2, turn.y / 2);
+      pose.orientation = turned(state, turn.x / 2, turn.y / 2);
       break;
     case NavigationMode::walk: {
       const float roll_left = std::exp(-seconds / kLevelTime);
-      pose.orientation = turned_level(pose, turn.x / 2, turn.y / 2, roll_left);
-      const glm::vec3 view = pose.forward();
-      const glm::vec3 ahead = unit_or({view.x, 0, view.z}, glm::vec3(0));
-      const glm::vec3 side = glm::cross(ahead, kUp);
-      pose.position += glm::dvec3((side * move.x + kUp * move.y + ahead * move.z) * state.speed);
-      pose.orientation = turned_level(pose, turn.x / 2, turn.y / 2, 1);
+      pose.orientation = turned_level(state, turn.x / 2, turn.y / 2, roll_left);
+      const glm::vec3 ahead = level(state, pose.forward()), side = glm::cross(ahead, state.up);
+      pose.position += glm::dvec3((side * move.x + state.up * move.y + ahead * move.z) * state.speed);
+      pose.orientation = turned_level(state, turn.x / 2, turn.y / 2, 1);
       break;
     }
   }
@@ -240,7 +259,7 @@ NavigationInput clean(NavigationInput input) {
 }  // namespace
 
 bool Navigation::moving() const {
-  return transition || zoom_left != 0 || velocity != glm::vec3(0) || turning != glm::vec2(0);
+  return transition || body.moving() || zoom_left != 0 || velocity != glm::vec3(0) || turning != glm::vec2(0);
 }
 
 Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bounds, const Pose& pose) {
@@ -286,8 +305,29 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
   return next;
 }
 
+Navigation with_body(const Navigation& before, Navigation after, const Avatar& avatar, const Obstacles& obstacles,
+                     float seconds) {
+  const bool has_body = (after.mode == NavigationMode::walk || after.mode == NavigationMode::fly) && !after.ghost;
+  if (!has_body || before.transition || after.transition) {
+    after.body = {};
+    return after;
+  }
+  const glm::dvec3 way = after.pose.position - before.pose.position;
+  if (way == glm::dvec3(0) && !before.body.moving()) return after;
+  Avatar body = avatar;
+  body.up = glm::dvec3(after.up);
+  body.gravity = avatar.gravity && after.mode == NavigationMode::walk;
+  Walk from = before.body;
+  from.eye = before.pose.position + body.up * from.lag;
+  after.body = walk(from, body, obstacles, way, static_cast<double>(seconds));
+  after.pose.position = after.body.seen_from(body);
+  after.pose = valid(after.pose, before.pose);
+  return after;
+}
+
 Navigation with_mode(Navigation state, NavigationMode mode) {
   state.mode = mode;
+  state.body = {};
   state.velocity = glm::vec3(0);
   state.turning = glm::vec2(0);
   state.zoom_left = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/view/walking.h"
 #include "render/scene/camera.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
@@ -40,6 +41,7 @@ struct NavigationRules {
   NavigationMode start = NavigationMode::walk;
   std::array<bool, kNavigationModeCount> allowed{};  // by NavigationMode
   float speed = 1;                                   // metres a second
+  Avatar avatar;                                     // of the bound Viewpoint's coordinates
 
   [[nodiscard]] bool allows(NavigationMode mode) const { return allowed[static_cast<std::size_t>(mode)]; }
 };
@@ -115,6 +117,7 @@ struct Navigation {
   NavigationMode mode = NavigationMode::examine;
   Pose pose;
   glm::dvec3 center{0};   // what EXAMINE turns about
+  glm::vec3 up{0, 1, 0};  // of the world, for the viewer; of length 1 (6.29)
   float scene_size = 10;  // metres across; > 0
   float speed = 1;        // metres a second
   glm::vec3 velocity{0};  // of the keys, smoothed: right, up, forward; 1 is full speed
@@ -122,6 +125,8 @@ struct Navigation {
   float zoom_left = 0;    // notches of the wheel still to be gone
   glm::dvec3 zoom_target{0};
   std::optional<Transition> transition;
+  Walk body;           // what it keeps from step to step; where it is follows from `pose`
+  bool ghost = false;  // goes through everything, and does not fall
 
   /// True while the view changes by itself.
   [[nodiscard]] bool moving() const;
@@ -134,6 +139,12 @@ struct Navigation {
 /// (paths that turn and move at once: to second order). `seconds` counts as at most a quarter second, so
 /// that a stalled frame throws nobody out of the world.
 [[nodiscard]] Navigation step(const Navigation& state, const NavigationInput& input, float seconds);
+
+/// The step from `before` to `after`, which `step` made, for one who has a body: who walks or flies does not go through
+/// `obstacles`, and who walks stands on the ground (VRML97 4.13.4, 6.29). Who has not moved yet does not fall, so that
+/// worlds begin as their Viewpoints see them; nor does who is on the way to a Viewpoint.
+[[nodiscard]] Navigation with_body(const Navigation& before, Navigation after, const Avatar& avatar,
+                                   const Obstacles& obstacles, float seconds);
 
 /// Changes the mode and stops what the old one was doing.
 [[nodiscard]] Navigation with_mode(Navigation state, NavigationMode mode);

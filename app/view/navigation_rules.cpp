@@ -7,6 +7,11 @@
 #include <cmath>
 
 namespace gs::app {
+namespace {
+
+constexpr double kSizesOfAvatar = 12;  // that a world is at the least where its author says nothing
+
+}  // namespace
 
 const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
   static constexpr std::array<NavigationModeRow, kNavigationModeCount> kRows = {{
@@ -24,6 +29,9 @@ const NavigationModeRow& row_of(NavigationMode mode) { return navigation_modes()
 NavigationRules navigation_rules(const render::NavigationState& navigation) {
   NavigationRules rules;
   rules.speed = navigation.speed;
+  rules.avatar.radius = double{navigation.avatar_size[0]};
+  rules.avatar.height = double{navigation.avatar_size[1]};
+  rules.avatar.step = double{navigation.avatar_size[2]};
   bool any = false;
   std::optional<NavigationMode> start;
   for (const std::string& type : navigation.types) {
@@ -48,7 +56,14 @@ NavigationRules default_navigation_rules(const vrml::Bounds& bounds, bool has_vi
   rules.allowed.fill(true);
   rules.start = has_viewpoint ? NavigationMode::walk : NavigationMode::examine;
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
-  if (std::isfinite(size) && size > 0) rules.speed = size / 8;
+  if (std::isfinite(size) && size > 0) {
+    rules.speed = size / 8;
+    // Who enters a model of some centimetres is no giant in it.
+    const double part = std::min(1.0, double{size} / kSizesOfAvatar / rules.avatar.height);
+    rules.avatar.radius *= part;
+    rules.avatar.height *= part;
+    rules.avatar.step *= part;
+  }
   return rules;
 }
 

@@ -46,6 +46,8 @@ class Picker {
                                         const PickOptions& options = {});
   [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray,
                                         const PickOptions& options = {});
+  /// What it keeps of the triangles, for others who ask for the same lists.
+  [[nodiscard]] render::ItemBvh& items() { return items_; }
 
  private:
   struct Held {

@@ -70,6 +70,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     return !window_->should_close() && !window_->has_events();
   };
   draw.headlight = seen->headlight;
+  draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
   pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
 }

@@ -203,7 +203,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   const bool reversed = gl.ClipControl != nullptr;
   Camera camera = fit_depth(given, list.bounds, reversed);
   if (options.visibility_limit && list.navigation.visibility_limit > 0)
-    camera.far_plane = std::max(list.navigation.visibility_limit, camera.near_plane * 2);
+    camera.far_plane = std::max(list.navigation.visibility_limit * options.unit, camera.near_plane * 2);
   const Projection lens =
       projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostRefits = 64;
 constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // whose trees are kept
-constexpr std::size_t kLargeMesh = 100'000;  // whose tree takes longer than a frame
+constexpr std::size_t kLargeMesh = 100'000;                   // whose tree takes longer than a frame
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;

@@ -153,6 +153,9 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
       rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = dmat4(rotation);
   if (qnv::finite(position)) state.world_from_camera[3] = glm::dvec4(position, 1);
+  state.up = rotation_part(world_from_node)[1];
+  const double volume = std::abs(glm::determinant(dmat3(world_from_node)));
+  if (volume > 0 && std::isfinite(volume)) state.scale = std::cbrt(volume);
   const float angle = view.get(F::field_of_view, state.field_of_view);
   if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
   return state;

@@ -13,7 +13,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {"Shape", NodeKind::shape, {"appearance", "geometry"}},
     {"Group", NodeKind::group, {"children"}},
     {"Anchor", NodeKind::group, {"children"}},
-    {"Collision", NodeKind::group, {"children"}},
+    {"Collision", NodeKind::collision, {"children", "collide", "proxy"}},
     {"Transform", NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
     {"Billboard", NodeKind::billboard, {"children", "axisOfRotation"}},
     {"Switch", NodeKind::switch_node, {"choice", "whichChoice"}},

@@ -14,6 +14,7 @@ enum class NodeKind : std::uint8_t {
   other,
   shape,
   group,
+  collision,
   transform,
   billboard,
   switch_node,
@@ -37,6 +38,9 @@ enum class NodeKind : std::uint8_t {
 // Places of the fields in their row of the schema table (collect_schema.cpp).
 struct GroupFields {
   enum : int { children };
+};
+struct CollisionFields {
+  enum : int { children, collide, proxy };
 };
 struct TransformFields {
   enum : int { children, center, rotation, scale, scale_orientation, translation };

@@ -109,9 +109,12 @@ std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
 void Collector::enter(Frame frame) {
   if (path_.size() >= kMaxDepth) return;
   frame.lights_outside = active_lights_.size();
-  if (frame.node) (*frame.on_path)[frame.node] = true;
+  if (frame.node) {
+    frame.opened = !(*frame.on_path)[frame.node];  // a Collision may be open with its children and its proxy
+    (*frame.on_path)[frame.node] = true;
+  }
   // A DirectionalLight lights its siblings, whichever come first (VRML97 6.16).
-  for (const vrml::NodeId* child = frame.next; child != frame.end; ++child) {
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.seen; ++child) {
     const NodeView view = schemas_.view(*frame.scene, *child);
     if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
   }
@@ -120,7 +123,7 @@ void Collector::enter(Frame frame) {
 
 void Collector::leave() {
   const Frame& top = path_.back();
-  if (top.node) (*top.on_path)[top.node] = false;
+  if (top.opened) (*top.on_path)[top.node] = false;
   active_lights_.resize(top.lights_outside);
   if (content() == top.content_before) {
     // Nothing here is drawn; hostile worlds have millions of such groups.
@@ -146,7 +149,7 @@ void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFN
   Frame frame{parent.scene,    parent.on_path,          id.index, children->begin(),
               children->end(), parent.world_from_local, 0,        parent.main};
   frame.frame = parent.frame;
-  frame.overlay = parent.overlay;
+  frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -164,7 +167,7 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   }
   Frame frame{parent.scene,    parent.on_path,   id.index, children->begin(),
               children->end(), world_from_local, 0,        parent.main};
-  frame.overlay = parent.overlay;
+  frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -193,15 +196,40 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
 
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
-  const vrml::NodeId* chosen = choices->begin() + which;
-  Frame frame{parent.scene, parent.on_path, id.index, chosen, chosen + 1, parent.world_from_local, 0, parent.main};
+  enter_one(parent, id, choices->begin()[which]);
+}
+
+/// One node, which a field of the open node holds.
+void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
+  Frame frame{parent.scene, parent.on_path, id.index, &child, &child + 1, parent.world_from_local, 0, parent.main};
   frame.frame = parent.frame;
-  frame.overlay = parent.overlay;
+  frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
   frame.place = add_place(parent, id);
   enter(frame);
+}
+
+// The proxy is met in place of the children, and not seen (6.8).
+void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
+  const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
+  const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
+  Frame inside = parent;
+  if (!collision.get(CollisionFields::collide, true)) {
+    inside.presence.met = false;
+    enter_node(inside, id, children);
+    return;
+  }
+  if (!proxy || !parent.scene->resolve(*proxy)) {
+    enter_node(inside, id, children);
+    return;
+  }
+  inside.presence.met = false;
+  enter_node(inside, id, children);
+  inside.presence = parent.presence;
+  inside.presence.seen = false;
+  enter_one(inside, id, *proxy);
 }
 
 void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
@@ -215,7 +243,7 @@ void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
   Frame frame{inlined, &open->second, 0, inlined->roots().begin(), inlined->roots().end(), parent.world_from_local,
               0,       false};
   frame.frame = parent.frame;
-  frame.overlay = parent.overlay;
+  frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
@@ -229,10 +257,10 @@ dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
 
 void Collector::visit(const Frame& given, vrml::NodeId id) {
   Frame inside;
-  const bool begins = !given.overlay && given.scene->contains(id) && begins_overlay(*given.scene, id);
+  const bool begins = !given.presence.overlay && given.scene->contains(id) && begins_overlay(*given.scene, id);
   if (begins) {
     inside = given;
-    inside.overlay = true;
+    inside.presence.overlay = true;
   }
   const Frame& parent = begins ? inside : given;
   id = parent.scene->resolve(id);
@@ -246,6 +274,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::group:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
+    case NodeKind::collision:
+      enter_collision(parent, id, view);
       break;
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
@@ -270,13 +301,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      add_light(view, world, parent.frame, false);
+      if (parent.presence.seen) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
     case NodeKind::fog:
-      add_bindable(view, id, parent);
+      if (parent.presence.seen) add_bindable(view, id, parent);
       break;
     default:
       break;  // DirectionalLights were seen by enter()
@@ -371,9 +402,13 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     }
     if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
   }
-  item.overlay = parent.overlay;
+  item.overlay = parent.presence.overlay;
+  item.seen = parent.presence.seen;
+  // Text, lines and points are gone through (6.8, 6.47).
+  item.met = parent.presence.met && !item.overlay && item.mesh->font_size == 0 &&
+             item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
-  if (!item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
+  if (item.seen && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);
 }

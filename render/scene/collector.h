@@ -78,6 +78,12 @@ class Collector {
   RenderList collect(const vrml::SceneGraph& scene);
 
  private:
+  /// What the grouping nodes above have said of the Shapes below.
+  struct Presence {
+    bool overlay = false;  // fixed to the viewer
+    bool seen = true;      // false: inside the proxy of a Collision, which is only met
+    bool met = true;       // false: Collision nodes let the viewer through (6.8)
+  };
   /// One grouping node on the way down, or the roots of a scene.
   struct Frame {
     const vrml::SceneGraph* scene;
@@ -88,7 +94,8 @@ class Collector {
     glm::dmat4 world_from_local;
     std::size_t lights_outside;  // how many of active_lights_ hold outside of this group
     bool main;                   // not inside an Inline
-    bool overlay = false;        // inside what is fixed to the viewer
+    Presence presence{};
+    bool opened = false;  // the node was not open before
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
     std::size_t content_before = 0;
@@ -99,7 +106,9 @@ class Collector {
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
                    bool billboard);
   void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
+  void enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child);
   void enter_inline(const Frame& parent, vrml::NodeId id);
+  void enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision);
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);

@@ -20,6 +20,7 @@ struct DrawOptions {
   int pixel_side = 1;                            // of the picture's pixels, in pixels of the target
   bool headlight = true;
   bool visibility_limit = true;         // what lies behind that of the bound NavigationInfo is not drawn (VRML97 6.29)
+  float unit = 1;                       // world units that a unit of the bound Viewpoint's is long; of that limit
   std::size_t budget = 0;               // discs of all clouds together; 0: no limit
   std::optional<glm::vec3> background;  // one colour in place of the world's Background
   SplatPath splats = SplatPath::automatic;

@@ -103,6 +103,9 @@ struct ViewpointState {
   vrml::NodeId node;  // of `scene`
   glm::dmat4 world_from_camera{1.0};
   float field_of_view = 0.785398f;
+  // Of its coordinates, without its own orientation: what is up for who is bound to it, and how long a metre (6.29).
+  glm::dvec3 up{0, 1, 0};
+  double scale = 1;
   bool jump = true;  // whether the viewer goes there when it is bound
 };
 
@@ -112,6 +115,7 @@ struct NavigationState {
   std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
   float speed = 1, visibility_limit = 0;
   bool headlight = true;
+  friend bool operator==(const NavigationState&, const NavigationState&) = default;
 };
 
 /// The bindable nodes that are bound (4.6.10), of the root or of Inlines. Null: none of the type is.

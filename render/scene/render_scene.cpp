@@ -53,8 +53,7 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   const std::size_t blocks = (list_->items.size() + kBoundsBlock - 1) / kBoundsBlock;
   block_bounds_.assign(blocks, {});
   for (std::size_t i = 0; i < sources_.items.size(); ++i)
-    if (!list_->items[i].overlay && !sources_.items[i].bounds.empty())
-      block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
+    if (fills_bounds(i)) block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
   stale_blocks_.clear();
   block_stale_.assign(blocks, false);
   frame_lost_ = splat_moved_ = false;
@@ -142,6 +141,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::none, BillboardFields::children);  // it is turned whenever the viewer is looked at
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
+    case NodeKind::collision:
     case NodeKind::switch_node:
     case NodeKind::lod:
     case NodeKind::inline_node:
@@ -391,6 +391,11 @@ void RenderScene::item_moved(std::uint32_t item) {
   stale_blocks_.push_back(block);
 }
 
+bool RenderScene::fills_bounds(std::size_t item) const {
+  const DrawItem& drawn = list_->items[item];
+  return drawn.seen && !drawn.overlay && !sources_.items[item].bounds.empty();
+}
+
 void RenderScene::sum_bounds() {
   if (stale_blocks_.empty() && !splat_moved_) return;
   for (const std::uint32_t block : stale_blocks_) {
@@ -398,7 +403,7 @@ void RenderScene::sum_bounds() {
     vrml::Bounds& sum = block_bounds_[block] = {};
     const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
     for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
-      if (!list_->items[i].overlay && !sources_.items[i].bounds.empty()) sum.add(sources_.items[i].bounds);
+      if (fills_bounds(i)) sum.add(sources_.items[i].bounds);
   }
   stale_blocks_.clear();
   splat_moved_ = false;

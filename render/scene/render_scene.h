@@ -72,6 +72,7 @@ class RenderScene {
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
   void item_moved(std::uint32_t item);
+  [[nodiscard]] bool fills_bounds(std::size_t item) const;
   void sum_bounds();
 
   const vrml::SceneGraph& scene_;

@@ -86,6 +86,31 @@ TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML
   CHECK(view.viewpoint == 1u);
 }
 
+TEST_CASE("The NavigationInfo that is bound says how the viewer moves, and what changes in it counts (4.6.10, 6.29)") {
+  const auto shared = make_document(
+      world_of("DEF A NavigationInfo { type \"WALK\" speed 3 avatarSize [ 1, 2, 0.5 ] } DEF B NavigationInfo { type [ "
+               "\"FLY\", \"ANY\" ] headlight FALSE } Transform { scale 2 2 2 children Viewpoint { } } Shape { geometry "
+               "Box { } }"));
+  View view = view_of(shared, kSize, {});
+  CHECK(view.navigation.mode == NavigationMode::walk);
+  CHECK(view.navigation.speed == Approx(6));  // in the Viewpoint's metres
+  CHECK(view.rules.avatar.radius == 1);
+  CHECK(view.rules.avatar.height == 2);
+  CHECK(view.rules.avatar.step == 0.5);
+  CHECK_FALSE(view.rules.allows(NavigationMode::fly));
+  const vrml::SceneGraph& scene = *shared->world.scene;
+  CHECK(shared->living->send(scene, scene.roots()[0], "set_speed", vrml::SFFloat{5}));
+  CHECK(follow_world(view));
+  CHECK(view.navigation.speed == Approx(10));
+  CHECK(view.navigation.mode == NavigationMode::walk);
+  CHECK(shared->living->send(scene, scene.roots()[1], "set_bind", vrml::SFBool{true}));
+  CHECK(follow_world(view));
+  CHECK(view.navigation.mode == NavigationMode::fly);
+  CHECK(view.rules.allows(NavigationMode::walk));
+  CHECK_FALSE(view.headlight);
+  CHECK(view.rules.avatar.radius == 0.25);
+}
+
 TEST_CASE("Time in a window is that of the clock (VRML97 4.11.3)") {
   const double before = world_time();
   const double clock = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();

@@ -262,6 +262,16 @@ TEST_CASE("Survey coordinates: far from the origin the picture is the same") {
   check_color(pixel(here, 1, 1), glm::vec3(0));
 }
 
+TEST_CASE("visibilityLimit is measured in the bound Viewpoint's metres (6.29)") {
+  Drawing drawing;
+  RenderList list;
+  add(list, glowing(square(4), {0, 1, 0}));
+  list.navigation.visibility_limit = 6;  // the square is 10 away
+  check_color(pixel(drawing.draw(list), 32, 32), {0, 0, 0});
+  drawing.options.unit = 2;
+  check_color(pixel(drawing.draw(list), 32, 32), {0, 1, 0});
+}
+
 TEST_CASE("Lines and points show emissive or Color node colours, unlit") {
   Drawing drawing;
   auto lines = std::make_shared<vrml::Mesh>();

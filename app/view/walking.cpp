@@ -1,0 +1,254 @@
+#include "app/view/walking.h"
+
+#include "qnv/base/finite.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+using glm::dvec3;
+using render::WorldTriangle;
+
+constexpr double kGravity = 9.81 / 1.6;  // heights of the eye a second squared: worlds have units of their own
+constexpr double kTerminal = 40;         // heights a second
+constexpr double kLagTime = 0.08;        // seconds until a step is seen by 63 %
+constexpr double kLeastLag = 1e-4;       // heights
+constexpr double kTolerance = 1e-3;      // radii, that a place may be too near to something
+constexpr double kSteepest = 0.5;        // cosine of the slope that one can stand on
+constexpr int kRounds = 8;               // of pushing the body out of what it met
+constexpr double kLongestStep = 0.25;    // seconds
+
+/// Of the line from `a` to `b`.
+dvec3 nearest_on_line(const dvec3& a, const dvec3& b, const dvec3& p) {
+  const dvec3 ab = b - a;
+  const double square = glm::dot(ab, ab);
+  return square > 0 ? a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : a;
+}
+
+/// Of the triangle (Ericson, Real-Time Collision Detection, 5.1.5: by the regions of its corners and edges).
+dvec3 nearest_on_triangle(const std::array<dvec3, 3>& t, const dvec3& p) {
+  const dvec3 ab = t[1] - t[0], ac = t[2] - t[0], normal = glm::cross(ab, ac);
+  const double square = glm::dot(normal, normal);
+  if (square > 0) {
+    const dvec3 foot = p - normal * (glm::dot(p - t[0], normal) / square);
+    bool inside = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const dvec3 edge = t[(i + 1) % 3] - t[i];
+      inside = inside && glm::dot(glm::cross(edge, foot - t[i]), normal) >= 0;
+    }
+    if (inside) return foot;
+  }
+  dvec3 best = t[0];
+  double least = HUGE_VAL;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const dvec3 q = nearest_on_line(t[i], t[(i + 1) % 3], p);
+    if (const double distance = glm::dot(p - q, p - q); distance < least) {
+      least = distance;
+      best = q;
+    }
+  }
+  return best;
+}
+
+struct Pair {
+  dvec3 on_line, on_triangle;
+};
+
+/// The points of the lines from `a` to `b` and `c` to `d` that are nearest to each other.
+Pair nearest_of_lines(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) {
+  const dvec3 u = b - a, v = d - c, w = a - c;
+  const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), uw = glm::dot(u, w), vw = glm::dot(v, w);
+  const double determinant = uu * vv - uv * uv;
+  double s = determinant > 1e-12 * uu * vv ? std::clamp((uv * vw - vv * uw) / determinant, 0.0, 1.0) : 0.5;
+  const dvec3 q = nearest_on_line(c, d, a + u * s);
+  const dvec3 p = nearest_on_line(a, b, q);
+  return {p, nearest_on_line(c, d, p)};
+}
+
+/// The points of an upright line and of a triangle that are nearest to each other.
+Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3>& t) {
+  Pair best{low, nearest_on_triangle(t, low)};
+  double least = glm::distance(best.on_line, best.on_triangle);
+  const auto consider = [&](const Pair& pair) {
+    if (const double distance = glm::distance(pair.on_line, pair.on_triangle); distance < least) {
+      least = distance;
+      best = pair;
+    }
+  };
+  if (low == high) return best;
+  consider({high, nearest_on_triangle(t, high)});
+  for (std::size_t i = 0; i < 3; ++i) consider(nearest_of_lines(low, high, t[i], t[(i + 1) % 3]));
+  // Where the line goes through.
+  const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const double below = glm::dot(low - t[0], normal), above = glm::dot(high - t[0], normal);
+  if (below * above < 0) {
+    const dvec3 through = low + (high - low) * (below / (below - above));
+    consider({through, nearest_on_triangle(t, through)});
+  }
+  return best;
+}
+
+/// A body among triangles that were found around its way.
+class Body {
+ public:
+  Body(const Avatar& avatar, std::vector<WorldTriangle> triangles, const dvec3& start)
+      : avatar_(avatar), triangles_(std::move(triangles)) {
+    // Of what it stands in, no more than it does.
+    room_.reserve(triangles_.size());
+    for (const WorldTriangle& triangle : triangles_) {
+      const Pair pair = nearest_pair(low(start), start, triangle.corners);
+      room_.push_back(std::min(avatar_.radius, glm::distance(pair.on_line, pair.on_triangle)));
+    }
+  }
+
+  /// The lower end of the line that the capsule is about, of a body whose eye is there.
+  [[nodiscard]] dvec3 low(const dvec3& eye) const {
+    if (!avatar_.gravity) return eye;
+    return eye - avatar_.up * std::max(0.0, avatar_.height - avatar_.step - avatar_.radius);
+  }
+
+  /// From `eye`, which is free, by a short `way`, and along what is met.
+  dvec3 slide(const dvec3& eye, const dvec3& way, std::optional<std::size_t>& item) const {
+    dvec3 at = eye + way;
+    for (int round = 0; round < kRounds; ++round) {
+      double deepest = kTolerance * avatar_.radius;
+      dvec3 push(0);
+      for (std::size_t i = 0; i < triangles_.size(); ++i) {
+        const Pair pair = nearest_pair(low(at), at, triangles_[i].corners);
+        const dvec3 away = pair.on_line - pair.on_triangle;
+        const double distance = glm::length(away), depth = room_[i] - distance;
+        if (!(depth > deepest)) continue;
+        deepest = depth;
+        item = triangles_[i].item;
+        if (distance > 1e-9 * avatar_.radius) {
+          push = away * (depth / distance);
+        } else {
+          // It stands in the triangle: back to the side that it came from.
+          const dvec3 normal = glm::cross(triangles_[i].corners[1] - triangles_[i].corners[0],
+                                          triangles_[i].corners[2] - triangles_[i].corners[0]);
+          const double length = glm::length(normal);
+          const double side = glm::dot(eye - triangles_[i].corners[0], normal) < 0 ? -1 : 1;
+          push = length > 0 ? normal * (side * depth / length) : -way;
+        }
+      }
+      if (push == dvec3(0)) return at;
+      if (avatar_.gravity) {
+        // Walls push sideways: who walks is neither lifted nor pressed into the ground.
+        const dvec3 sideways = push - avatar_.up * glm::dot(push, avatar_.up);
+        const double part = glm::length(sideways), all = glm::length(push);
+        if (part < 0.1 * all) return eye;  // a ceiling that comes down, or a step too high
+        push = sideways * std::min(all * all / (part * part), 4.0);
+      }
+      at += push;
+    }
+    return eye;  // no way out
+  }
+
+  /// How far below the eye the ground is, from `highest` to `deepest`; the highest there.
+  [[nodiscard]] std::optional<double> ground(const dvec3& eye, double highest, double deepest) const {
+    const dvec3 up = avatar_.up, side = std::abs(up.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 0, 1);
+    const dvec3 across = glm::normalize(glm::cross(up, side)) * (avatar_.radius * 0.5), along = glm::cross(up, across);
+    std::optional<double> best;
+    for (const dvec3& offset : {dvec3(0), across, -across, along, -along})
+      for (const WorldTriangle& triangle : triangles_) {
+        const auto depth = below(eye + offset, triangle.corners);
+        if (depth && *depth >= highest && *depth <= deepest && !(best && *best <= *depth)) best = depth;
+      }
+    return best;
+  }
+
+ private:
+  /// How far below a point a triangle is that one can stand on.
+  [[nodiscard]] std::optional<double> below(const dvec3& p, const std::array<dvec3, 3>& t) const {
+    const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const double rise = glm::dot(normal, avatar_.up);
+    if (!(std::abs(rise) >= kSteepest * glm::length(normal)) || rise == 0) return std::nullopt;
+    const double depth = glm::dot(p - t[0], normal) / rise;
+    const dvec3 foot = p - avatar_.up * depth;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (glm::dot(glm::cross(t[(i + 1) % 3] - t[i], foot - t[i]), normal) < -1e-9 * glm::dot(normal, normal))
+        return std::nullopt;
+    return depth;
+  }
+
+  const Avatar& avatar_;
+  std::vector<WorldTriangle> triangles_;
+  std::vector<double> room_;  // how near each may come
+};
+
+}  // namespace
+
+Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, const dvec3& way, double seconds) {
+  Walk next = from;
+  next.item.reset();
+  if (!qnv::finite(from.eye) || !qnv::finite(way) || !(seconds >= 0) || !(avatar.radius > 0)) return next;
+  seconds = std::min(seconds, kLongestStep);
+  const dvec3 flat = avatar.gravity ? way - avatar.up * glm::dot(way, avatar.up) : way;
+  const double piece = avatar.radius * 0.5, length = glm::length(flat);
+  const int pieces =
+      std::clamp(static_cast<int>(std::ceil(std::min(length / piece, 1e6))), length > 0 ? 1 : 0, kMostPieces);
+  const double gone = std::min(length, pieces * piece);
+  const dvec3 step = pieces > 0 ? flat * (gone / length / pieces) : dvec3(0);
+
+  // Falling: by the mean speed, so that it does not depend on the length of the step.
+  const double gravity = kGravity * avatar.height, fastest = kTerminal * avatar.height;
+  const double speed = std::min(from.falling + gravity * seconds, fastest);
+  const double fall = avatar.gravity ? (from.falling + speed) / 2 * seconds : 0;
+
+  const double reach = avatar.radius + gone + avatar.step + 2 * kTolerance * avatar.radius;
+  const double down = avatar.height + avatar.step + fall + gone;
+  dvec3 lower = from.eye - dvec3(reach), upper = from.eye + dvec3(reach);
+  if (avatar.gravity) {
+    lower = glm::min(lower, from.eye - avatar.up * down - dvec3(reach));
+    upper = glm::max(upper, from.eye - avatar.up * down + dvec3(reach));
+  }
+  const Body body(avatar, obstacles.near(lower, upper), from.eye);
+  // Up and down steps as long as it stands; else down by what it falls, or up where it was put too low.
+  double left = fall;
+  const auto settle = [&](double most) {
+    const bool stood = next.on_ground;
+    const auto depth =
+        body.ground(next.eye, stood ? avatar.height - avatar.step : 0, avatar.height + (stood ? avatar.step : most));
+    next.on_ground = depth.has_value();
+    if (depth) {
+      const double rise = avatar.height - *depth;
+      next.eye += avatar.up * rise;
+      if (stood || rise > 0) next.lag += rise;  // falls are seen as they are
+      next.falling = 0;
+      left = 0;
+    }
+  };
+  for (int i = 0; i < pieces; ++i) {
+    const dvec3 slid = body.slide(next.eye, step, next.item);
+    next.eye = slid;
+    if (avatar.gravity) settle(0);
+  }
+  if (avatar.gravity) {
+    if (pieces == 0) settle(0);
+    if (!next.on_ground) {
+      settle(left);
+      if (!next.on_ground) {
+        // Nobody falls where there is nothing to fall onto.
+        if (obstacles.distance(next.eye, -avatar.up)) {
+          next.eye -= avatar.up * left;
+          next.falling = speed;
+        } else {
+          next.falling = 0;
+        }
+      }
+    }
+  } else {
+    next.falling = 0;
+    next.on_ground = false;
+  }
+  next.lag *= std::exp(-seconds / kLagTime);
+  if (std::abs(next.lag) < kLeastLag * avatar.height) next.lag = 0;
+  return next;
+}
+
+}  // namespace gs::app

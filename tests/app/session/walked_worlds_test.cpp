@@ -1,0 +1,128 @@
+#include "app/session/input_rows.h"
+#include "app/session/simulation.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <vector>
+
+// Whole worlds that are walked through: which Shapes are met (VRML97 6.8), and what Viewpoints and NavigationInfo say.
+namespace gs::app::walked_worlds_test {
+namespace {
+
+/// Where the viewer is after holding W for some seconds, and the names of the Collision nodes that were heard of.
+struct Walked {
+  glm::dvec3 place;
+  std::vector<std::string> collisions;
+};
+
+Walked walked(const std::string& body, double seconds = 4) {
+  Simulation simulation(world_of(body), {64, 64});
+  Walked result;
+  simulation.execution().observe([&](const vrml::SentEvent& event) {
+    if (event.event->name == "collideTime") result.collisions.emplace_back(event.scene->node(event.node).name);
+  });
+  vrml::Diagnostics diagnostics;
+  const auto rows = read_input_rows("{\"t\":0.1,\"key\":\"w\",\"down\":true}\n", "in.jsonl", diagnostics);
+  REQUIRE(simulation.plan(rows, "in.jsonl", diagnostics));
+  simulation.run(seconds);
+  result.place = glm::dvec3(simulation.camera().world_from_camera[3]);
+  return result;
+}
+
+const std::string kViewer = "NavigationInfo { type \"WALK\" speed 2 } Viewpoint { position 0 1.6 0 }\n";
+const std::string kFloor =
+    "Shape { geometry IndexedFaceSet { coord Coordinate { point [ -50 0 -50, -50 0 50, 50 0 50, 50 0 -50 ] } "
+    "coordIndex [ "
+    "0 1 2 3 ] } }\n";
+const std::string kWall = "Transform { translation 0 2 -3.5 children Shape { geometry Box { size 10 4 1 } } }\n";
+
+}  // namespace
+
+TEST_CASE("Who walks stops at a Shape, avatarSize[0] before it (4.13.4)") {
+  CHECK(walked(kViewer + kFloor).place.z < -7);
+  CHECK(walked(kViewer + kFloor + kWall).place.z == Approx(-2.75).margin(0.02));
+  CHECK(walked("NavigationInfo { type \"WALK\" speed 2 avatarSize [ 1, 1.6, 0.5 ] } Viewpoint { position 0 1.6 0 }\n" +
+               kFloor + kWall)
+            .place.z == Approx(-2).margin(0.02));
+  CHECK(walked("NavigationInfo { type \"FLY\" speed 2 } Viewpoint { position 0 1.6 0 }\n" + kWall).place.z ==
+        Approx(-2.75).margin(0.02));
+  CHECK(walked("NavigationInfo { type \"EXAMINE\" } Viewpoint { position 0 1.6 0 }\n" + kWall).collisions.empty());
+}
+
+TEST_CASE("Who walks falls to avatarSize[1] above the ground, and rises with it (6.29)") {
+  CHECK(walked("NavigationInfo { type \"WALK\" avatarSize [ 0.2, 1, 0.5 ] } Viewpoint { position 0 3 0 }\n" + kFloor, 2)
+            .place.y == Approx(1).margin(0.01));
+  const Walked stairs = walked(
+      kViewer + kFloor + "Transform { translation 0 0.25 -4 children Shape { geometry Box { size 20 0.5 4 } } }\n");
+  CHECK(stairs.place.z < -7);
+  CHECK(stairs.place.y == Approx(1.6).margin(0.01));  // up, and down again
+}
+
+TEST_CASE("Collision lets the viewer through where collide is FALSE, and tells when he meets what is below (6.8)") {
+  const Walked through = walked(kViewer + kFloor + "DEF C Collision { collide FALSE children " + kWall + "}");
+  CHECK(through.place.z < -7);
+  CHECK(through.collisions.empty());
+  const Walked stopped = walked(kViewer + kFloor + "DEF C Collision { children " + kWall + "}");
+  CHECK(stopped.place.z == Approx(-2.75).margin(0.02));
+  REQUIRE_FALSE(stopped.collisions.empty());
+  CHECK(stopped.collisions.front() == "C");
+}
+
+TEST_CASE("A proxy is met in place of the children, with children and without (6.8)") {
+  const std::string thin = "Transform { translation 0 2 -5 children Shape { geometry Box { size 10 4 0.1 } } }";
+  CHECK(walked(kViewer + kFloor + "DEF C Collision { proxy " + thin + " children " + kWall + "}").place.z ==
+        Approx(-4.7).margin(0.02));
+  const Walked alone = walked(kViewer + kFloor + "DEF C Collision { proxy " + thin + "}");
+  CHECK(alone.place.z == Approx(-4.7).margin(0.02));
+  REQUIRE_FALSE(alone.collisions.empty());
+  CHECK(alone.collisions.front() == "C");
+  CHECK(walked(kViewer + kFloor + "Collision { collide FALSE proxy " + thin + " children " + kWall + "}").place.z < -7);
+  // Inside of what is not met nothing is.
+  CHECK(walked(kViewer + kFloor + "Collision { collide FALSE children Collision { children " + kWall + "} }").place.z <
+        -7);
+}
+
+TEST_CASE("Lines, points and Text are gone through (6.8, 6.47)") {
+  const std::string thin =
+      "Shape { geometry IndexedLineSet { coord Coordinate { point [ -9 1 -3, 9 1 -3 ] } coordIndex [ 0 1 ] } }\n"
+      "Shape { geometry PointSet { coord Coordinate { point [ 0 1.6 -3 ] } } }\n"
+      "Transform { translation -4 0 -3 children Shape { geometry Text { string \"WWWWWWWW\" fontStyle FontStyle { size "
+      "3 } } } }\n";
+  CHECK(walked(kViewer + kFloor + thin).place.z < -7);
+}
+
+TEST_CASE("avatarSize and speed are those of the bound Viewpoint's coordinates, and down is theirs (6.29)") {
+  // Twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units a second.
+  const Walked large = walked(
+      "NavigationInfo { type \"WALK\" speed 2 } Transform { scale 2 2 2 children Viewpoint { position 0 3 0 } "
+      "}\n" +
+          kFloor + kWall,
+      1.1);
+  CHECK(large.place.y < 6);
+  const Walked there = walked(
+      "NavigationInfo { type \"WALK\" speed 2 } Transform { scale 2 2 2 children Viewpoint { position 0 2 0 } "
+      "}\n" +
+      kFloor + kWall);
+  CHECK(there.place.z == Approx(-2.5).margin(0.03));
+  CHECK(there.place.y == Approx(3.2).margin(0.02));
+  // Turned about Z by a quarter: down is +X.
+  const Walked turned = walked(
+      "NavigationInfo { type \"WALK\" speed 2 } Transform { rotation 0 0 1 1.5707963 children [ Viewpoint { "
+      "position 0 4 0 } " +
+          kFloor + "] }",
+      3);
+  CHECK(turned.place.x == Approx(-1.6).margin(0.02));
+  CHECK(turned.place.z < -4);
+}
+
+TEST_CASE("Worlds begin as their Viewpoints see them: nobody falls who does nothing") {
+  Simulation simulation(world_of("NavigationInfo { type \"WALK\" } Viewpoint { position 0 30 0 }\n" + kFloor),
+                        {64, 64});
+  simulation.run(3);
+  CHECK(simulation.camera().world_from_camera[3].y == 30);
+}
+
+}  // namespace gs::app::walked_worlds_test
