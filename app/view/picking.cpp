@@ -29,13 +29,19 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const Ray& ray, 
 std::optional<Hit> Picker::pick(const render::RenderList& list, const render::SightLine& line,
                                 const PickOptions& options) {
   std::optional<Hit> nearest, faint;
-  if (const auto hit = items_.nearest(list, line, options.max_triangles))
-    nearest = Hit{static_cast<float>(hit->triangle.distance),
-                  hit->item,
-                  std::nullopt,
-                  hit->point,
-                  hit->normal,
-                  hit->texture_coordinate};
+  const auto surface_hit = [](const render::SurfaceHit& hit) {
+    return Hit{static_cast<float>(hit.triangle.distance),
+               hit.item,
+               std::nullopt,
+               hit.point,
+               hit.normal,
+               hit.texture_coordinate};
+  };
+  // What is seen over everything else is pointed at before it, too.
+  if (list.overlays)
+    if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::overlay))
+      return surface_hit(*hit);
+  if (const auto hit = items_.nearest(list, line, options.max_triangles)) nearest = surface_hit(*hit);
   const auto splat_hit = [&](float distance, std::size_t splat) {
     return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}};
   };

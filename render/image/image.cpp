@@ -1,6 +1,7 @@
 #include "render/image/image.h"
 
 #include "render/image/image_codecs.h"
+#include "render/image/movie.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,7 @@ namespace gs::render {
 namespace {
 
 using namespace std::string_view_literals;
-constexpr std::array<ImageFormat, 8> kImageFormats = {{
+constexpr std::array<ImageFormat, 14> kImageFormats = {{
     {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
     {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
     {"GIF87a"sv, "GIF87a"sv, decode_gif},
@@ -21,7 +22,13 @@ constexpr std::array<ImageFormat, 8> kImageFormats = {{
     {"BMP"sv, "BM"sv, decode_stb},
     {"PPM"sv, "P6"sv, decode_stb},
     {"PGM"sv, "P5"sv, decode_stb},
-    {"Targa"sv, ""sv, decode_targa},  // has no mark, so it is the last one
+    {"MPEG system stream"sv, "\x00\x00\x01\xba"sv, decode_movie},
+    {"MPEG video"sv, "\x00\x00\x01\xb3"sv, decode_movie},
+    {"AVI"sv, "RIFF"sv, decode_movie},
+    {"Matroska"sv, "\x1a\x45\xdf\xa3"sv, decode_movie},
+    {"Ogg"sv, "OggS"sv, decode_movie},
+    {"ISO media"sv, ""sv, decode_movie},  // its mark stands behind its first number
+    {"Targa"sv, ""sv, decode_targa},      // has no mark, so it is the last one
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -126,11 +133,13 @@ std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, c
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const ImageFormat& format : kImageFormats)
     if (!format.magic.empty() && text.starts_with(format.magic)) return format.decode(bytes, limits);
+  if (is_movie(bytes)) return decode_movie(bytes, limits);
   if (is_targa(bytes)) return decode_targa(bytes, limits);
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
   return ImageError{
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found " + start};
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found " +
+      start};
 }
 
 std::variant<ImageDifference, ImageError> compare(const Image& a, const Image& b) {

@@ -21,6 +21,8 @@ using DecodedImage = std::variant<Image, ImageError>;
 /// BMP and binary PPM and PGM.
 [[nodiscard]] DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits);
 [[nodiscard]] DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// The first picture of a movie (movie.h).
+[[nodiscard]] DecodedImage decode_movie(std::span<const std::byte> bytes, const ImageLimits& limits);
 /// Whether the bytes may be a Targa file, which nothing marks as one.
 [[nodiscard]] bool is_targa(std::span<const std::byte> bytes);
 

@@ -41,7 +41,16 @@ vrml::Bounds world_box(const DrawItem& item) {
   return std::isfinite(glm::dot(box.lower * 0.0f + box.upper * 0.0f, glm::vec3(1))) ? box : vrml::Bounds{};
 }
 
-bool is_sought(const DrawItem& item, Sought sought) { return sought == Sought::seen ? item.seen : item.met; }
+bool is_sought(const DrawItem& item, Sought sought) {
+  switch (sought) {
+    case Sought::met:
+      return item.met && !item.overlay;  // what goes with the viewer is not in his way
+    case Sought::overlay:
+      return item.seen && item.overlay;
+    default:
+      return item.seen;
+  }
+}
 
 void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
   const vrml::Mesh& mesh = *item.mesh;

@@ -34,8 +34,9 @@ struct WorldTriangle {
   std::array<glm::dvec3, 3> corners;
 };
 
-/// Which items of a RenderList are asked for.
-enum class Sought : std::uint8_t { seen, met };
+/// Which items of a RenderList are asked for: those that are seen, those that the viewer may bump into, or those that
+/// are seen over all others.
+enum class Sought : std::uint8_t { seen, met, overlay };
 
 /// Finds the nearest triangle of a RenderList. Keeps what it learned of meshes as long as somebody else holds them, and
 /// the boxes of the items until they change. One thread.

@@ -45,7 +45,8 @@ constexpr NodeRow kAppearanceRows[] = {
   field        SFBool     repeatT          TRUE
   eventOut     SFTime     duration_changed
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, nullptr, UrlContent::image},
     {"PixelTexture", "6.33", Role::texture, R"(
   exposedField SFImage    image            0 0 0
   field        SFBool     repeatS          TRUE

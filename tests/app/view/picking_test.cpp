@@ -74,6 +74,30 @@ const Ray kAhead{{0, 0, 0}, {0, 0, -1}};
 
 }  // namespace
 
+TEST_CASE("what is seen over everything else is pointed at first, and nobody bumps into it") {
+  render::RenderList list = list_of({at(0), at(-3), at(-5)});
+  list.items[1].overlay = list.items[2].overlay = true;
+  list.overlays = true;
+  Picker picker;
+  const Ray ray{{0.2f, 0.1f, 8}, {0, 0, -1}};
+  const auto hit = picker.pick(list, ray);
+  REQUIRE(hit);
+  CHECK(hit->item == 1);
+  CHECK(hit->distance == Approx(11));
+  render::ItemBvh items;
+  const render::SightLine line{{0.2, 0.1, 8}, {0, 0, -1}};
+  const auto met = items.nearest(list, line, 1000, render::Sought::met);
+  REQUIRE(met);
+  CHECK(met->item == 0);
+  list.items[0].met = false;
+  CHECK_FALSE(items.nearest(list, line, 1000, render::Sought::met));
+  CHECK(items.near(list, {-9, -9, -9}, {9, 9, 9}, 100).empty());
+  // Beside it the rest is there as ever.
+  list.items[1].world_from_node = list.items[2].world_from_node = glm::translate(glm::mat4(1), {9, 0, 0});
+  list.items[0].met = true;
+  CHECK(picker.pick(list, ray)->item == 0);
+}
+
 TEST_CASE("The nearest face is hit, from either side, whatever the order") {
   const render::RenderList list = list_of({at(-5), at(-2), at(3)});
   const auto hit = pick(list, {{0.5f, -0.25f, 0}, {0, 0, -1}});

@@ -304,10 +304,10 @@ TEST_CASE("a header that claims a huge picture costs nothing") {
 TEST_CASE("what is not an image is said so") {
   CHECK(
       message_of({}) ==
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found nothing");
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found nothing");
   CHECK(
       message_of(bytes_of({'#', 'V', 'R'})) ==
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM or Targa, found 23 56 52");
+      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found 23 56 52");
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 

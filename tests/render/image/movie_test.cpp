@@ -1,0 +1,143 @@
+// Movies of 48 x 32 pixels and six pictures: three with a red and a blue half, three that are green.
+#include "render/image/movie.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+namespace gs::render {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+const std::vector<std::string> kMovies = {
+    "mpeg_system_stream/red_blue.mpg", "mpeg_video/red_blue.m1v", "avi/red_blue.avi",
+    "matroska/red_blue.webm",          "ogg/red_blue.ogv",        "iso_media/red_blue.mp4"};
+
+Bytes movie(const std::string& name) {
+  std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/" + name, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  REQUIRE(text.size() > 100);
+  Bytes bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+/// Within what these codecs lose of plain colours.
+bool is_near(const Image& image, std::uint32_t x, std::uint32_t y, int red, int green, int blue) {
+  const std::uint8_t* pixel = image.pixels.data() + (std::size_t{y} * image.width + x) * image.components;
+  const auto near = [](int a, int b) { return std::abs(a - b) <= 40; };
+  return near(pixel[0], red) && near(pixel[1], green) && near(pixel[2], blue);
+}
+
+void check_first(const Image& image) {
+  REQUIRE(image.width == 48);
+  REQUIRE(image.height == 32);
+  REQUIRE(image.components == 3);
+  REQUIRE(image.pixels.size() == std::size_t{48} * 32 * 3);
+  CHECK(is_near(image, 6, 6, 255, 0, 0));
+  CHECK(is_near(image, 6, 28, 255, 0, 0));
+  CHECK(is_near(image, 42, 16, 0, 0, 255));
+}
+
+TEST_CASE("The first picture of a movie is an image (VRML97 6.28)") {
+  for (const std::string& name : kMovies) {
+    INFO(name);
+    const Bytes bytes = movie(name);
+    const auto decoded = decode_image(bytes);
+    if (const auto* error = std::get_if<ImageError>(&decoded)) FAIL(error->message);
+    check_first(std::get<Image>(decoded));
+  }
+}
+
+TEST_CASE("A movie gives its pictures one after the other, with their times") {
+  for (const std::string& name : kMovies) {
+    INFO(name);
+    const Bytes bytes = movie(name);
+    auto opened = Movie::open(bytes);
+    REQUIRE(opened.index() == 0);
+    Movie& one = *std::get<0>(opened);
+    std::size_t count = 0;
+    double before = -1;
+    bool green = false;
+    for (;; ++count) {
+      auto next = one.next();
+      REQUIRE(next.index() == 0);
+      const auto& frame = std::get<0>(next);
+      if (!frame) break;
+      if (count == 0) check_first(frame->image);
+      if (count == 0) CHECK(frame->time == Approx(0).margin(0.05));
+      green = is_near(frame->image, 24, 16, 0, 255, 0);
+      // The pictures may be fewer than the steps of time: what stays the same is left out by some.
+      CHECK(frame->time >= before);
+      CHECK(frame->time < 0.3);
+      before = frame->time;
+    }
+    CHECK(count >= 2);
+    CHECK(count <= 6);
+    CHECK(green);
+    auto after = one.next();
+    REQUIRE(after.index() == 0);
+    CHECK_FALSE(std::get<0>(after));
+    if (name.find(".avi") != std::string::npos || name.find(".mp4") != std::string::npos)
+      CHECK(one.duration() == Approx(6 / 25.0).margin(0.05));
+  }
+}
+
+TEST_CASE("Movies that are cut or damaged give what there is, or an error that says something") {
+  for (const std::string& name : kMovies) {
+    INFO(name);
+    const Bytes bytes = movie(name);
+    const auto check = [](const Bytes& some) {
+      const auto decoded = decode_image(some, {.file_pixels = std::size_t{1} << 20});
+      if (const auto* image = std::get_if<Image>(&decoded))
+        CHECK(image->pixels.size() == std::size_t{image->width} * image->height * image->components);
+      else
+        CHECK(std::get<ImageError>(decoded).message.size() > 10);
+    };
+    for (std::size_t part = 0; part < bytes.size(); part += 1 + bytes.size() / 60)
+      check(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part)));
+    std::uint32_t random = 7;
+    for (int turn = 0; turn < 60; ++turn) {
+      Bytes damaged = bytes;
+      for (int i = 0; i < 8; ++i) {
+        random = random * 1664525 + 1013904223;
+        damaged[(random >> 8) % damaged.size()] = static_cast<std::byte>(random);
+      }
+      check(damaged);
+    }
+  }
+}
+
+TEST_CASE("A movie costs no more than its limits") {
+  const Bytes bytes = movie("mpeg_system_stream/red_blue.mpg");
+  const auto refused = decode_image(bytes, {.file_pixels = 48 * 32 - 1});
+  REQUIRE(refused.index() == 1);
+  CHECK(std::get<ImageError>(refused).message.find("48x32") != std::string::npos);
+  const auto reduced = decode_image(bytes, {.kept_pixels = 48 * 32 / 4});
+  REQUIRE(reduced.index() == 0);
+  CHECK(std::get<Image>(reduced).width == 24);
+  CHECK(std::get<Image>(reduced).height == 16);
+  CHECK(std::get<Image>(reduced).reduction == 2);
+  CHECK(is_near(std::get<Image>(reduced), 3, 8, 255, 0, 0));
+  const auto stopped = decode_image(bytes, {.stopped = [] { return true; }});
+  REQUIRE(stopped.index() == 1);
+  CHECK(std::get<ImageError>(stopped).message.size() > 10);
+}
+
+TEST_CASE("What names other files is no movie, and none is opened") {
+  for (const std::string text : {"#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:0\n#EXTINF:1,\nfile:///etc/passwd\n",
+                                 "ffconcat version 1.0\nfile /etc/passwd\n", "RIFF\x10\x00\x00\x00WAVEfmt ", "OggS"}) {
+    Bytes bytes(text.size());
+    std::memcpy(bytes.data(), text.data(), text.size());
+    CHECK(decode_image(bytes).index() == 1);
+  }
+}
+
+}  // namespace
+}  // namespace gs::render
