@@ -21,6 +21,8 @@ packages=(
   libexpat1-dev
   # network
   libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
+  # programs of worlds
+  libmozjs-102-dev pkg-config
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests

@@ -18,6 +18,8 @@ for room in app vrml qnv net render; do
 done
 report "GLFW belongs in app/window/window.cpp:" "$(sources app render vrml qnv net | grep -v '^app/window/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
 report "Dear ImGui belongs in app/interface/:" "$(sources app render vrml qnv net | grep -v '^app/interface/' | xargs -r grep -ln '#include [<"]imgui')"
+report "SpiderMonkey belongs in app/script/, and out of script_runner.h:" "$( (sources app render vrml qnv net | grep -v '^app/script/'; echo app/script/script_runner.h) |
+  xargs -r grep -lnE '#include [<"](js/|jsapi|jsfriendapi|app/script/(engine|script_world))')"
 report "GL headers belong in render/:" "$(sources app vrml qnv net | xargs -r grep -lnE '#include <GL/')"
 report "Libraries never print, exit or abort:" \
   "$(sources vrml qnv net render | xargs -r grep -nE 'std::(cout|cerr|exit|abort)|[^a-z_](printf|fprintf|puts)\(|[^_a-z]exit\(')"

@@ -51,6 +51,12 @@ int run_trace(const Options& options) {
     line += '\n';
     print_text(line);
   });
+  simulation.observe_scripts([&](const ScriptMessage& message) {
+    if (message.printed)
+      print_line("print %s", message.diagnostic.message.c_str());
+    else
+      complain("%s", message.diagnostic.text().c_str());
+  });
   simulation.run(*options.until, [] { return !output_failed(); });
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())
     complain("%s: warning: %s", options.files.front().c_str(), problem.c_str());

@@ -79,7 +79,10 @@ void begin_world(Document& document, double now) {
 
 std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {
   auto document = hold_world(std::move(world), std::move(meshes));
-  begin_world(*document, world_time());
+  if (document->living && document->living->execution().has_scripts())
+    (void)document->living->look({0, 0, 10}, true);
+  else
+    begin_world(*document, world_time());
   return document;
 }
 

@@ -49,18 +49,25 @@ bool is_for_browser(const net::Url& url) {
 }  // namespace
 
 Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
-  Link link;
   const vrml::InterfaceDeclaration* url_field = scene.node(anchor).type->find_field("url");
-  const auto& urls = scene.get<vrml::MFString>(anchor, "url");
-  for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter")) {
-    const std::string text(parameter.view());
+  std::vector<std::string> urls, parameters;
+  for (const vrml::SFString& url : scene.get<vrml::MFString>(anchor, "url")) urls.push_back(url.str());
+  for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter"))
+    parameters.push_back(parameter.str());
+  return link_of(urls, parameters, scene.text_of(anchor, url_field->slot));
+}
+
+Link link_of(const std::vector<std::string>& urls, const std::vector<std::string>& parameters,
+             const vrml::SourceText& of) {
+  Link link;
+  for (const std::string& text : parameters) {
     if (text.starts_with("target=") && text != "target=_self" && text != "target=_top" && text != "target=_parent")
       link.other_window = true;
   }
-  const net::Url base = base_of(scene.text_of(anchor, url_field->slot).file_name());
-  for (const vrml::SFString& each : urls) {
+  const net::Url base = base_of(of.file_name());
+  for (const std::string& each : urls) {
     Link::Place place;
-    net::Url url = net::resolve(base, net::parse_url(net::tidy_url(each.view())));
+    net::Url url = net::resolve(base, net::parse_url(net::tidy_url(each)));
     place.viewpoint = std::exchange(url.fragment, {});
     url.has_fragment = false;
     net::Url own = base;

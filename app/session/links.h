@@ -22,6 +22,10 @@ struct Link {
 /// Of an Anchor node. A world of the network leads to the network only.
 [[nodiscard]] Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor);
 
+/// Of url and parameter lists that stand in a text (VRML97 4.12.10, loadURL).
+[[nodiscard]] Link link_of(const std::vector<std::string>& urls, const std::vector<std::string>& parameters,
+                           const vrml::SourceText& text);
+
 /// Gives an http(s) URL to the program that the desktop has for it. False: none can be started.
 bool open_in_browser(const std::string& url);
 

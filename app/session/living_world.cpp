@@ -1,7 +1,11 @@
 #include "app/session/living_world.h"
+#include "net/base/url.h"
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 namespace gs::app {
@@ -25,14 +29,109 @@ LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
   execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
+// While all that programs refer to is there.
+LivingWorld::~LivingWorld() {
+  scripts_.reset();
+  execution_.set_script_host(nullptr);
+}
+
+// Only where there is a Script: the engine is large.
+void LivingWorld::want_scripts() {
+  if (scripts_ || !execution_.has_scripts()) return;
+  scripts_ = ScriptRunner::make(execution_, script_settings_);
+  if (!scripts_) return;
+  if (script_observer_) scripts_->observe(script_observer_);
+  browser_.world_url = world_.path;
+  if (net::parse_url(world_.path).scheme.empty()) {
+    std::error_code error;
+    const std::filesystem::path whole = std::filesystem::absolute(world_.path, error);
+    if (!error) browser_.world_url = net::url_of_path(whole.lexically_normal().string()).text();
+  }
+  scripts_->set_browser(browser_);
+  execution_.set_script_host(scripts_.get());
+  for (ProgramText& one : world_.programs)
+    if (execution_.has_scene(one.scene)) scripts_->provide(*one.scene, one.script, std::move(one.text), one.url);
+  world_.programs.clear();
+}
+
+// Texts are asked for like what a url names that was set: each has a number of its own.
+void LivingWorld::ask_for_texts() {
+  if (!scripts_) return;
+  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
+  for (ScriptRequest& one : scripts_->take_requests()) {
+    const bool program = one.kind == ScriptRequest::Kind::program;
+    if (!program && one.kind != ScriptRequest::Kind::create_from_url) {
+      script_requests_.push_back(std::move(one));
+      continue;
+    }
+    if (!one.scene->contains(one.node)) continue;
+    const vrml::Node& node = one.scene->node(one.node);
+    const std::size_t number = kAsked + next_text_++;
+    UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]}, &node, vrml::UrlContent::none,
+                       true, {}, one.origin, node.type->name, node.text->file_name(), one.location};
+    for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
+    url_requests_.push_back(std::move(request));
+    asked_texts_[number] = std::move(one);
+  }
+}
+
+void LivingWorld::take_text(Arrivals::Text&& arrival) {
+  const auto asked = asked_texts_.extract(arrival.place.url);
+  const bool gone = is_gone(arrival.place);
+  if (!asked) {
+    // Of a Script in an Inline, before it begins.
+    want_scripts();
+    if (!gone && scripts_)
+      scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    return;
+  }
+  if (gone || !scripts_) return;
+  url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
+  if (asked.mapped().kind == ScriptRequest::Kind::program)
+    scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+  else if (arrival.text)
+    (void)scripts_->created(asked.mapped(), *arrival.text, arrival.url);
+}
+
+void LivingWorld::observe_scripts(std::function<void(const ScriptMessage&)> observer) {
+  script_observer_ = std::move(observer);
+  if (scripts_) scripts_->observe(script_observer_);
+}
+
+std::vector<ScriptMessage> LivingWorld::take_script_messages() {
+  return scripts_ ? scripts_->take_messages() : std::vector<ScriptMessage>{};
+}
+
+std::vector<ScriptRequest> LivingWorld::take_script_requests() {
+  ask_for_texts();
+  return std::exchange(script_requests_, {});
+}
+
 void LivingWorld::start(double now) {
+  started_ = true;
+  want_scripts();
   execution_.start(now);
   progress_ = std::exchange(world_.progress, {});
   tell_progress();
   (void)take_changes();
 }
 
+// Speed and frame rate are those between the last two steps.
+void LivingWorld::tell_programs(double now) {
+  if (!scripts_) return;
+  scripts_->begin_step();
+  const glm::dvec3 place(execution_.viewer()[3]);
+  const double seconds = now - execution_.now();
+  if (viewer_ && seconds > 0) {
+    browser_.speed = glm::length(place - *viewer_) / seconds;
+    browser_.frame_rate = 1 / seconds;
+    scripts_->set_browser(browser_);
+  }
+  viewer_ = place;
+}
+
 bool LivingWorld::step(double now) {
+  tell_programs(now);
   execution_.step(now);
   tell_progress();
   return take_changes();
@@ -67,11 +166,13 @@ void LivingWorld::show_content(Arrivals::Content&& arrival) {
   if (!arrival.content) return;
   scene.attach_inline(arrival.place.node, std::move(arrival.content));
   execution_.attach(scene);
+  want_scripts();
   execution_.content_changed(scene, arrival.place.node);
 }
 
 void LivingWorld::arrive(Arrivals&& arrivals) {
   for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
+  for (Arrivals::Text& one : arrivals.texts) take_text(std::move(one));
   const auto gone = [this](const Arrivals::Place& place) { return is_gone(place); };
   for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
   std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return is_gone(one.place); });
@@ -95,6 +196,7 @@ void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
       url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
                                &node,
                                node.type->url_content,
+                               false,
                                *std::get_if<vrml::MFString>(&node.values[slot]),
                                &text.origin(),
                                node.type->name,

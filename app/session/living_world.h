@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/script/script_runner.h"
 #include "app/world/arrivals.h"
 #include "app/world/opened_world.h"
 #include "render/scene/render_scene.h"
@@ -10,6 +11,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,8 +36,20 @@ struct LivingScene {
 class LivingWorld {
  public:
   LivingWorld(OpenedWorld& world, render::MeshCache& meshes);
+  ~LivingWorld();
+  LivingWorld(const LivingWorld&) = delete;
+  LivingWorld& operator=(const LivingWorld&) = delete;
 
-  /// Begins at `now`, in seconds since 1970; with the first cascade. Call once.
+  /// How the programs of Scripts are run, from `start` on.
+  void set_script_settings(ScriptRunner::Settings settings) { script_settings_ = settings; }
+  /// What the programs print and what is wrong with them; else take_script_messages has it.
+  void observe_scripts(std::function<void(const ScriptMessage&)> observer);
+  [[nodiscard]] std::vector<ScriptMessage> take_script_messages();
+  [[nodiscard]] std::vector<ScriptRequest> take_script_requests();
+  /// Of the world's thread from `start` on; null: the world has no Script.
+  [[nodiscard]] ScriptRunner* scripts() { return scripts_.get(); }
+  [[nodiscard]] bool has_started() const { return started_; }
+  /// Begins at `now`, in seconds since 1970; with the first cascade. Call once, on the thread that steps it then.
   void start(double now);
   /// Lets time go on to `now`. True when something has changed.
   bool step(double now);
@@ -46,6 +60,7 @@ class LivingWorld {
   /// The urls that have been set since the last call, for who fetches; what comes goes to `arrive`.
   [[nodiscard]] std::vector<UrlRequest> take_url_requests() {
     (void)take_changes();
+    ask_for_texts();
     return std::exchange(url_requests_, {});
   }
   /// When there is something to do next; see Execution::next_time.
@@ -64,6 +79,10 @@ class LivingWorld {
 
  private:
   bool take_changes();
+  void want_scripts();
+  void tell_programs(double now);
+  void ask_for_texts();
+  void take_text(Arrivals::Text&& arrival);
   void tell_progress();
   void add_changes(std::vector<vrml::NodeChange> changes);
   void forget(vrml::SceneGraph& scene, vrml::NodeId node);
@@ -74,6 +93,15 @@ class LivingWorld {
   OpenedWorld& world_;
   render::MeshCache& meshes_;
   vrml::Execution execution_;
+  ScriptRunner::Settings script_settings_{0.05, false};
+  std::function<void(const ScriptMessage&)> script_observer_;
+  std::unique_ptr<ScriptRunner> scripts_;
+  std::vector<ScriptRequest> script_requests_;
+  std::unordered_map<std::size_t, ScriptRequest> asked_texts_;  // by number
+  std::size_t next_text_ = 0;
+  BrowserState browser_;
+  std::optional<glm::dvec3> viewer_;  // in the last step
+  bool started_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // those that led to the last versions, the newest behind
   std::uint64_t version_ = 0;
   std::uint32_t replaced_ = 0;         // Execution::replaced, of the newest version

@@ -112,6 +112,7 @@ bool Session::let_live(bool look) {
     if (before && before != leader) execution.viewer_jumped();
     place_viewer(*document, *leader);
     const bool moved = document->living->step(now_);
+    take_script_news(*document);
     if (document->reader)
       if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())
         document->reader->request(std::move(urls));

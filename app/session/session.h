@@ -130,6 +130,8 @@ class Session {
   };
 
   [[nodiscard]] std::vector<Document*> living() const;
+  void take_script_news(Document& document);
+  void do_for_script(const Document& document, const ScriptRequest& request);
   void place_viewer(Document& document, const View& leader) const;
   bool let_live(bool look);
   /// In simulated time nobody is on the way to a Viewpoint.
@@ -187,6 +189,7 @@ class Session {
   std::optional<std::size_t> pointed_pane_;     // in whose world the pointing device is
   glm::vec2 pointer_{0};                        // framebuffer pixels
   bool pointer_moved_ = false;                  // since sensors heard of it
+  double pressed_at_ = -1e9;                    // when somebody has pressed a button or key last
   bool sensor_has_pointer_ = false;             // until the button is released
   std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
   std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file

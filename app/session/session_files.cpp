@@ -67,6 +67,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     return true;
   }
   const std::shared_ptr<Document> document = news.document;
+  if (document->living && !document->living->has_started()) begin_world(*document, world_time());
   places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
   document->reader = from.reader;

@@ -15,6 +15,7 @@ constexpr float kLeastSpeed = 1e-4f, kMostSpeed = 1e6f;
 void Session::handle(const SessionInput::Event& input) {
   using Kind = WindowEvent::Kind;
   const WindowEvent& event = input.event;
+  if (event.kind == Kind::key_down || event.kind == Kind::button_down) pressed_at_ = now_;
   switch (event.kind) {
     case Kind::key_down: {
       // In simulated time there are no other files, and nothing is read again.

@@ -204,6 +204,7 @@ void Simulation::fetch() {
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
+  if (document_->living) document_->living->set_script_settings({0, true});
   begin_world(*document_, kSimulatedStart);
   session_.show(document_);
   step(0, false);

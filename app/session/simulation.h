@@ -45,6 +45,10 @@ class Simulation {
 
   [[nodiscard]] OpenedWorld& world() { return document_->world; }
   [[nodiscard]] vrml::Execution& execution() { return document_->living->execution(); }
+  /// Of its Scripts; see LivingWorld::observe_scripts.
+  void observe_scripts(std::function<void(const ScriptMessage&)> observer) {
+    document_->living->observe_scripts(std::move(observer));
+  }
   /// The world as it is after `run`, and who looks at it.
   [[nodiscard]] const View& look();
   /// What a picture of it is drawn with: of `look`.

@@ -12,6 +12,7 @@ void Arrivals::append(Arrivals&& later) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
   move(contents, later.contents);
+  move(texts, later.texts);
   move(images, later.images);
   move(clouds, later.clouds);
   move(feeds, later.feeds);

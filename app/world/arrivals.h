@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,13 @@ struct Arrivals {
     vrml::NodeId fallback;                    // the PROTO instance in whose place it is shown; null: none
     std::shared_ptr<const qnv::Cloud> cloud;  // null: there is none
   };
+  /// A text that a program has asked for: another program, or nodes.
+  struct Text {
+    Place place;
+    std::optional<std::string> text;  // none: it cannot be had
+    std::string url;                  // where it was found
+  };
+  std::vector<Text> texts;
   std::vector<Content> contents;  // in front of all that belongs into them
   std::vector<Image> images;
   std::vector<Cloud> clouds;
@@ -45,7 +53,7 @@ struct Arrivals {
 
   [[nodiscard]] bool empty() const {
     return contents.empty() && images.empty() && clouds.empty() && feeds.empty() && progress.empty() &&
-           diagnostics.entries().empty() && outside.empty();
+           texts.empty() && diagnostics.entries().empty() && outside.empty();
   }
   /// Puts what has come later behind.
   void append(Arrivals&& later);
@@ -56,6 +64,7 @@ struct UrlRequest {
   Arrivals::Place place;
   const vrml::Node* node = nullptr;  // whose importance counts; not to be looked at by the thread that reads
   vrml::UrlContent content = vrml::UrlContent::none;
+  bool as_text = false;  // in place of that: the text itself
   vrml::MFString urls;
   const vrml::SourceText* text = nullptr;  // in whose name; likewise
   std::string type, file;                  // of the node, and place in its text, for messages

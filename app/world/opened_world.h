@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,14 @@ struct UrlProgress {
   double fraction = 0;
 };
 
+/// The text of a program that a Script's url names.
+struct ProgramText {
+  vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId script;
+  std::optional<std::string> text;  // none: it cannot be had
+  std::string url;                  // where it was found
+};
+
 /// A world that was read, with everything a picture of it needs.
 struct OpenedWorld {
   std::string title;                        // WorldInfo.title or the file's name
@@ -37,6 +46,7 @@ struct OpenedWorld {
   render::Clouds clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
   std::vector<UrlProgress> progress;               // of QNV nodes
+  std::vector<ProgramText> programs;               // of files
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
   bool truncated = false;    // the file ends before the world does

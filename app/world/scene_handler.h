@@ -103,6 +103,10 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void visit_image(vrml::NodeId id);
   void visit_cloud(vrml::NodeId id);
   void visit_outlines(vrml::NodeId id);
+  // scene_programs.cpp
+  void visit_script(vrml::NodeId id);
+  void load_text(const UrlRequest& request, Reference reference);
+  // scene_references.cpp
   void replace_fallback(vrml::NodeId id, const vrml::NodeType& native);
   // scene_prototypes.cpp
   void look_for_prototypes();

@@ -198,6 +198,7 @@ void SceneHandler::visit(NodeId id) {
     if (native && native->url_content == vrml::UrlContent::vectors) replace_fallback(id, *native);
     return;
   }
+  if (vrml::has(node.type->role, vrml::Role::script)) return visit_script(id);
   switch (node.type->url_content) {
     case vrml::UrlContent::none:
       return;
@@ -353,6 +354,7 @@ void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>&
 void SceneHandler::load(const UrlRequest& request) {
   Reference reference = refer(request.urls, *request.text);
   const Arrivals::Place& at = request.place;
+  if (request.as_text) return load_text(request, std::move(reference));
   switch (request.content) {
     case vrml::UrlContent::scene:
       return load_inline(request, std::move(reference));

@@ -71,6 +71,7 @@ struct WorldLoading::State {
   /// A QNV node has got (better) vectors.
   void cloud_arrived(Arrivals::Cloud cloud);
   void image_arrived(Arrivals::Image image);
+  void text_arrived(Arrivals::Text text);
   void note_progress(const UrlProgress& progress);
   // world_requests.cpp: urls that are set in a living world
   void request(std::vector<UrlRequest> requests);
@@ -123,6 +124,7 @@ struct WorldLoading::State {
   struct SharedImage;
   struct SharedCloud;
   struct OutlineHandler;
+  struct TextHandler;
   std::unordered_map<std::string, std::shared_ptr<SharedImage>> shared_images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> shared_clouds;
 

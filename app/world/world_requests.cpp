@@ -58,6 +58,7 @@ Arrivals WorldLoading::State::take_arrivals() {
   };
   if (!withheld.empty()) {
     keep(taken_now.clouds, arrivals.clouds, [](const Arrivals::Cloud& one) { return one.place.scene; });
+    keep(taken_now.texts, arrivals.texts, [](const Arrivals::Text& one) { return one.place.scene; });
     keep(taken_now.progress, arrivals.progress, [](const UrlProgress& one) { return one.scene; });
     for (Arrivals::Image& one : taken_now.images) {
       Arrivals::Image kept{{}, one.image};

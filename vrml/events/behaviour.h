@@ -41,6 +41,11 @@ struct Behaviour {
   /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
   /// nothing below it is ever met.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
+  /// An event for an eventIn or exposedField, by its place in the type's interfaces, that the node declares itself.
+  void (*on_own_event)(Execution& execution, EventNode node, std::uint32_t interface,
+                       const FieldValue& value) = nullptr;
+  /// The node is about to be removed; what it sends goes on before.
+  void (*before_removal)(Execution& execution, EventNode node) = nullptr;
   /// The node is removed from the world: what state_of names is given back. It sends nothing any more.
   void (*on_remove)(Execution& execution, EventNode node) = nullptr;
 };
@@ -56,6 +61,7 @@ extern const Behaviour kBindableBehaviour;  // 4.6.10
 inline constexpr int kSetBind = 0;          // of its events
 inline constexpr int kFieldOfView = 3;      // of those of Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
+extern const Behaviour kScriptBehaviour;  // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour;
 

@@ -374,13 +374,18 @@ void Execution::queue(EventNode node, std::uint32_t interface) {
   Slot& slot = slots_[nodes_[node].first_slot + interface];
   if (slot.sent == stamp_) return;
   slot.sent = stamp_;
-  if (slot.first != 0 || observer_) queue_.push_back({node, interface});
+  if (slot.first != 0 || observer_) queue_.push_back({node, interface, 0});
 }
 
 void Execution::drain() {
   do {
-    while (queue_next_ < queue_.size()) deliver(queue_[queue_next_++]);
+    begin_scripts();
+    while (queue_next_ < queue_.size()) {
+      deliver(queue_[queue_next_++]);
+      begin_scripts();
+    }
     queue_.clear();
+    posted_.clear();
     queue_next_ = 0;
     // What they send goes on in this cascade; each eventOut can be the cause of no more than one look.
     for (std::size_t i = 0; i < looking_.size(); ++i) {
@@ -389,6 +394,7 @@ void Execution::drain() {
       nodes_[node].schema->behaviour->on_time(*this, node);
     }
     looking_.clear();
+    begin_scripts();
     if (queue_.empty()) unbind_what_left();
   } while (!queue_.empty());
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
@@ -398,6 +404,10 @@ void Execution::drain() {
 }
 
 void Execution::deliver(Sent sent) {
+  if (sent.posted != 0) {
+    if (spend(kDelivery)) receive(sent.node, sent.interface, posted_[sent.posted - 1]);
+    return;
+  }
   const Member& at = nodes_[sent.node];
   const EventSchema::Interface& interface = at.schema->interfaces[sent.interface];
   const FieldValue& value = stored(at, interface);
@@ -452,12 +462,16 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
   if (interface.event >= 0 && schema.behaviour->on_event &&
       !schema.behaviour->on_event(*this, node, interface.event, value))
     return;
-  if (interface.slot < 0) return;
-  FieldValue& field = at.node->values[interface.slot];
-  if (std::holds_alternative<MFNode>(field)) nodes_leave();
-  if (&field != &value) field = value;
-  mark_changed(node, interface.slot);
-  if (interface.declaration->access == AccessType::exposedField) queue(node, place);
+  if (interface.slot >= 0) {
+    FieldValue& field = at.node->values[interface.slot];
+    if (std::holds_alternative<MFNode>(field)) nodes_leave();
+    if (&field != &value) field = value;
+    mark_changed(node, interface.slot);
+    if (interface.declaration->access == AccessType::exposedField) queue(node, place);
+  }
+  // Last, since it may make nodes.
+  if (interface.event < 0 && schema.behaviour && schema.behaviour->on_own_event)
+    schema.behaviour->on_own_event(*this, node, place, value);
 }
 
 // IS of an eventOut: it goes on as an event of the instance (4.8.2).

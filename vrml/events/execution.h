@@ -33,6 +33,8 @@ struct NodeChange {
   std::uint64_t slots = 0;  // a bit for each of the first 63 slots that changed; the last one is for all else
 };
 
+class ScriptHost;
+
 /// What the viewer sees: tangents of half the angles to the right and up.
 struct Frustum {
   double right = 0, up = 0;
@@ -208,6 +210,37 @@ class Execution {
   /// See take_requests.
   void request(EventNode anchor);
 
+  // For Scripts (VRML97 4.12). `interface`: place in the type's interfaces, of the node's EventSchema.
+
+  /// Who runs the programs of Scripts: of all that are there, from `start` on, and of those that come. Null: nobody. It
+  /// must outlive this, or be taken away before it goes; then it is told nothing of the end.
+  void set_script_host(ScriptHost* host) { script_host_ = host; }
+  [[nodiscard]] ScriptHost* script_host() const { return script_host_; }
+  /// Whether there has been a Script.
+  [[nodiscard]] bool has_scripts() const { return has_scripts_; }
+  [[nodiscard]] const SceneGraph& root() const { return root_; }
+  /// The program of the Script, or what it lacked, has come.
+  void program_came(const SceneGraph& scene, NodeId script);
+  [[nodiscard]] const EventSchema& schema_of_node(EventNode node) const { return *nodes_[node].schema; }
+  /// The value of a field, or the last one of an eventOut.
+  [[nodiscard]] FieldValue& own_value(EventNode node, std::uint32_t interface) {
+    return stored(nodes_[node], nodes_[node].schema->interfaces[interface]);
+  }
+  /// own_value was changed.
+  void own_value_changed(EventNode node, std::uint32_t interface);
+  /// An eventOut or exposedField sends the value that own_value has now.
+  void send_own(EventNode node, std::uint32_t interface);
+  /// An event for a node of this world, from a program that runs: delivered in this cascade behind what has been sent.
+  /// False as of `send`.
+  bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
+  /// What an eventOut sent last, or what an exposedField or field has; null: no such thing.
+  [[nodiscard]] const FieldValue* last_value(const SceneGraph& scene, NodeId node,
+                                             const InterfaceDeclaration& interface);
+  /// The scene that may be written to, of one that belongs to this world; null: it does not.
+  [[nodiscard]] SceneGraph* own_scene(const SceneGraph& scene);
+  /// A Script is in the world now.
+  void note_script(EventNode node);
+
   /// State of behaviours, by number; see state_of.
   struct States;
   [[nodiscard]] States& states() { return *states_; }
@@ -252,6 +285,7 @@ class Execution {
   struct Sent {
     EventNode node;
     std::uint32_t interface;
+    std::uint32_t posted = 0;  // of posted_, from 1: an event for the node, where not 0
   };
   struct Alarm {
     double time;
@@ -299,6 +333,10 @@ class Execution {
   struct Ends;
   bool find_ends(SceneGraph& scene, const Route& route, Ends& ends);
 
+  // execution_scripts.cpp
+  void begin_scripts();
+  void end_scripts(const std::vector<EventNode>& nodes);
+
   // execution.cpp
   void begin(double now);
   void drain();
@@ -344,6 +382,10 @@ class Execution {
   std::deque<SceneState> scenes_;
   std::unordered_map<const SceneGraph*, std::size_t> scene_places_;
   std::vector<Sent> queue_;
+  std::deque<FieldValue> posted_;
+  ScriptHost* script_host_ = nullptr;
+  bool has_scripts_ = false, started_ = false;
+  std::vector<EventNode> new_scripts_;
   std::size_t queue_next_ = 0;
   std::vector<std::uint32_t> path_;  // of walk
   std::vector<EventNode> running_, looking_;

@@ -289,6 +289,7 @@ bool Execution::remove_route(SceneGraph& scene, const Route& route) {
 void Execution::start(double now) {
   begin(now);
   previous_ = now_;
+  started_ = true;
   bind_first_nodes();
   drain();
 }

@@ -176,6 +176,10 @@ std::size_t Execution::remove_unheld() {
 void Execution::remove_nodes(SceneState& state, const std::vector<NodeId>& nodes) {
   SceneGraph& scene = *state.scene;
   const auto member_of = [&](NodeId id) { return id.index < state.members.size() ? state.members[id.index] : 0; };
+  std::vector<EventNode> members;
+  for (const NodeId id : nodes)
+    if (const EventNode member = member_of(id)) members.push_back(member);
+  end_scripts(members);
   // As if they got set_bind FALSE (4.6.10); what comes to the top in their places says so.
   for (const NodeId id : nodes)
     if (const EventNode member = member_of(id); member != 0 && nodes_[member].on_stack)
@@ -257,6 +261,13 @@ void Execution::remove_content(SceneGraph& scene, NodeId inline_node) {
         if (inner) scenes.push_back(inner.get());
     }
   }
+  std::vector<const SceneGraph*> leaving{content};
+  for (std::size_t i = 0; i < leaving.size(); ++i) {
+    if (const auto place = scene_places_.find(leaving[i]); place != scene_places_.end())
+      end_scripts(scenes_[place->second].members);
+    for (const auto& [place, inner] : leaving[i]->inlines())
+      if (inner) leaving.push_back(inner.get());
+  }
   drain();
   remove_scene(*content);
   scene.attach_inline(inline_node, nullptr);
@@ -283,6 +294,7 @@ void Execution::drop_removed() {
   std::erase_if(running_, is_removed);
   std::erase_if(looking_, is_removed);
   std::erase_if(referring_, is_removed);
+  std::erase_if(new_scripts_, is_removed);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     if (is_removed(changed_[i])) continue;

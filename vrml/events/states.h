@@ -51,6 +51,21 @@ struct PointingState {
   glm::dmat4 sensor_from_world{1.0};
 };
 
+/// A Script (6.40).
+struct ScriptState {
+  static constexpr std::size_t kMostKept = 10'000;
+  static constexpr std::size_t kKeptCost = 16;
+  struct Kept {
+    std::uint32_t interface = 0;
+    FieldValue value;
+    double time = 0;
+  };
+  std::deque<Kept> kept;        // events that have come before the program, or before there was time for them
+  bool begins = false;          // its url was set
+  bool owes_processed = false;  // eventsProcessed() is to be called
+  double processed_at = -std::numeric_limits<double>::infinity();
+};
+
 /// States of one kind, by number from 1; those of removed nodes are used again.
 template <class T>
 class StatePool {
@@ -85,6 +100,7 @@ struct Execution::States {
   StatePool<ProximityState> proximities;
   StatePool<MFVec3f> spares;  // the array that an interpolator writes next
   StatePool<PointingState> pointing;
+  StatePool<ScriptState> scripts;
 };
 
 }  // namespace gs::vrml

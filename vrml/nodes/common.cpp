@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -19,7 +20,8 @@ constexpr NodeRow kCommonRows[] = {
   exposedField MFString   url              []
   field        SFBool     directOutput     FALSE
   field        SFBool     mustEvaluate     FALSE
-)"},
+)",
+     nullptr, &kScriptBehaviour},
     {"Sound", "6.42", Role::child, R"(
   exposedField SFVec3f    direction        0 0 1            # (-inf,inf)
   exposedField SFFloat    intensity        1                # [0,1]

@@ -62,6 +62,8 @@ struct Limits {
   std::size_t visits = 4'000'000;  // of nodes, for one picture
   std::size_t files = 20'000;      // that a world refers to, of all kinds
   std::size_t inline_depth = 32;   // Inlines and EXTERNPROTOs inside each other
+  double script_seconds = 2;       // of one call of a program
+  std::size_t script_heap = std::size_t{256} << 20;  // bytes of all programs
 };
 
 }  // namespace gs::vrml

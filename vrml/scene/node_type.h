@@ -101,6 +101,7 @@ struct NodeType {
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
   SourceLocation location;               // of the name in a PROTO or EXTERNPROTO
+  std::vector<SourceLocation> url_places;  // of a Script: where the strings of its url begin in its text
 
   NodeType();
   ~NodeType();

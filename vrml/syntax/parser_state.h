@@ -126,6 +126,7 @@ struct Parser::State {
 
   // parser_values.cpp: field values
   Step value(FieldType type, FieldValue& into, std::string_view name);
+  void note_url_place(const Frame* node, std::string_view name, const Token& token);
   bool plain_floats(FieldType type, FieldValue& into);
   Step single_value(FieldType type, FieldValue& into, Token token, std::string_view name);
   Step image_head(FieldValue& into, Token token, std::string_view name);

@@ -174,6 +174,8 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     own->clause = type->clause;
     own->kind = type->kind;
     own->role = type->role;
+    own->behaviour = type->behaviour;
+    own->url_content = type->url_content;
     (void)scene.charge(sizeof(NodeType) + type->interfaces.size() * sizeof(InterfaceDeclaration));
     for (const InterfaceDeclaration& declaration : type->interfaces) own->declare(declaration);
     frame.declaring = &source.add_type(std::move(own));

@@ -216,6 +216,7 @@ Step Parser::State::single_value(FieldType type, FieldValue& into, Token token, 
     case FieldType::SFString:
     case FieldType::MFString: {
       if (token.kind != TokenKind::string) return refuse_token(token, before);
+      note_url_place(frames.empty() ? nullptr : &frames.back(), name, token);
       if (type == FieldType::SFString) {
         into = string_of(token);
       } else {
@@ -405,6 +406,12 @@ Step Parser::State::values_step() {
   return value_token(frame, token, before);
 }
 
+// Errors of a program are told by their places in the file.
+void Parser::State::note_url_place(const Frame* node, std::string_view name, const Token& token) {
+  if (node && node->kind == Frame::Kind::node_body && node->declaring && !node->pending && name == "url")
+    node->declaring->url_places.push_back(token.location);
+}
+
 Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::Position& before) {
   FieldValue& list = *frame.into;
   const FieldType type = type_of(list);
@@ -420,6 +427,7 @@ Step Parser::State::value_token(Frame& frame, const Token& token, const Lexer::P
   };
   if (token.kind == TokenKind::close_bracket) return leave();
   if (token.kind == TokenKind::string && type == FieldType::MFString) {
+    note_url_place(frames.size() < 2 ? nullptr : &frames[frames.size() - 2], frame.name, token);
     std::get_if<MFString>(&list)->push_back(string_of(token));
     rubbish = false;
     return Step::done;

@@ -1,0 +1,359 @@
+#include "app/script/script_world.h"
+
+#include <js/Conversions.h>
+#include <js/Object.h>
+#include <js/PropertySpec.h>
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <cmath>
+#include <utility>
+
+// The Browser object (VRML97 4.12.10, C.6.3), print() and trace(), constants, and what programs of the time expect
+// beside them.
+namespace gs::app::script {
+namespace {
+
+bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, std::vector<std::string>& texts) {
+  if (index >= args.length() || args[index].isNullOrUndefined()) return true;
+  vrml::FieldValue field;
+  if (!to_field(context, args[index], vrml::FieldType::MFString, nullptr, field)) return false;
+  for (const vrml::SFString& text : std::get<vrml::MFString>(field)) texts.push_back(text.str());
+  return true;
+}
+
+// Of the program that calls.
+const vrml::SourceText& origin_of(const Program& program) {
+  const vrml::Node& node = program.scene->node(program.id);
+  const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
+  return (url ? program.scene->text_of(program.id, url->slot) : *node.text).origin();
+}
+
+ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
+  ScriptRequest request;
+  request.kind = kind;
+  const Program& program = world.running();
+  request.origin = &origin_of(program);
+  request.scene = program.scene;
+  request.node = program.id;
+  request.location = program.scene->node(program.id).location;
+  return request;
+}
+
+bool get_name(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, "GhostSpace", JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_version(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, GHOSTSPACE_VERSION, JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_speed(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().speed));
+  return true;
+}
+bool get_frame_rate(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().frame_rate));
+  return true;
+}
+bool get_world_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, world_of(context).browser().world_url, JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_time(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).execution().now()));
+  return true;
+}
+
+bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  vrml::FieldValue nodes;
+  args.rval().setUndefined();
+  if (world.ends()) return true;
+  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.running().scene, nodes)) return false;
+  if (!world.execution().replace_world(std::get<vrml::MFNode>(nodes)))
+    return fail(context, "replaceWorld expects nodes of the world's own file");
+  return true;
+}
+
+bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string text;
+  ListBox box;
+  vrml::MFNode nodes;
+  if (!text_of_value(context, args.get(0), text)) return false;
+  if (!world_of(context).create_from_string(context, text, nodes, box.scene)) return false;
+  box.value = std::move(nodes);
+  JSObject* const list = make_list(context, std::move(box), {});
+  args.rval().setObjectOrNull(list);
+  return list != nullptr;
+}
+
+bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, ScriptRequest::Kind::create_from_url);
+  std::string event;
+  args.rval().setUndefined();
+  if (!texts_argument(context, args, 0, request.urls) || !text_of_value(context, args.get(2), event)) return false;
+  const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
+  if (!box || !world.execution().has_scene(box->scene) || !box->scene->contains(box->id))
+    return fail(context, "createVrmlFromURL expects a node that gets the nodes");
+  request.event_in = box->scene->node(box->id).type->find_event_in(event);
+  if (!request.event_in || request.event_in->type != vrml::FieldType::MFNode)
+    return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
+  request.scene = box->scene;
+  request.node = box->id;
+  world.request(std::move(request));
+  return true;
+}
+
+template <bool kAdd>
+bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  args.rval().setUndefined();
+  const NodeBox* const from = args.get(0).isObject() ? node_of(&args[0].toObject()) : nullptr;
+  const NodeBox* const to = args.get(2).isObject() ? node_of(&args[2].toObject()) : nullptr;
+  std::string out, in;
+  if (!text_of_value(context, args.get(1), out) || !text_of_value(context, args.get(3), in)) return false;
+  if (!from || !to || from->scene != to->scene || !world.execution().has_scene(from->scene) ||
+      !from->scene->contains(from->id) || !to->scene->contains(to->id))
+    return fail(context, "expected two nodes of one file");
+  vrml::Route route{from->id, to->id, from->scene->node(from->id).type->find_event_out(out),
+                    to->scene->node(to->id).type->find_event_in(in)};
+  if (!route.event_out) return fail(context, "no eventOut '" + out.substr(0, 80) + "'");
+  if (!route.event_in) return fail(context, "no eventIn '" + in.substr(0, 80) + "'");
+  if (route.event_out->type != route.event_in->type)
+    return fail(context, "'" + out + "' and '" + in + "' are of different types");
+  // One more of the same changes nothing (4.10.2).
+  if (kAdd)
+    (void)world.execution().add_route(*from->scene, route);
+  else
+    (void)world.execution().remove_route(*from->scene, route);
+  return true;
+}
+
+bool load_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, ScriptRequest::Kind::load_url);
+  args.rval().setUndefined();
+  if (!texts_argument(context, args, 0, request.urls) || !texts_argument(context, args, 1, request.parameters))
+    return false;
+  world.request(std::move(request));
+  return true;
+}
+
+template <ScriptRequest::Kind kKind>
+bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, kKind);
+  args.rval().setUndefined();
+  if (!text_of_value(context, args.get(0), request.text)) return false;
+  world.request(std::move(request));
+  return true;
+}
+
+bool print(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string line, text;
+  for (unsigned i = 0; i < args.length(); ++i) {
+    if (!text_of_value(context, args[i], text)) return false;
+    line += (i ? " " : "") + text;
+  }
+  world_of(context).print(std::move(line));
+  args.rval().setUndefined();
+  return true;
+}
+
+// What of other browsers has no meaning here: nothing is done.
+bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setUndefined();
+  return true;
+}
+bool give_false(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setBoolean(false);
+  return true;
+}
+bool give_true(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setBoolean(true);
+  return true;
+}
+bool give_zero(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setInt32(0);
+  return true;
+}
+bool give_empty(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, "", JS::CallArgsFromVp(argc, vp).rval());
+}
+
+// ---- Where the viewer is (Blaxxun Contact)
+
+bool viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
+  const glm::dmat4 viewer = world_of(context).execution().viewer();
+  const double c[] = {viewer[3][0], viewer[3][1], viewer[3][2]};
+  JSObject* const made = make_tuple(context, vrml::FieldType::SFVec3f, c);
+  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+bool viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
+  const glm::dmat4 viewer = world_of(context).execution().viewer();
+  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(viewer)));
+  const glm::dvec3 v(q.x, q.y, q.z);
+  const double size = glm::length(v);
+  const double c[] = {size > 0 ? v.x / size : 0, size > 0 ? v.y / size : 0, size > 0 ? v.z / size : 1,
+                      2 * std::atan2(size, q.w)};
+  JSObject* const made = make_tuple(context, vrml::FieldType::SFRotation, c);
+  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+// ---- Functions without an object
+
+// Numbers lose what is behind the point; the engine's own would read the text of a very small or large one.
+bool parse_int(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  if (args.get(0).isNumber() && args.length() < 2) {
+    args.rval().set(JS::NumberValue(std::trunc(args[0].toNumber()) + 0.0));
+    return true;
+  }
+  JS::RootedObject global(context, world_of(context).library());
+  JS::RootedValue result(context);
+  if (!JS_CallFunctionName(context, global, "parseInt", JS::HandleValueArray(args), &result)) return false;
+  args.rval().set(result);
+  return true;
+}
+
+// `SFFloat(x)` and the like: the number itself, or with `new` an object that stands for it.
+enum class Plain : std::uint8_t { number, integer, truth, text };
+template <Plain kPlain>
+bool plain(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedValue value(context);
+  if constexpr (kPlain == Plain::truth) {
+    value.setBoolean(JS::ToBoolean(args.get(0)));
+  } else if constexpr (kPlain == Plain::text) {
+    std::string text;
+    if (args.length() > 0 && !text_of_value(context, args[0], text)) return false;
+    if (!make_string(context, text, &value)) return false;
+  } else {
+    double number = 0;
+    if (args.length() > 0 && !JS::ToNumber(context, args[0], &number)) return false;
+    value.set(JS::NumberValue(kPlain == Plain::integer ? std::trunc(number) : number));
+  }
+  if (args.isConstructing()) {
+    JSObject* const object = JS::ToObject(context, value);
+    args.rval().setObjectOrNull(object);
+    return object != nullptr;
+  }
+  args.rval().set(value);
+  return true;
+}
+
+// See modern_text.
+bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  args.rval().set(args.get(0));
+  if (!args.get(0).isObject()) return true;
+  JSObject* const object = &args[0].toObject();
+  vrml::FieldType type{};
+  double c[4] = {};
+  JSObject* made = object;
+  if (is_tuple(object, type, c)) {
+    made = make_tuple(context, type, c);
+  } else if (ListBox* const list = list_of(object)) {
+    ListBox box;
+    box.scene = list->scene;
+    if (const vrml::FieldValue* const value = list_value(*list)) box.value = *value;
+    made = make_list(context, std::move(box), {});
+  } else if (is_image(object)) {
+    vrml::PixelImage image;
+    JS::RootedObject rooted(context, object);
+    if (!image_of(context, rooted, image)) return false;
+    made = make_image(context, image, {});
+  }
+  args.rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).random()));
+  return true;
+}
+
+const JSFunctionSpec kBrowser[] = {
+    // Table C.1
+    JS_FN("getName", get_name, 0, 0), JS_FN("getVersion", get_version, 0, 0), JS_FN("getCurrentSpeed", get_speed, 0, 0),
+    JS_FN("getCurrentFrameRate", get_frame_rate, 0, 0), JS_FN("getWorldURL", get_world_url, 0, 0),
+    JS_FN("replaceWorld", replace_world, 1, 0), JS_FN("createVrmlFromString", create_from_string, 1, 0),
+    JS_FN("createVrmlFromURL", create_from_url, 3, 0), JS_FN("addRoute", change_route<true>, 4, 0),
+    JS_FN("deleteRoute", change_route<false>, 4, 0), JS_FN("loadURL", load_url, 2, 0),
+    JS_FN("setDescription", tell_text<ScriptRequest::Kind::description>, 1, 0),
+    // As they were written, too; even in the examples of Annex C
+    JS_FN("createVRMLFromString", create_from_string, 1, 0), JS_FN("createVRMLFromURL", create_from_url, 3, 0),
+    JS_FN("createVrmlFromUrl", create_from_url, 3, 0), JS_FN("createX3DFromString", create_from_string, 1, 0),
+    JS_FN("createX3DFromURL", create_from_url, 3, 0), JS_FN("loadUrl", load_url, 2, 0),
+    JS_FN("getWorldUrl", get_world_url, 0, 0), JS_FN("print", print, 1, 0), JS_FN("println", print, 1, 0),
+    // Cosmo Player, Blaxxun Contact, Cortona
+    JS_FN("getTime", get_time, 0, 0), JS_FN("getCurrentTime", get_time, 0, 0),
+    JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0), JS_FN("showConsole", do_nothing, 0, 0),
+    JS_FN("hideConsole", do_nothing, 0, 0), JS_FN("beginUpdate", do_nothing, 0, 0),
+    JS_FN("endUpdate", do_nothing, 0, 0), JS_FN("setNavigationMode", do_nothing, 1, 0),
+    JS_FN("setCollisionDetection", do_nothing, 1, 0), JS_FN("setGravity", do_nothing, 1, 0),
+    JS_FN("setHeadlight", do_nothing, 1, 0), JS_FN("setCpuLoad", do_nothing, 1, 0),
+    JS_FN("setLocalLightRadius", do_nothing, 1, 0), JS_FN("setBspMode", do_nothing, 1, 0),
+    JS_FN("setUnloadDist", do_nothing, 1, 0), JS_FN("setLoadDist", do_nothing, 1, 0),
+    JS_FN("setPrefetch", do_nothing, 1, 0), JS_FN("setRenderMode", do_nothing, 1, 0),
+    JS_FN("setBrowserOption", do_nothing, 2, 0), JS_FN("getBrowserOption", give_zero, 1, 0),
+    JS_FN("getBrowserProperty", give_false, 1, 0), JS_FN("getRenderingProperty", give_zero, 1, 0),
+    JS_FN("isConnected", give_false, 0, 0), JS_FN("isMember", give_false, 0, 0),
+    JS_FN("getMenuDisplay", give_zero, 0, 0), JS_FN("getCap", give_zero, 1, 0),
+    JS_FN("getCollisionDetection", give_true, 0, 0), JS_FN("getNavigationMode", give_empty, 0, 0),
+    JS_FN("getMyName", give_empty, 0, 0), JS_FN("setMyAvatarURL", do_nothing, 1, 0),
+    JS_FN("eventNotify", do_nothing, 0, 0), JS_FN("getFloatProperty", give_zero, 1, 0), JS_FS_END};
+
+constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
+const JSPropertySpec kBrowserState[] = {JS_PSG("name", get_name, kProperty),
+                                        JS_PSG("version", get_version, kProperty),
+                                        JS_PSG("currentSpeed", get_speed, kProperty),
+                                        JS_PSG("currentFrameRate", get_frame_rate, kProperty),
+                                        JS_PSG("worldURL", get_world_url, kProperty),
+                                        JS_PSGS("viewpointPosition", viewpoint_position, do_nothing, kProperty),
+                                        JS_PSGS("viewpointOrientation", viewpoint_orientation, do_nothing, kProperty),
+                                        JS_PS_END};
+
+const JSFunctionSpec kFunctions[] = {JS_FN("print", print, 1, 0),
+                                     JS_FN("trace", print, 1, 0),
+                                     JS_FN("TRACE", print, 1, 0),
+                                     JS_FN("alert", print, 1, 0),
+                                     JS_FN("vrmlParseInt", parse_int, 2, 0),
+                                     JS_FN("repeatableRandom", random_number, 0, 0),
+                                     JS_FN("$copy", copy, 1, 0),
+                                     JS_FS_END};
+
+template <Plain kPlain>
+bool define_plain(JSContext* context, JS::HandleObject library, const char* name) {
+  return JS_DefineFunction(context, library, name, plain<kPlain>, 1, JSFUN_CONSTRUCTOR) != nullptr;
+}
+
+}  // namespace
+
+bool define_browser(JSContext* context, JS::HandleObject library) {
+  JS::RootedObject browser(context, JS_NewPlainObject(context));
+  if (!browser || !JS_DefineFunctions(context, browser, kBrowser) ||
+      !JS_DefineProperties(context, browser, kBrowserState) ||
+      !JS_DefineProperty(context, library, "Browser", browser, 0) || !JS_DefineFunctions(context, library, kFunctions))
+    return false;
+  JS::RootedValue yes(context, JS::TrueValue()), no(context, JS::FalseValue()), null(context, JS::NullValue());
+  return JS_DefineProperty(context, library, "TRUE", yes, 0) && JS_DefineProperty(context, library, "FALSE", no, 0) &&
+         JS_DefineProperty(context, library, "NULL", null, 0) &&
+         define_plain<Plain::number>(context, library, "SFFloat") &&
+         define_plain<Plain::number>(context, library, "SFTime") &&
+         define_plain<Plain::number>(context, library, "SFDouble") &&
+         define_plain<Plain::integer>(context, library, "SFInt32") &&
+         define_plain<Plain::truth>(context, library, "SFBool") &&
+         define_plain<Plain::text>(context, library, "SFString");
+}
+
+}  // namespace gs::app::script

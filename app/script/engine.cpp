@@ -1,0 +1,176 @@
+#include "app/script/engine.h"
+
+#include <js/ContextOptions.h>
+#include <js/GCAPI.h>
+#include <js/Initialization.h>
+#include <js/Interrupt.h>
+#include <js/MemoryMetrics.h>
+#include <js/Stack.h>
+#include <jsfriendapi.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace gs::app::script {
+namespace {
+
+// Of garbage and what is not; limits of single worlds are below it.
+constexpr std::uint32_t kHeapOfEngine = 1024U << 20;
+// Recursion ends long before the thread's own stack does.
+constexpr std::size_t kStack = std::size_t{512} << 10;
+constexpr std::chrono::milliseconds kLook{10};
+constexpr int kLooksAtNothing = 100;  // before the watcher sleeps
+
+// Of the whole program: it begins with the first engine and ends behind the last one.
+struct Library {
+  Library() : good(JS_Init()) {}
+  ~Library() {
+    if (good && engines == 0) JS_ShutDown();
+  }
+  bool good;
+  std::atomic<int> engines = 0;
+};
+Library& library() {
+  static Library the_library;
+  return the_library;
+}
+
+std::size_t bytes_at(const void* block) { return malloc_usable_size(const_cast<void*>(block)); }
+
+class NoPrivates final : public JS::ObjectPrivateVisitor {
+ public:
+  NoPrivates() : ObjectPrivateVisitor([](JSObject*, nsISupports**) { return false; }) {}
+  std::size_t sizeOfIncludingThis(nsISupports*) override { return 0; }
+};
+
+}  // namespace
+
+Engine* Engine::of_this_thread() {
+  if (!library().good) return nullptr;
+  static thread_local std::unique_ptr<Engine> engine;
+  if (engine) return engine.get();
+  JSContext* const context = JS_NewContext(kHeapOfEngine);
+  if (!context) return nullptr;
+  if (!js::UseInternalJobQueues(context) || !JS::InitSelfHostedCode(context)) {
+    JS_DestroyContext(context);
+    return nullptr;
+  }
+  engine.reset(new Engine(context));
+  return engine.get();
+}
+
+Engine::Engine(JSContext* context) : context_(context) {
+  ++library().engines;
+  JS_SetContextPrivate(context_, this);
+  JS_SetNativeStackQuota(context_, kStack);
+  // Programs of strangers get the compilers that are simplest; garbage goes at once, since nodes go with it.
+  JS::ContextOptionsRef(context_).setWasm(false).setAsmJS(false);
+  JS_SetGlobalJitCompilerOption(context_, JSJITCOMPILER_ION_ENABLE, 0);
+  JS_SetGCParameter(context_, JSGC_INCREMENTAL_GC_ENABLED, 0);
+  JS_SetGCParameter(context_, JSGC_COMPACTING_ENABLED, 0);
+  JS_AddInterruptCallback(context_, on_interrupt);
+}
+
+Engine::~Engine() {
+  if (watcher_.joinable()) {
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    wake_.notify_all();
+    watcher_.join();
+  }
+  js::StopDrainingJobQueue(context_);
+  JS_DestroyContext(context_);
+  --library().engines;
+}
+
+Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes)
+    : engine_(engine), outermost_(engine.depth_++ == 0) {
+  if (!outermost_) return;
+  engine_.stop_ = Stop::none;
+  engine_.heap_limit_ = heap_bytes;
+  engine_.deadline_ =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  engine_.turns_.fetch_add(1, std::memory_order_relaxed);
+  engine_.busy_.store(true, std::memory_order_release);
+  if (!engine_.asleep_.load(std::memory_order_acquire)) return;
+  const std::lock_guard lock(engine_.mutex_);
+  if (!engine_.watcher_.joinable()) engine_.watcher_ = std::thread([&self = engine_] { self.watch(); });
+  engine_.asleep_ = false;
+  engine_.wake_.notify_all();
+}
+
+Engine::Turn::~Turn() {
+  if (--engine_.depth_ == 0) engine_.busy_.store(false, std::memory_order_release);
+}
+
+// Asks a program that goes on for its time now and then, and sleeps while there is none.
+void Engine::watch() {
+  std::unique_lock lock(mutex_);
+  int nothing = 0;
+  std::uint32_t seen = 0;
+  while (!ends_) {
+    if (asleep_) {
+      wake_.wait(lock, [&] { return ends_ || !asleep_; });
+      nothing = 0;
+      continue;
+    }
+    wake_.wait_for(lock, kLook, [&] { return ends_; });
+    if (busy_.load(std::memory_order_acquire)) JS_RequestInterruptCallback(context_);
+    const std::uint32_t turns = turns_.load(std::memory_order_relaxed);
+    nothing = turns == seen && !busy_ ? nothing + 1 : 0;
+    seen = turns;
+    if (nothing > kLooksAtNothing) asleep_ = true;
+  }
+}
+
+bool Engine::on_interrupt(JSContext* context) {
+  auto* const engine = static_cast<Engine*>(JS_GetContextPrivate(context));
+  if (engine->depth_ == 0) return true;
+  if (Clock::now() >= engine->deadline_) {
+    engine->stop_ = Stop::time;
+    return false;
+  }
+  if (!engine->over_memory()) return true;
+  // What others have left behind does not count.
+  JS_GC(context);
+  if (!engine->over_memory()) return true;
+  engine->stop_ = Stop::memory;
+  engine->nodes_made_ = engine->next_collection_;  // what the program leaves behind goes at once
+  return false;
+}
+
+// The engine counts objects only; what they hold beside, such as the elements of arrays, is measured behind each
+// collection, which it begins itself when that has grown.
+bool Engine::over_memory() {
+  const std::uint32_t number = JS_GetGCParameter(context_, JSGC_MAJOR_GC_NUMBER);
+  if (number != measured_at_) {
+    measured_at_ = number;
+    JS::RootedObject global(context_, JS::CurrentGlobalOrNull(context_));
+    NoPrivates visitor;
+    JS::TabSizes sizes;
+    measured_ = 0;
+    if (global && JS::AddSizeOfTab(context_, global, bytes_at, &visitor, &sizes))
+      measured_ = sizes.objects_ + sizes.strings_ + sizes.private_ + sizes.other_;
+  }
+  const std::size_t own = own_bytes_ > 0 ? static_cast<std::size_t>(own_bytes_) : 0;
+  return std::max<std::size_t>(measured_, JS_GetGCParameter(context_, JSGC_BYTES)) + own > heap_limit_;
+}
+
+bool Engine::may_have(std::size_t bytes) const {
+  const std::size_t own = own_bytes_ > 0 ? static_cast<std::size_t>(own_bytes_) : 0;
+  return bytes <= heap_limit_ && own <= heap_limit_ - bytes;
+}
+
+void Engine::note_nodes(std::size_t count) { nodes_made_ += count; }
+
+void Engine::rest() {
+  if (depth_ != 0 || nodes_made_ < next_collection_) return;
+  nodes_made_ = 0;
+  JS_GC(context_);
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <jsapi.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+
+namespace gs::app::script {
+
+/// Why a program was stopped that nothing of its own can catch.
+enum class Stop : std::uint8_t { none, time, memory };
+
+/// SpiderMonkey on one thread, for all worlds of that thread; and the clock that ends programs which take too long.
+class Engine {
+ public:
+  /// That of the calling thread, made with the first call. Null: there is no memory for it.
+  static Engine* of_this_thread();
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  [[nodiscard]] JSContext* context() const { return context_; }
+
+  /// A program has the engine while this lives, for so long at most. Inside another one, that one's time counts.
+  class Turn {
+   public:
+    Turn(Engine& engine, double seconds, std::size_t heap_bytes);
+    ~Turn();
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    /// What has ended it, if anything.
+    [[nodiscard]] Stop stop() const { return engine_.stop_; }
+    [[nodiscard]] bool outermost() const { return outermost_; }
+
+   private:
+    Engine& engine_;
+    bool outermost_;
+  };
+
+  /// Bytes of values that the engine does not count itself.
+  void add_bytes(std::ptrdiff_t bytes) { own_bytes_ += bytes; }
+  /// Whether programs may have so many more bytes.
+  [[nodiscard]] bool may_have(std::size_t bytes) const;
+  /// Collects garbage when so many nodes have been made since the last time.
+  void note_nodes(std::size_t count);
+  /// Between programs: what has been put off.
+  void rest();
+
+ private:
+  explicit Engine(JSContext* context);
+  static bool on_interrupt(JSContext* context);
+  [[nodiscard]] bool over_memory();
+  void watch();
+
+  using Clock = std::chrono::steady_clock;
+  JSContext* context_;
+  int depth_ = 0;
+  Stop stop_ = Stop::none;
+  Clock::time_point deadline_;
+  std::size_t heap_limit_ = 0;
+  std::ptrdiff_t own_bytes_ = 0;
+  std::size_t nodes_made_ = 0, next_collection_ = 2000;
+  std::uint32_t measured_at_ = 0;  // number of the collection
+  std::size_t measured_ = 0;
+  std::atomic<bool> busy_ = false;
+  std::atomic<std::uint32_t> turns_ = 0;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool watching_ = false, ends_ = false;  // guarded by mutex_
+  std::atomic<bool> asleep_ = true;
+  std::thread watcher_;
+};
+
+}  // namespace gs::app::script

@@ -1,0 +1,222 @@
+#include "app/script/script_world.h"
+
+#include <js/GlobalObject.h>
+#include <js/Object.h>
+#include <js/Realm.h>
+#include <jsfriendapi.h>
+
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+
+// The global object of a Script, with its fields and eventOuts (VRML97 C.5.1), and the library that all of a world
+// share.
+namespace gs::app::script {
+namespace {
+
+constexpr std::uint32_t kProgramSlot = 0;
+
+// Memory that the engine would not see grow, other threads, and promises to clean up later: nothing that programs of
+// VRML97 know.
+const std::unordered_set<std::string_view>& left_out() {
+  static const std::unordered_set<std::string_view> names = {
+      "ArrayBuffer",   "SharedArrayBuffer",    "DataView",       "Int8Array",
+      "Uint8Array",    "Uint8ClampedArray",    "Int16Array",     "Uint16Array",
+      "Int32Array",    "Uint32Array",          "Float32Array",   "Float64Array",
+      "BigInt64Array", "BigUint64Array",       "WebAssembly",    "Atomics",
+      "WeakRef",       "FinalizationRegistry", "ReadableStream", "Intl"};
+  return names;
+}
+
+bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool* resolved) {
+  *resolved = false;
+  if (id.isString()) {
+    Program* const program = program_of_global(global);
+    char name[40];
+    JSLinearString* const text = JS_EnsureLinearString(context, id.toString());
+    if (!text) return false;
+    const std::size_t length = JS::GetLinearStringLength(text);
+    if (length < sizeof name) {
+      for (std::size_t i = 0; i < length; ++i) {
+        const char16_t c = JS::GetLinearStringCharAt(text, i);
+        name[i] = c < 128 ? static_cast<char>(c) : '?';
+      }
+      const std::string_view wanted(name, length);
+      if (left_out().contains(wanted)) return true;
+      if (program && program->world) {
+        JS::RootedObject library(context, program->world->library());
+        JS::RootedValue value(context);
+        bool has = false;
+        const char* from = nullptr;
+        if (wanted == "parseInt") from = "vrmlParseInt";
+        JS::RootedId source(context, id);
+        if (from) {
+          JS::RootedString other(context, JS_AtomizeString(context, from));
+          if (!other || !JS_StringToId(context, other, &source)) return false;
+        }
+        if (program->world->is_own_name(from ? std::string_view(from) : wanted)) {
+          if (!JS_HasOwnPropertyById(context, library, source, &has)) return false;
+          if (has) {
+            if (!JS_GetPropertyById(context, library, source, &value)) return false;
+            *resolved = true;
+            return JS_DefinePropertyById(context, global, id, value, 0);
+          }
+        }
+      }
+    }
+  }
+  return JS_ResolveStandardClass(context, global, id, resolved);
+}
+
+const JSClassOps kGlobalOps = {nullptr, nullptr, nullptr, JS_NewEnumerateStandardClasses, resolve, nullptr,
+                               nullptr, nullptr, nullptr, JS_GlobalObjectTraceHook};
+const JSClass kGlobalClass = {"Script", JSCLASS_GLOBAL_FLAGS, &kGlobalOps, nullptr, nullptr, nullptr};
+
+JS::RealmOptions realm_options() {
+  JS::RealmOptions options;
+  options.creationOptions().setSharedMemoryAndAtomicsEnabled(false).setWeakRefsEnabled(JS::WeakRefSpecifier::Disabled);
+  return options;
+}
+
+// A field or eventOut of the Script by its name (C.5.1).
+Program* program_of_call(const JS::CallArgs& args, std::uint32_t& place) {
+  JSObject* const function = &args.callee();
+  place = static_cast<std::uint32_t>(js::GetFunctionNativeReserved(function, 0).toInt32());
+  return program_of_global(JS::GetNonCCWObjectGlobal(function));
+}
+
+bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::uint32_t place = 0;
+  Program* const program = program_of_call(args, place);
+  if (!program) {
+    args.rval().setUndefined();
+    return true;
+  }
+  World& world = *program->world;
+  const vrml::InterfaceDeclaration& declaration =
+      *world.execution().schema_of_node(program->node).interfaces[place].declaration;
+  if (vrml::is_multiple(declaration.type)) {
+    auto& known = program->lists[place];
+    if (!known) {
+      ListBox box;
+      box.program = program;
+      box.place = place;
+      box.scene = program->scene;
+      JSObject* const list = make_list(context, std::move(box), {});
+      if (!list) return false;
+      known = std::make_unique<JS::PersistentRootedObject>(context, list);
+    }
+    args.rval().setObject(**known);
+    return true;
+  }
+  if (declaration.type == vrml::FieldType::SFImage && !world.flush_changed(context)) return false;
+  const vrml::FieldValue value = world.execution().own_value(program->node, place);
+  return to_value(context, program->scene, value, {program->global, place}, args.rval());
+}
+
+bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::uint32_t place = 0;
+  Program* const program = program_of_call(args, place);
+  args.rval().setUndefined();
+  return !program || set_own(context, *program, place, args.get(0));
+}
+
+}  // namespace
+
+World& world_of(JSContext* context) {
+  return *static_cast<World*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context)));
+}
+
+Program* program_of_global(JSObject* global) {
+  if (JS::GetClass(global) != &kGlobalClass) return nullptr;
+  return JS::GetMaybePtrFromReservedSlot<Program>(global, kProgramSlot);
+}
+
+JSObject* new_global(JSContext* context, Program* program, JS::HandleObject beside) {
+  JS::RealmOptions options = realm_options();
+  if (beside)
+    options.creationOptions().setExistingCompartment(beside);
+  else
+    options.creationOptions().setNewCompartmentAndZone();
+  JSObject* const global = JS_NewGlobalObject(context, &kGlobalClass, nullptr, JS::FireOnNewGlobalHook, options);
+  if (global) JS::SetReservedSlot(global, kProgramSlot, JS::PrivateValue(program));
+  return global;
+}
+
+void forget_program(JSObject* global) { JS::SetReservedSlot(global, kProgramSlot, JS::PrivateValue(nullptr)); }
+
+bool World::make_library() {
+  if (library_) return true;
+  JSContext* const context = engine_.context();
+  JS::RootedObject library(context, new_global(context, nullptr, nullptr));
+  if (!library) return false;
+  const JSAutoRealm realm(context, library);
+  JS_SetCompartmentPrivate(js::GetContextCompartment(context), this);
+  library_ = library;
+  const bool good = define_tuples(context, library, prototypes_) && define_images(context, library, prototypes_) &&
+                    define_lists(context, library, prototypes_) && define_nodes(context, library, prototypes_) &&
+                    define_matrices(context, library, prototypes_) && define_browser(context, library);
+  if (!good) {
+    JS_ClearPendingException(context);
+    library_ = nullptr;
+  }
+  // What one program could do to them would be seen by the others.
+  for (const JS::PersistentRootedObject& prototype : prototypes_) {
+    JS::RootedObject object(context, prototype);
+    if (object) (void)JS_FreezeObject(context, object);
+  }
+  return good;
+}
+
+bool World::is_own_name(std::string_view name) {
+  static const std::unordered_set<std::string_view> names = {
+      "SFColor", "SFRotation", "SFVec2f",    "SFVec3f",  "SFImage",  "SFNode",     "MFColor",      "MFFloat",
+      "MFInt32", "MFNode",     "MFRotation", "MFString", "MFTime",   "MFVec2f",    "MFVec3f",      "SFFloat",
+      "SFTime",  "SFDouble",   "SFInt32",    "SFBool",   "SFString", "VrmlMatrix", "Browser",      "print",
+      "trace",   "TRACE",      "alert",      "TRUE",     "FALSE",    "NULL",       "vrmlParseInt", "$copy"};
+  return names.contains(name);
+}
+
+bool World::make_global(Program& program) {
+  JSContext* const context = engine_.context();
+  JS::RootedObject global(context, new_global(context, &program, library_));
+  if (!global) return false;
+  program.global.init(context, global);
+  const JSAutoRealm realm(context, global);
+  const auto& interfaces = execution_.schema_of_node(program.node).interfaces;
+  program.names.resize(interfaces.size());
+  program.lists.resize(interfaces.size());
+  program.unsent.resize(interfaces.size());
+  for (std::uint32_t place = 0; place < interfaces.size(); ++place) {
+    const vrml::InterfaceDeclaration& declaration = *interfaces[place].declaration;
+    JS::RootedString name(context, JS_AtomizeAndPinString(context, declaration.name.c_str()));
+    JS::RootedId id(context);
+    if (!name || !JS_StringToId(context, name, &id)) return false;
+    program.names[place] = id;
+    if (declaration.access == vrml::AccessType::eventIn) continue;
+    if (declaration.name == "url" || declaration.name == "directOutput" || declaration.name == "mustEvaluate")
+      if (declaration.slot >= 0 && declaration.slot < 3) continue;
+    JSFunction* const get = js::NewFunctionWithReserved(context, get_own, 0, 0, nullptr);
+    JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
+    JSFunction* const set = js::NewFunctionWithReserved(context, set_own_native, 1, 0, nullptr);
+    JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
+    if (!getter || !setter) return false;
+    js::SetFunctionNativeReserved(getter, 0, JS::Int32Value(static_cast<std::int32_t>(place)));
+    js::SetFunctionNativeReserved(setter, 0, JS::Int32Value(static_cast<std::int32_t>(place)));
+    const unsigned attributes = JSPROP_ENUMERATE | JSPROP_PERMANENT;
+    if (!JS_DefinePropertyById(context, global, id, getter, setter, attributes)) return false;
+  }
+  if (settings_.repeatable) {
+    JS::RootedValue math(context), random(context);
+    if (!JS_GetProperty(context, library_, "repeatableRandom", &random) ||
+        !JS_GetProperty(context, global, "Math", &math) || !math.isObject())
+      return false;
+    JS::RootedObject object(context, &math.toObject());
+    if (!JS_SetProperty(context, object, "random", random)) return false;
+  }
+  return true;
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,403 @@
+#include "app/script/script_world.h"
+#include "vrml/syntax/printer.h"
+
+#include <js/Array.h>
+#include <js/Conversions.h>
+#include <js/MemoryFunctions.h>
+#include <js/Object.h>
+#include <js/PropertySpec.h>
+#include <js/Proxy.h>
+#include <js/RealmOptions.h>
+#include <jsfriendapi.h>
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+// The MF types (VRML97 C.6.10 to C.6.18). The object of a Script's own field or eventOut has no value: it reads and
+// writes there. All others have one; that of a list read from a node goes there again when the function is over.
+namespace gs::app::script {
+namespace {
+
+using vrml::FieldType;
+using vrml::FieldValue;
+
+constexpr std::size_t kParentSlot = 0, kPlaceSlot = 1;
+constexpr std::uint32_t kMostElements = 1U << 26;
+
+bool index_of(jsid id, std::uint32_t& index) {
+  if (!id.isInt() || id.toInt() < 0) return false;
+  index = static_cast<std::uint32_t>(id.toInt());
+  return true;
+}
+
+bool is_length(JSContext* context, jsid id) {
+  if (!id.isString()) return false;
+  bool same = false;
+  return JS_StringEqualsLiteral(context, id.toString(), "length", &same) && same;
+}
+
+std::size_t count_of(const FieldValue& value) {
+  return std::visit(
+      [](const auto& array) -> std::size_t {
+        if constexpr (requires { array.span(); }) return array.size();
+        return 0;
+      },
+      value);
+}
+
+void release(ListBox& box) {
+  if (box.link && box.link->execution)
+    for (const vrml::NodeId id : box.held) box.link->execution->release(*box.scene, id);
+  box.held.clear();
+}
+
+// Nodes in it are held, and bytes counted.
+void keep(ListBox& box, JSObject* object) {
+  if (box.program) return;
+  if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value);
+      nodes && box.scene && box.link && box.link->execution && box.link->execution->has_scene(box.scene)) {
+    const std::vector<vrml::NodeId> before = std::exchange(box.held, {nodes->begin(), nodes->end()});
+    for (const vrml::NodeId id : box.held) box.link->execution->hold(*box.scene, id);
+    for (const vrml::NodeId id : before) box.link->execution->release(*box.scene, id);
+  }
+  const std::size_t bytes = std::visit(
+      [](const auto& array) -> std::size_t {
+        if constexpr (requires { array.span(); }) return array.capacity() * sizeof(*array.data());
+        return 0;
+      },
+      box.value);
+  if (bytes == box.counted) return;
+  (void)object;
+  if (box.engine) box.engine->add_bytes(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(box.counted));
+  box.counted = bytes;
+}
+
+class ListHandler final : public js::BaseProxyHandler {
+ public:
+  constexpr ListHandler() : BaseProxyHandler(&kFamily) {}
+  static constexpr char kFamily = 'L';
+
+  bool finalizeInBackground(const JS::Value&) const override { return false; }
+  void finalize(JS::GCContext*, JSObject* proxy) const override {
+    auto* const box = static_cast<ListBox*>(js::GetProxyPrivate(proxy).toPrivate());
+    release(*box);
+    if (box->engine) box->engine->add_bytes(-static_cast<std::ptrdiff_t>(box->counted));
+    delete box;
+  }
+  bool getPrototypeIfOrdinary(JSContext*, JS::HandleObject proxy, bool* is_ordinary,
+                              JS::MutableHandleObject prototype) const override {
+    *is_ordinary = true;
+    prototype.set(js::GetStaticPrototype(proxy));
+    return true;
+  }
+  bool preventExtensions(JSContext*, JS::HandleObject, JS::ObjectOpResult& result) const override {
+    return result.failCantPreventExtensions();
+  }
+  bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
+    *extensible = true;
+    return true;
+  }
+  bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
+    const FieldValue* const value = list_value(*list_of(proxy));
+    const std::size_t count = value ? count_of(*value) : 0;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!keys.append(jsid::Int(static_cast<std::int32_t>(i)))) return false;
+    (void)context;
+    return true;
+  }
+  bool getOwnPropertyDescriptor(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                                JS::MutableHandle<mozilla::Maybe<JS::PropertyDescriptor>> found) const override {
+    found.reset();
+    std::uint32_t index = 0;
+    const FieldValue* const value = list_value(*list_of(proxy));
+    const bool length = is_length(context, id);
+    if (!value || !(length || (index_of(id, index) && index < count_of(*value)))) return true;
+    JS::RootedValue element(context), receiver(context, JS::ObjectValue(*proxy));
+    if (!get(context, proxy, receiver, id, &element)) return false;
+    JS::PropertyAttributes attributes{JS::PropertyAttribute::Writable};
+    if (!length) attributes += {JS::PropertyAttribute::Enumerable, JS::PropertyAttribute::Configurable};
+    found.set(mozilla::Some(JS::PropertyDescriptor::Data(element, attributes)));
+    return true;
+  }
+  bool defineProperty(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                      JS::Handle<JS::PropertyDescriptor> descriptor, JS::ObjectOpResult& result) const override {
+    if (descriptor.isAccessorDescriptor()) return result.failInvalidDescriptor();
+    JS::RootedValue value(context, descriptor.hasValue() ? descriptor.value().get() : JS::UndefinedValue());
+    JS::RootedValue receiver(context, JS::ObjectValue(*proxy));
+    return set(context, proxy, id, value, receiver, result);
+  }
+  bool delete_(JSContext*, JS::HandleObject, JS::HandleId, JS::ObjectOpResult& result) const override {
+    return result.succeed();
+  }
+  bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
+    std::uint32_t index = 0;
+    const FieldValue* const value = list_value(*list_of(proxy));
+    if (index_of(id, index)) {
+      *found = value && index < count_of(*value);
+      return true;
+    }
+    if (is_length(context, id)) {
+      *found = true;
+      return true;
+    }
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    return JS_HasPropertyById(context, prototype, id, found);
+  }
+  bool get(JSContext* context, JS::HandleObject proxy, JS::HandleValue receiver, JS::HandleId id,
+           JS::MutableHandleValue result) const override {
+    std::uint32_t index = 0;
+    ListBox& box = *list_of(proxy);
+    const FieldValue* const value = list_value(box);
+    if (index_of(id, index)) return element(context, proxy, box, value, index, result);
+    if (is_length(context, id)) {
+      result.setNumber(static_cast<double>(value ? count_of(*value) : 0));
+      return true;
+    }
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    return JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
+  }
+  bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
+           JS::ObjectOpResult& result) const override {
+    std::uint32_t index = 0;
+    if (index_of(id, index)) return set_element(context, proxy, index, value) && result.succeed();
+    if (!is_length(context, id)) return result.succeed();  // has no other properties
+    double length = 0;
+    if (!JS::ToNumber(context, value, &length)) return false;
+    if (!(length >= 0 && length <= kMostElements)) return fail(context, "no length of a list");
+    return resize(context, proxy, static_cast<std::uint32_t>(length)) && result.succeed();
+  }
+
+  static bool resize(JSContext* context, JS::HandleObject proxy, std::uint32_t length) {
+    ListBox& box = *list_of(proxy);
+    FieldValue* const value = list_value(box);
+    if (!value) return true;
+    if (!change_size(context, *value, length)) return false;
+    return changed(context, proxy, box);
+  }
+
+  static bool change_size(JSContext* context, FieldValue& value, std::uint32_t length) {
+    return std::visit(
+        [&](auto& array) {
+          if constexpr (requires { array.span(); }) {
+            const std::size_t before = array.size();
+            const std::size_t bytes = length * sizeof(*array.data());
+            if (length > before && (length > kMostElements || !world_of(context).engine().may_have(bytes))) {
+              JS_ReportOutOfMemory(context);
+              return false;
+            }
+            // Room for more than that, since lists are often filled from front to back.
+            if (length > array.capacity()) array.reserve(std::max<std::size_t>(length, array.capacity() * 3 / 2 + 4));
+            array.resize(length);
+          }
+          return true;
+        },
+        value);
+  }
+
+  static bool changed(JSContext* context, JS::HandleObject proxy, ListBox& box) {
+    if (box.program) {
+      box.program->world->own_changed(*box.program, box.place);
+      return true;
+    }
+    keep(box, proxy);
+    const JS::Value& parent = js::GetProxyReservedSlot(proxy, kParentSlot);
+    if (!parent.isObject() || std::exchange(box.changed, true)) return true;
+    return world_of(context).note_changed(context, proxy);
+  }
+
+ private:
+  bool element(JSContext* context, JS::HandleObject proxy, const ListBox& box, const FieldValue* value,
+               std::uint32_t index, JS::MutableHandleValue result) const {
+    if (!value || index >= count_of(*value)) {
+      result.setUndefined();
+      return true;
+    }
+    return std::visit(
+        [&](const auto& array) {
+          if constexpr (requires { array.span(); }) {
+            using T = std::decay_t<decltype(array[0])>;
+            if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) {
+              result.set(JS::NumberValue(array[index]));
+              return true;
+            } else if constexpr (std::is_same_v<T, std::int32_t>) {
+              result.setInt32(array[index]);
+              return true;
+            } else {
+              return to_value(context, box.scene, FieldValue(T(array[index])), {proxy, index}, result);
+            }
+          } else {
+            return false;
+          }
+        },
+        *value);
+  }
+};
+
+constexpr char ListHandler::kFamily;
+const ListHandler kListHandler;
+
+struct ListKind {
+  FieldType type, element;
+  const char* name;
+};
+constexpr ListKind kKinds[] = {
+    {FieldType::MFColor, FieldType::SFColor, "MFColor"},
+    {FieldType::MFFloat, FieldType::SFFloat, "MFFloat"},
+    {FieldType::MFInt32, FieldType::SFInt32, "MFInt32"},
+    {FieldType::MFNode, FieldType::SFNode, "MFNode"},
+    {FieldType::MFRotation, FieldType::SFRotation, "MFRotation"},
+    {FieldType::MFString, FieldType::SFString, "MFString"},
+    {FieldType::MFTime, FieldType::SFTime, "MFTime"},
+    {FieldType::MFVec2f, FieldType::SFVec2f, "MFVec2f"},
+    {FieldType::MFVec3f, FieldType::SFVec3f, "MFVec3f"},
+};
+
+FieldType element_of(FieldType type) {
+  return std::find_if(std::begin(kKinds), std::end(kKinds), [&](const ListKind& one) { return one.type == type; })
+      ->element;
+}
+
+vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).running().scene; }
+
+template <int kIndex>
+bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  const ListKind& kind = kKinds[kIndex];
+  ListBox box;
+  box.scene = scene_of_caller(context);
+  box.value = vrml::initial_value(kind.type);
+  JS::RootedObject list(context, make_list(context, std::move(box), {}));
+  if (!list) return false;
+  JS::RootedValue element(context);
+  JS::RootedObject source(context);
+  std::uint32_t count = args.length();
+  // One list or array: its elements.
+  if (count == 1 && args[0].isObject()) {
+    bool is_array = false;
+    JS::RootedObject object(context, &args[0].toObject());
+    if (!JS::IsArrayObject(context, object, &is_array)) return false;
+    if (is_array || list_of(object)) {
+      source = object;
+      JS::RootedValue length(context);
+      double number = 0;
+      if (!JS_GetProperty(context, object, "length", &length) || !JS::ToNumber(context, length, &number)) return false;
+      count = static_cast<std::uint32_t>(std::min<double>(number, kMostElements));
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (source) {
+      if (!JS_GetElement(context, source, i, &element)) return false;
+    } else {
+      element = args[i];
+    }
+    if (!element.isUndefined() && !set_element(context, list, i, element)) return false;
+  }
+  args.rval().setObject(*list);
+  return true;
+}
+
+bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  ListBox* const box = args.thisv().isObject() ? list_of(&args.thisv().toObject()) : nullptr;
+  if (!box) return fail(context, "called on something that is no list");
+  std::string text;
+  static const vrml::SceneGraph nothing;
+  const FieldValue* const value = list_value(*box);
+  const bool has_scene = box->scene && world_of(context).execution().has_scene(box->scene);
+  if (value) vrml::print_value(text, *value, has_scene ? *box->scene : nothing);
+  return make_string(context, text, args.rval());
+}
+
+const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0), JS_FS_END};
+
+template <int kIndex>
+bool define(JSContext* context, JS::HandleObject library, JS::HandleObject array_prototype,
+            std::vector<JS::PersistentRootedObject>& prototypes) {
+  const ListKind& kind = kKinds[kIndex];
+  JS::RootedObject prototype(context, JS_NewObjectWithGivenProto(context, nullptr, array_prototype));
+  JSFunction* const function = JS_NewFunction(context, construct<kIndex>, 0, JSFUN_CONSTRUCTOR, kind.name);
+  JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
+  if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMethods)) return false;
+  if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;
+  prototypes[static_cast<std::size_t>(kind.type)] = prototype;
+  return JS_DefineProperty(context, library, kind.name, constructor, 0);
+}
+
+template <int... kIndices>
+bool define_all(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes,
+                std::integer_sequence<int, kIndices...>) {
+  JS::RootedObject array_prototype(context, JS::GetRealmArrayPrototype(context));
+  return array_prototype && (define<kIndices>(context, library, array_prototype, prototypes) && ...);
+}
+
+}  // namespace
+
+bool define_lists(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
+  return define_all(context, library, prototypes,
+                    std::make_integer_sequence<int, static_cast<int>(std::size(kKinds))>());
+}
+
+ListBox* list_of(JSObject* object) {
+  if (!js::IsProxy(object) || js::GetProxyHandler(object) != &kListHandler) return nullptr;
+  return static_cast<ListBox*>(js::GetProxyPrivate(object).toPrivate());
+}
+
+FieldValue* list_value(ListBox& box) {
+  if (!box.program) return &box.value;
+  return &box.program->world->execution().own_value(box.program->node, box.place);
+}
+
+JSObject* make_list(JSContext* context, ListBox box, Source source) {
+  World& world = world_of(context);
+  JS::RootedObject parent(context, source.parent);
+  const FieldType type =
+      box.program ? world.execution().schema_of_node(box.program->node).interfaces[box.place].declaration->type
+                  : vrml::type_of(box.value);
+  auto own = std::make_unique<ListBox>(std::move(box));
+  own->link = world.link();
+  own->engine = &world.engine();
+  JS::RootedValue place(context, JS::PrivateValue(own.get()));
+  JSObject* const made = js::NewProxyObject(context, &kListHandler, place, world.prototype(type));
+  if (!made) return nullptr;
+  ListBox& kept = *own.release();
+  js::SetProxyReservedSlot(made, kParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
+  js::SetProxyReservedSlot(made, kPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
+  keep(kept, made);
+  return made;
+}
+
+bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index, JS::HandleValue value) {
+  ListBox& box = *list_of(list);
+  FieldValue* field = list_value(box);
+  if (!field) return true;
+  FieldValue element;
+  if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene, element)) return false;
+  field = list_value(box);  // the program may have changed it meanwhile
+  if (index >= count_of(*field)) {
+    if (index >= kMostElements) return fail(context, "index beyond what a list may have");
+    if (!ListHandler::change_size(context, *field, index + 1)) return false;
+  }
+  std::visit(
+      [&](auto& array) {
+        if constexpr (requires { array.span(); }) {
+          using T = std::decay_t<decltype(array[0])>;
+          array.mutable_data()[index] = std::move(*std::get_if<T>(&element));
+        }
+      },
+      *field);
+  return ListHandler::changed(context, list, box);
+}
+
+bool flush_list(JSContext* context, JS::HandleObject list) {
+  ListBox& box = *list_of(list);
+  if (!std::exchange(box.changed, false)) return true;
+  const JS::Value parent = js::GetProxyReservedSlot(list, kParentSlot);
+  if (!parent.isObject()) return true;
+  JS::RootedObject source(context, &parent.toObject());
+  JS::RootedValue value(context, JS::ObjectValue(*list));
+  return write_back(context, source, static_cast<std::uint32_t>(js::GetProxyReservedSlot(list, kPlaceSlot).toInt32()),
+                    value);
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,272 @@
+#include "app/script/script_world.h"
+#include "vrml/scene/scene_graph.h"
+
+#include <js/Conversions.h>
+#include <js/Object.h>
+#include <js/PropertySpec.h>
+#include <js/Proxy.h>
+#include <jsfriendapi.h>
+
+#include <algorithm>
+#include <utility>
+
+// SFNode (VRML97 C.6.6): the eventIns, eventOuts and exposedFields of a node as properties (C.5.2). A node has one
+// object a world, so that comparing objects compares nodes; it is held as long as its object is there.
+namespace gs::app::script {
+namespace {
+
+using vrml::AccessType;
+using vrml::InterfaceDeclaration;
+
+std::uint64_t key_of(vrml::NodeId id) { return std::uint64_t{id.generation} << 32 | id.index; }
+
+// The name of a property; empty: it is no name.
+bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
+  name.clear();
+  if (!id.isString()) return true;
+  JS::RootedValue value(context, JS::StringValue(id.toString()));
+  return text_of_value(context, value, name);
+}
+
+const vrml::Node* node_in_world(JSContext* context, const NodeBox& box) {
+  if (!world_of(context).execution().has_scene(box.scene) || !box.scene->contains(box.id)) return nullptr;
+  return &box.scene->node(box.id);
+}
+
+std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& declaration) {
+  std::uint32_t place = 0;
+  for (const InterfaceDeclaration& one : type.interfaces) {
+    if (&one == &declaration) break;
+    ++place;
+  }
+  return place;
+}
+
+// `bind` of Viewpoints and the like, as browsers of the time had it, for `set_bind`; also eventIns by half their names.
+const InterfaceDeclaration* event_in(const vrml::NodeType& type, const std::string& name) {
+  if (const InterfaceDeclaration* found = type.find_event_in(name)) return found;
+  const InterfaceDeclaration* found = type.find("set_" + name);
+  return found && found->access == AccessType::eventIn ? found : nullptr;
+}
+
+// Fields may not be accessed (C.5.2), but browsers of the time let programs read them.
+const InterfaceDeclaration* readable(const vrml::NodeType& type, const std::string& name) {
+  if (const InterfaceDeclaration* found = type.find_event_out(name)) return found;
+  if (const InterfaceDeclaration* found = type.find_field(name)) return found;
+  constexpr std::string_view kSet = "set_";
+  if (name.starts_with(kSet))
+    if (const InterfaceDeclaration* found = type.find_field(name.substr(kSet.size()))) return found;
+  const InterfaceDeclaration* found = type.find(name + "_changed");
+  return found && found->access == AccessType::eventOut ? found : nullptr;
+}
+
+class NodeHandler final : public js::BaseProxyHandler {
+ public:
+  constexpr NodeHandler() : BaseProxyHandler(&kFamily) {}
+  static constexpr char kFamily = 'N';
+
+  bool finalizeInBackground(const JS::Value&) const override { return false; }
+  void finalize(JS::GCContext*, JSObject* proxy) const override {
+    auto* const box = static_cast<NodeBox*>(js::GetProxyPrivate(proxy).toPrivate());
+    if (const auto own = box->link->objects.find(key_of(box->id));
+        own != box->link->objects.end() && own->second == proxy)
+      box->link->objects.erase(own);
+    if (box->link->execution && box->link->execution->has_scene(box->scene))
+      box->link->execution->release(*box->scene, box->id);
+    delete box;
+  }
+  bool getPrototypeIfOrdinary(JSContext*, JS::HandleObject proxy, bool* is_ordinary,
+                              JS::MutableHandleObject prototype) const override {
+    *is_ordinary = true;
+    prototype.set(js::GetStaticPrototype(proxy));
+    return true;
+  }
+  bool preventExtensions(JSContext*, JS::HandleObject, JS::ObjectOpResult& result) const override {
+    return result.failCantPreventExtensions();
+  }
+  bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
+    *extensible = true;
+    return true;
+  }
+  bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
+    const vrml::Node* const node = node_in_world(context, *node_of(proxy));
+    if (!node) return true;
+    for (const InterfaceDeclaration& one : node->type->interfaces) {
+      JS::RootedString name(context, JS_AtomizeString(context, one.name.c_str()));
+      JS::RootedId id(context);
+      if (!name || !JS_StringToId(context, name, &id) || !keys.append(id)) return false;
+    }
+    return true;
+  }
+  bool getOwnPropertyDescriptor(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                                JS::MutableHandle<mozilla::Maybe<JS::PropertyDescriptor>> found) const override {
+    found.reset();
+    bool known = false;
+    if (!has(context, proxy, id, &known)) return false;
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    bool inherited = false;
+    if (!JS_HasPropertyById(context, prototype, id, &inherited)) return false;
+    if (!known || inherited) return true;
+    JS::RootedValue value(context), receiver(context, JS::ObjectValue(*proxy));
+    if (!get(context, proxy, receiver, id, &value)) return false;
+    found.set(mozilla::Some(JS::PropertyDescriptor::Data(
+        value,
+        {JS::PropertyAttribute::Enumerable, JS::PropertyAttribute::Writable, JS::PropertyAttribute::Configurable})));
+    return true;
+  }
+  bool defineProperty(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                      JS::Handle<JS::PropertyDescriptor> descriptor, JS::ObjectOpResult& result) const override {
+    if (descriptor.isAccessorDescriptor()) return result.failInvalidDescriptor();
+    JS::RootedValue value(context, descriptor.hasValue() ? descriptor.value().get() : JS::UndefinedValue());
+    JS::RootedValue receiver(context, JS::ObjectValue(*proxy));
+    return set(context, proxy, id, value, receiver, result);
+  }
+  bool delete_(JSContext*, JS::HandleObject, JS::HandleId, JS::ObjectOpResult& result) const override {
+    return result.succeed();
+  }
+  bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
+    std::string name;
+    if (!name_of_id(context, id, name)) return false;
+    const vrml::Node* const node = node_in_world(context, *node_of(proxy));
+    *found = node && !name.empty() && (readable(*node->type, name) || event_in(*node->type, name));
+    if (*found) return true;
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    return JS_HasPropertyById(context, prototype, id, found);
+  }
+  bool get(JSContext* context, JS::HandleObject proxy, JS::HandleValue receiver, JS::HandleId id,
+           JS::MutableHandleValue result) const override {
+    std::string name;
+    if (!name_of_id(context, id, name)) return false;
+    const NodeBox& box = *node_of(proxy);
+    const vrml::Node* const node = node_in_world(context, box);
+    const InterfaceDeclaration* const declaration = node && !name.empty() ? readable(*node->type, name) : nullptr;
+    if (!declaration) {
+      JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+      return JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
+    }
+    World& world = world_of(context);
+    if (!world.flush_changed(context)) return false;
+    const vrml::FieldValue* value = world.posted(*box.scene, box.id, *declaration);
+    if (!value) value = world.execution().last_value(*box.scene, box.id, *declaration);
+    if (!value) {
+      result.setUndefined();
+      return true;
+    }
+    const bool writable = declaration->access == AccessType::exposedField;
+    const Source source = writable ? Source{proxy, place_of(*node->type, *declaration)} : Source{};
+    const vrml::FieldValue copy = *value;
+    return to_value(context, box.scene, copy, source, result);
+  }
+  bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
+           JS::ObjectOpResult& result) const override {
+    std::string name;
+    if (!name_of_id(context, id, name)) return false;
+    const NodeBox& box = *node_of(proxy);
+    const vrml::Node* const node = node_in_world(context, box);
+    if (!node) return result.succeed();
+    const InterfaceDeclaration* const declaration = event_in(*node->type, name);
+    if (!declaration) {
+      world_of(context).warn_once(node->type->name + " has no eventIn '" + name.substr(0, 80) + "'; not set");
+      return result.succeed();
+    }
+    return set_node_field(context, proxy, place_of(*node->type, *declaration), value) && result.succeed();
+  }
+};
+
+constexpr char NodeHandler::kFamily;
+const NodeHandler kNodeHandler;
+
+bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  if (args.length() == 0 || args[0].isNullOrUndefined()) {
+    args.rval().setObjectOrNull(JS_NewPlainObject(context));
+    return args.rval().isObject();
+  }
+  if (args[0].isObject() && node_of(&args[0].toObject())) {
+    args.rval().set(args[0]);
+    return true;
+  }
+  std::string text;
+  vrml::MFNode nodes;
+  vrml::SceneGraph* scene = nullptr;
+  if (!text_of_value(context, args[0], text)) return false;
+  if (!world_of(context).create_from_string(context, text, nodes, scene)) return false;
+  if (nodes.empty()) return fail(context, "expected the text of a node");
+  JSObject* const made = object_of_node(context, *scene, nodes[0]);
+  args.rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+// "If the browser is unable to reproduce this node, the name of the node followed by the open brace and close brace"
+// (C.6.6.4).
+bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  return make_string(context, node ? node->type->name + " { }" : std::string("NULL"), args.rval());
+}
+
+// SAI's names, which later content has.
+bool type_name(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  return make_string(context, node ? node->type->name : std::string(), args.rval());
+}
+bool node_name(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  return make_string(context, node ? std::string(node->name) : std::string(), args.rval());
+}
+
+const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0),
+                                   JS_FN("getNodeTypeName", type_name, 0, 0),
+                                   JS_FN("getType", type_name, 0, 0),
+                                   JS_FN("getNodeType", type_name, 0, 0),
+                                   JS_FN("getName", node_name, 0, 0),
+                                   JS_FN("getNodeName", node_name, 0, 0),
+                                   JS_FS_END};
+
+}  // namespace
+
+bool define_nodes(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
+  JS::RootedObject prototype(context, JS_NewPlainObject(context));
+  JSFunction* const function = JS_NewFunction(context, construct, 1, JSFUN_CONSTRUCTOR, "SFNode");
+  JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
+  if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMethods)) return false;
+  if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;
+  prototypes[static_cast<std::size_t>(vrml::FieldType::SFNode)] = prototype;
+  return JS_DefineProperty(context, library, "SFNode", constructor, 0);
+}
+
+NodeBox* node_of(JSObject* object) {
+  if (!js::IsProxy(object) || js::GetProxyHandler(object) != &kNodeHandler) return nullptr;
+  return static_cast<NodeBox*>(js::GetProxyPrivate(object).toPrivate());
+}
+
+JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId id) {
+  World& world = world_of(context);
+  auto& objects = world.link()->objects;
+  if (const auto known = objects.find(key_of(id)); known != objects.end()) return known->second;
+  auto box = std::make_unique<NodeBox>(NodeBox{world.link(), &scene, id});
+  JS::RootedValue place(context, JS::PrivateValue(box.get()));
+  JSObject* const made = js::NewProxyObject(context, &kNodeHandler, place, world.prototype(vrml::FieldType::SFNode));
+  if (!made) return nullptr;
+  (void)box.release();
+  world.execution().hold(scene, id);
+  objects[key_of(id)] = made;
+  return made;
+}
+
+bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t place, JS::HandleValue value) {
+  const NodeBox& box = *node_of(object);
+  const vrml::Node* const node = node_in_world(context, box);
+  if (!node || place >= node->type->interfaces.size()) return true;
+  const InterfaceDeclaration& declaration = node->type->interfaces[place];
+  vrml::FieldValue field;
+  if (!to_field(context, value, declaration.type, box.scene, field)) return false;
+  return world_of(context).post(context, *box.scene, box.id, declaration, std::move(field));
+}
+
+}  // namespace gs::app::script

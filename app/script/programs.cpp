@@ -1,0 +1,110 @@
+#include "app/script/script_world.h"
+
+#include <js/CompilationAndEvaluation.h>
+#include <js/CompileOptions.h>
+#include <js/ErrorReport.h>
+#include <js/Exception.h>
+#include <js/Object.h>
+#include <js/Realm.h>
+#include <js/SourceText.h>
+#include <js/friend/ErrorMessages.h>
+
+#include <algorithm>
+#include <utility>
+
+// Texts of programs to what the engine runs, and what it says of them.
+namespace gs::app::script {
+
+namespace {
+
+JSScript* compile(JSContext* context, const JS::CompileOptions& options, const std::string& text) {
+  JS::SourceText<mozilla::Utf8Unit> source;
+  if (!source.init(context, text.data(), text.size(), JS::SourceOwnership::Borrowed)) return nullptr;
+  return JS::Compile(context, options, source);
+}
+
+}  // namespace
+
+JSScript* compile_mended(JSContext* context, const std::string& text, const std::string& file,
+                         vrml::SourceLocation place) {
+  JS::CompileOptions options(context);
+  options.setFileAndLine(file.c_str(), std::max(1U, place.line));
+  options.setColumn(place.column > 0 ? place.column - 1 : 0);
+  JSScript* const made = compile(context, options, text);
+  if (made || !JS_IsExceptionPending(context)) return made;
+  JS::AutoSaveExceptionState first(context);
+  JSScript* const mended = compile(context, options, mended_text(text));
+  if (mended) first.drop();
+  return mended;
+}
+
+/// What a pending exception says, which is none any more; nothing: it says nothing.
+std::optional<vrml::Diagnostic> take_exception(JSContext* context, bool& recursion) {
+  JS::ExceptionStack stack(context);
+  JS::ErrorReportBuilder builder(context);
+  if (!JS::StealPendingExceptionStack(context, &stack) ||
+      !builder.init(context, stack, JS::ErrorReportBuilder::NoSideEffects)) {
+    JS_ClearPendingException(context);
+    return std::nullopt;
+  }
+  const JSErrorReport* const found = builder.report();
+  vrml::Diagnostic one{vrml::Severity::error, found && found->filename ? found->filename : std::string(), {}, {}};
+  if (found) one.location = {found->lineno, found->lineno == 0 ? 0 : std::max(1U, found->column)};
+  one.message = builder.toStringResult() ? builder.toStringResult().c_str() : "the program failed";
+  constexpr std::size_t kMostText = 400;
+  if (one.message.size() > kMostText) one.message.resize(kMostText);
+  recursion = found && found->errorNumber == JSMSG_OVER_RECURSED;
+  return one;
+}
+
+namespace {
+
+std::optional<vrml::Diagnostic> compile_problem(JSContext* context, const std::string& text, const std::string& file,
+                                                vrml::SourceLocation place) {
+  if (compile_mended(context, text, file, place)) return std::nullopt;
+  bool recursion = false;
+  auto problem = take_exception(context, recursion);
+  return problem ? problem : vrml::Diagnostic{vrml::Severity::error, file, place, "the program cannot be compiled"};
+}
+
+}  // namespace
+
+}  // namespace gs::app::script
+
+namespace gs::app {
+
+void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  script::Engine* const engine = script::Engine::of_this_thread();
+  if (!engine) return;
+  JSContext* const context = engine->context();
+  JS::RootedObject global(context, script::new_global(context, nullptr, nullptr));
+  if (!global) return;
+  const JSAutoRealm realm(context, global);
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::Node& node = scene.node_at(i);
+    if (!node.type || !vrml::has(node.type->role, vrml::Role::script) || !scene.contains(scene.id_at(i))) continue;
+    if (node.instance != 0) continue;  // a copy
+    const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
+    const auto* const list = url ? std::get_if<vrml::MFString>(&node.values[url->slot]) : nullptr;
+    if (!list) continue;
+    for (std::size_t k = 0; k < list->size(); ++k) {
+      const ProgramPlace held = program_place((*list)[k].view());
+      const std::string label = node.name.empty() ? "Script" : "Script " + std::string(node.name);
+      if (held.kind == ProgramPlace::Kind::java)
+        diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location,
+                         label + ": a Java program, which is not run"});
+      if (held.kind != ProgramPlace::Kind::held) continue;
+      vrml::SourceLocation at = node.location;
+      if (node.type->url_places.size() == list->size()) {
+        at = node.type->url_places[k];
+        at.column += static_cast<std::uint32_t>(held.text.data() - (*list)[k].view().data()) + 1;
+      }
+      if (auto problem = script::compile_problem(context, std::string(held.text), node.text->file_name(), at)) {
+        problem->message = label + ": " + problem->message;
+        diagnostics.add(std::move(*problem));
+      }
+    }
+  }
+}
+
+}  // namespace gs::app

@@ -1,0 +1,94 @@
+#pragma once
+
+#include "vrml/events/execution.h"
+#include "vrml/events/script_host.h"
+#include "vrml/scene/diagnostic.h"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gs::app {
+
+/// What a program has printed, or what is wrong with it.
+struct ScriptMessage {
+  vrml::Diagnostic diagnostic;
+  bool printed = false;  // `diagnostic.message` is a line of print() or trace()
+};
+
+/// What a program wants of the browser that only a session has (VRML97 4.12.10).
+struct ScriptRequest {
+  enum class Kind : std::uint8_t {
+    program,          // the text of the Script's url, see ScriptRunner::found
+    load_url,         // an Anchor would do the same
+    create_from_url,  // nodes of a file, to be sent to an eventIn
+    description,      // `text` is to be shown
+    viewpoint,        // `text`: the Viewpoint of this description or name is to be bound
+  };
+  Kind kind = Kind::load_url;
+  std::vector<std::string> urls, parameters;
+  std::string text;
+  const vrml::SourceText* origin = nullptr;  // in whose name
+  vrml::SceneGraph* scene = nullptr;         // of the Script, or of the node that gets the event
+  vrml::NodeId node;
+  const vrml::InterfaceDeclaration* event_in = nullptr;
+  vrml::SourceLocation location;  // of the Script
+};
+
+/// What programs may ask about the browser.
+struct BrowserState {
+  std::string world_url;
+  double speed = 0, frame_rate = 0;  // metres and pictures a second
+};
+
+/// Runs ECMAScript programs (VRML97 Annex C) for an Execution, with SpiderMonkey. What a program may take of time and
+/// memory, Limits say; it reaches nothing but the nodes of its world and what is asked for by `take_requests`. One
+/// thread, that of the Execution, which must outlive it.
+class ScriptRunner : public vrml::ScriptHost {
+ public:
+  struct Settings {
+    /// Seconds for all programs of a step together; what is left waits for the next one. 0: no matter how long.
+    double step_seconds = 0;
+    /// Math.random gives the same numbers each time.
+    bool repeatable = false;
+  };
+
+  /// Null: there is no engine, since memory is short.
+  [[nodiscard]] static std::unique_ptr<ScriptRunner> make(vrml::Execution& execution, Settings settings);
+
+  /// A step begins.
+  virtual void begin_step() = 0;
+  virtual void set_browser(BrowserState state) = 0;
+  /// The program of a Script that asked for one has come; nothing: none of what it asked for can be had.
+  virtual void found(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
+                     const std::string& url) = 0;
+  /// The same in front of the Script itself: it does not ask.
+  virtual void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
+                       const std::string& url) = 0;
+  /// The text of create_from_url has come. False: the node is not there any more.
+  virtual bool created(const ScriptRequest& request, const std::string& text, const std::string& url) = 0;
+  [[nodiscard]] virtual std::vector<ScriptMessage> take_messages() = 0;
+  /// Is given each message at once, in place of take_messages.
+  virtual void observe(std::function<void(const ScriptMessage&)> observer) = 0;
+  [[nodiscard]] virtual std::vector<ScriptRequest> take_requests() = 0;
+  /// Whether the last step had no time left for all programs.
+  [[nodiscard]] virtual bool is_late() const = 0;
+};
+
+/// What of a Script's url list is a program, and where: `javascript:`, `vrmlscript:` and `ecmascript:` hold it
+/// themselves (VRML97 4.5.5, C.3.1).
+struct ProgramPlace {
+  enum class Kind : std::uint8_t { held, file, java, unknown };
+  Kind kind = Kind::unknown;
+  std::string_view text;  // of `held`
+};
+[[nodiscard]] ProgramPlace program_place(std::string_view url);
+
+/// What is wrong with the programs that Scripts of the scene hold, without running them.
+void check_programs(const vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+
+}  // namespace gs::app

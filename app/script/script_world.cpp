@@ -1,0 +1,460 @@
+#include "app/script/script_world.h"
+
+#include "vrml/syntax/parser.h"
+
+#include <js/CallAndConstruct.h>
+#include <js/CompilationAndEvaluation.h>
+#include <js/CompileOptions.h>
+#include <js/ErrorReport.h>
+#include <js/Exception.h>
+#include <js/GCAPI.h>
+#include <js/Object.h>
+#include <js/Realm.h>
+#include <js/RegExp.h>
+#include <js/SourceText.h>
+#include <js/friend/ErrorMessages.h>
+#include <jsfriendapi.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app::script {
+namespace {
+
+constexpr std::size_t kMostMessages = 1000, kMostSaid = 4000, kMostRequests = 256;
+constexpr int kMostFaults = 3;
+constexpr std::size_t kWorthCollecting = 64;
+
+bool is_object(vrml::FieldType type) {
+  using vrml::FieldType;
+  return vrml::is_multiple(type) || type == FieldType::SFColor || type == FieldType::SFVec2f ||
+         type == FieldType::SFVec3f || type == FieldType::SFRotation || type == FieldType::SFImage;
+}
+
+}  // namespace
+
+World::World(vrml::Execution& execution, Engine& engine, Settings settings)
+    : execution_(execution),
+      engine_(engine),
+      settings_(settings),
+      library_(engine.context()),
+      changed_(engine.context(), JS::StackGCVector<JSObject*>(engine.context())) {
+  link_->execution = &execution;
+  for (int i = 0; i <= kRowPrototype; ++i) prototypes_.emplace_back(engine.context());
+}
+
+World::~World() {
+  ends_ = true;
+  // In the order in which they came (4.12.3).
+  std::vector<vrml::EventNode> nodes;
+  for (const auto& [node, program] : programs_) nodes.push_back(node);
+  std::sort(nodes.begin(), nodes.end());
+  for (const vrml::EventNode node : nodes) end(node);
+  for (const vrml::EventNode node : nodes) forget(node);
+  if (library_) {
+    const JSAutoRealm realm(engine_.context(), library_);
+    JS_SetCompartmentPrivate(js::GetContextCompartment(engine_.context()), nullptr);
+  }
+  link_->execution = nullptr;
+}
+
+Program* World::program_of(vrml::EventNode node) const {
+  const auto found = programs_.find(node);
+  return found == programs_.end() ? nullptr : found->second.get();
+}
+
+// The places are those of the text in its file, so that messages say where.
+bool World::load(Program& program, std::string_view text, const std::string& file, vrml::SourceLocation place) {
+  JSContext* const context = engine_.context();
+  bool good = false;
+  run(program, [&] {
+    std::vector<std::string> values;
+    for (const auto& interface : execution_.schema_of_node(program.node).interfaces)
+      if (interface.declaration->access != vrml::AccessType::eventIn && is_object(interface.declaration->type))
+        values.push_back(interface.declaration->name);
+    const std::string modern = modern_text(text, values);
+    JS::RootedScript script(context, compile_mended(context, modern, file, place));
+    JS::RootedValue ignored(context);
+    if (!script) return false;
+    good = true;
+    return JS_ExecuteScript(context, script, &ignored);
+  });
+  return good;
+}
+
+template <class Do>
+void World::run(Program& program, const Do& what) {
+  if (program.off || !program.global) return;
+  const auto began = std::chrono::steady_clock::now();
+  JSContext* const context = engine_.context();
+  Program* const outer = std::exchange(running_, &program);
+  const vrml::Limits& limits = execution_.root().limits();
+  {
+    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
+    const JSAutoRealm realm(context, program.global);
+    bool good = what();
+    if (good) js::RunJobs(context);
+    good = good && turn.stop() == Stop::none;
+    if (!good) {
+      if (turn.stop() == Stop::none && JS_IsExceptionPending(context)) {
+        report_exception(program);
+      } else if (turn.stop() == Stop::memory) {
+        fault(program, "the program takes more memory than the " + std::to_string(limits.script_heap >> 20) +
+                           " MiB that programs of a world may have");
+      } else {
+        fault(program,
+              turn.stop() == Stop::time ? "the program did not come to its end in time" : "the program failed");
+      }
+      JS_ClearPendingException(context);
+    }
+    if (!flush_changed(context)) JS_ClearPendingException(context);
+  }
+  send_all(program);
+  running_ = outer;
+  engine_.rest();
+  spent_ += std::chrono::steady_clock::now() - began;
+}
+
+// Events of what was assigned, at the completion of the function (C.5.2, C.5.3).
+void World::send_all(Program& program) {
+  std::vector<Post> posts = std::exchange(posts_, {});
+  last_posts_.clear();
+  for (const std::uint32_t place : std::exchange(program.to_send, {})) {
+    program.unsent[place] = false;
+    if (!ends_) execution_.send_own(program.node, place);
+  }
+  if (ends_) return;
+  for (Post& post : posts)
+    if (execution_.has_scene(post.scene))
+      (void)execution_.post(*post.scene, post.node, *post.event_in, std::move(post.value));
+}
+
+bool World::begin(vrml::EventNode node) {
+  if (programs_.contains(node)) {
+    end(node);
+    forget(node);
+  }
+  const vrml::NodePlace at = execution_.place_of(node);
+  auto made = std::make_unique<Program>();
+  made->world = this;
+  made->node = node;
+  made->id = at.node;
+  made->scene = execution_.own_scene(*at.scene);
+  programs_[node] = std::move(made);
+  return go_on(node);
+}
+
+bool World::go_on(vrml::EventNode node) {
+  Program& program = *programs_.at(node);
+  const vrml::Node& script = program.scene->node(program.id);
+  const vrml::InterfaceDeclaration* const url = script.type->find_field("url");
+  const vrml::MFString urls = url ? std::get<vrml::MFString>(script.values[url->slot]) : vrml::MFString{};
+  if (!make_library()) {
+    report(vrml::Severity::error, program, "there is no memory for programs");
+    return false;
+  }
+  const std::string file = url ? program.scene->text_of(program.id, url->slot).file_name() : script.text->file_name();
+  const bool own_places = script.type->url_places.size() == urls.size() && url &&
+                          &program.scene->text_of(program.id, url->slot) == script.text;
+  const auto try_one = [&](std::string_view text, const std::string& name, vrml::SourceLocation at_place) {
+    if (!program.global && !make_global(program)) return false;
+    if (!load(program, text, name, at_place)) return false;
+    program.runs = true;
+    JSContext* const context = engine_.context();
+    const JSAutoRealm realm(context, program.global);
+    JS::RootedValue function(context);
+    program.has_processed = JS_GetProperty(context, program.global, "eventsProcessed", &function) &&
+                            function.isObject() && JS::IsCallable(&function.toObject());
+    call(program, "initialize");
+    return true;
+  };
+  const auto try_text = [&] {
+    const auto text = texts_.extract(node);
+    program.waits = false;
+    return text.mapped().text && try_one(*text.mapped().text, text.mapped().url, {1, 1});
+  };
+  if (program.waits && try_text()) return true;
+  while (program.next_url < urls.size()) {
+    const ProgramPlace held = program_place(urls[program.next_url].view());
+    if (held.kind == ProgramPlace::Kind::held) {
+      vrml::SourceLocation at_place = own_places ? script.type->url_places[program.next_url] : script.location;
+      const auto before = static_cast<std::uint32_t>(held.text.data() - urls[program.next_url].view().data());
+      if (own_places) at_place.column += before + 1;
+      ++program.next_url;
+      if (try_one(held.text, file, at_place)) return true;
+    } else if (held.kind == ProgramPlace::Kind::java) {
+      report(vrml::Severity::warning, program, "a Java program, which is not run");
+      ++program.next_url;
+    } else if (held.kind == ProgramPlace::Kind::file) {
+      ScriptRequest wanted;
+      wanted.kind = ScriptRequest::Kind::program;
+      wanted.scene = program.scene;
+      wanted.node = program.id;
+      wanted.location = script.location;
+      wanted.origin = &(url ? program.scene->text_of(program.id, url->slot) : *script.text).origin();
+      // All files up to the next program that is held here: whoever fetches takes the first that can be had.
+      while (program.next_url < urls.size() &&
+             program_place(urls[program.next_url].view()).kind == ProgramPlace::Kind::file)
+        wanted.urls.push_back(urls[program.next_url++].str());
+      if (texts_.contains(node)) {
+        if (try_text()) return true;
+        continue;
+      }
+      program.waits = true;
+      requests_.push_back(std::move(wanted));
+      return false;
+    } else {
+      ++program.next_url;
+    }
+  }
+  return false;
+}
+
+void World::call(Program& program, const char* name) {
+  run(program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    if (!JS_GetProperty(context, program.global, name, &function)) return false;
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray::empty(), &ignored);
+  });
+}
+
+bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::FieldValue& value, double time) {
+  Program* const program = program_of(node);
+  if (!program || !program->runs) return false;
+  // A copy: the program may change what it was sent from.
+  const vrml::FieldValue copy = value;
+  run(*program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    JS::RootedId name(context, program->names[interface]);
+    if (!JS_GetPropertyById(context, program->global, name, &function)) return false;
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    JS::RootedValueArray<2> arguments(context);
+    if (!to_value(context, program->scene, copy, {}, arguments[0])) return false;
+    arguments[1].set(JS::DoubleValue(time));
+    return JS_CallFunctionValue(context, program->global, function, JS::HandleValueArray(arguments), &ignored);
+  });
+  return program->has_processed;
+}
+
+void World::events_processed(vrml::EventNode node) {
+  Program* const program = program_of(node);
+  if (program && program->runs) call(*program, "eventsProcessed");
+}
+
+void World::end(vrml::EventNode node) {
+  Program* const program = program_of(node);
+  if (!program || !std::exchange(program->runs, false)) return;
+  call(*program, "shutdown");
+}
+
+void World::forget(vrml::EventNode node) {
+  const auto found = programs_.find(node);
+  texts_.erase(node);
+  if (found == programs_.end()) return;
+  if (Program* const program = found->second.get()) {
+    for (const auto& list : program->lists)
+      if (list) list_of(*list)->program = nullptr;
+    if (program->global) forget_program(program->global);
+  }
+  programs_.erase(found);
+}
+
+bool World::waits(vrml::EventNode node) const {
+  const Program* const program = program_of(node);
+  return program && program->waits;
+}
+
+bool World::has_time() {
+  if (settings_.step_seconds <= 0) return true;
+  const bool has = spent_ < std::chrono::duration<double>(settings_.step_seconds);
+  late_ = late_ || !has;
+  return has;
+}
+
+void World::begin_step() {
+  spent_ = {};
+  late_ = false;
+}
+
+void World::found(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
+                  const std::string& url) {
+  const vrml::EventNode node = execution_.event_node(scene, script);
+  Program* const program = node == 0 ? nullptr : program_of(node);
+  if (!program || !program->waits) return;
+  texts_[node] = {std::move(text), url};
+  (void)go_on(node);
+  execution_.program_came(scene, script);
+}
+
+void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
+                    const std::string& url) {
+  if (const vrml::EventNode node = execution_.event_node(scene, script)) texts_[node] = {std::move(text), url};
+}
+
+bool World::created(const ScriptRequest& request, const std::string& text, const std::string& url) {
+  if (!execution_.has_scene(request.scene) || !request.scene->contains(request.node)) return false;
+  vrml::Diagnostics diagnostics;
+  const vrml::RunTimeNodes made = vrml::read_into(*request.scene, url, text, diagnostics, request.origin);
+  for (const vrml::Diagnostic& one : diagnostics.entries()) tell({one, false});
+  execution_.attach(*request.scene);
+  for (const vrml::NodeId id : made.roots) execution_.hold(*request.scene, id);
+  (void)execution_.send(*request.scene, request.node, *request.event_in, vrml::FieldValue(made.roots));
+  for (const vrml::NodeId id : made.roots) execution_.release(*request.scene, id);
+  return true;
+}
+
+// ---- What programs call
+
+double World::random() {
+  random_ ^= random_ << 13;
+  random_ ^= random_ >> 7;
+  random_ ^= random_ << 17;
+  return static_cast<double>(random_ >> 11) * 0x1.0p-53;
+}
+
+void World::print(std::string text) {
+  constexpr std::size_t kMostText = 4096;
+  if (text.size() > kMostText) text.resize(kMostText);
+  tell({{vrml::Severity::note, "", {}, std::move(text)}, true});
+}
+
+void World::warn_once(std::string text) { report(vrml::Severity::warning, *running_, std::move(text)); }
+
+void World::request(ScriptRequest request) {
+  if (!ends_ && requests_.size() < kMostRequests) requests_.push_back(std::move(request));
+}
+
+void World::own_changed(Program& program, std::uint32_t place) {
+  const auto& interface = execution_.schema_of_node(program.node).interfaces[place];
+  execution_.own_value_changed(program.node, place);
+  if (interface.declaration->access == vrml::AccessType::field || program.unsent[place]) return;
+  program.unsent[place] = true;
+  program.to_send.push_back(place);
+}
+
+bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
+                 const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value) {
+  if (!running_->told_direct) {
+    running_->told_direct = true;
+    const vrml::Node& script = running_->scene->node(running_->id);
+    const vrml::InterfaceDeclaration* const direct = script.type->find_field("directOutput");
+    if (direct && !std::get<vrml::SFBool>(script.values[direct->slot]))
+      report(vrml::Severity::warning, *running_, "writes to other nodes with directOutput FALSE (VRML97 4.12.5)");
+  }
+  (void)context;
+  // What adds and removes children is meant each time, though only the last event of an eventIn would be sent (C.5.2).
+  const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
+  const std::uint64_t key = (std::uint64_t{node.generation} << 32 | node.index) * 0x9e3779b97f4a7c15U ^
+                            reinterpret_cast<std::uintptr_t>(&event_in);
+  if (!each)
+    if (const auto known = last_posts_.find(key); known != last_posts_.end()) {
+      posts_[known->second].value = std::move(value);
+      return true;
+    }
+  if (!each) last_posts_[key] = posts_.size();
+  posts_.push_back({&scene, node, &event_in, std::move(value)});
+  return true;
+}
+
+const vrml::FieldValue* World::posted(const vrml::SceneGraph& scene, vrml::NodeId node,
+                                      const vrml::InterfaceDeclaration& event_in) const {
+  const std::uint64_t key = (std::uint64_t{node.generation} << 32 | node.index) * 0x9e3779b97f4a7c15U ^
+                            reinterpret_cast<std::uintptr_t>(&event_in);
+  const auto known = last_posts_.find(key);
+  (void)scene;
+  return known == last_posts_.end() ? nullptr : &posts_[known->second].value;
+}
+
+bool World::note_changed(JSContext* context, JS::HandleObject list) {
+  if (changed_.get().append(list)) return true;
+  JS_ReportOutOfMemory(context);
+  return false;
+}
+
+bool World::flush_changed(JSContext* context) {
+  bool good = true;
+  for (std::size_t i = 0; i < changed_.get().length(); ++i) {
+    JS::RootedObject list(context, changed_.get()[i]);
+    good = flush_list(context, list) && good;
+  }
+  changed_.get().clear();
+  return good;
+}
+
+bool World::create_from_string(JSContext* context, std::string_view text, vrml::MFNode& nodes,
+                               vrml::SceneGraph*& scene) {
+  scene = running_->scene;
+  if (ends_) return fail(context, "no nodes are made in shutdown()");
+  const vrml::Node& script = scene->node(running_->id);
+  vrml::Diagnostics diagnostics;
+  vrml::RunTimeNodes made = vrml::read_into(*scene, label(*running_), text, diagnostics, &script.text->origin());
+  for (const vrml::Diagnostic& one : diagnostics.entries())
+    if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
+  if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "the text is no VRML97");
+  execution_.attach(*scene);
+  engine_.note_nodes(std::max(kWorthCollecting, made.roots.size()));
+  nodes = std::move(made.roots);
+  // Held by objects, which a collection may take away before the list has them: hold them by making the objects now.
+  for (const vrml::NodeId id : nodes)
+    if (!object_of_node(context, *scene, id)) return false;
+  return true;
+}
+
+// ---- Messages
+
+std::string World::label(const Program& program) const {
+  const vrml::Node& node = program.scene->node(program.id);
+  return node.name.empty() ? std::string("Script") : "Script " + std::string(node.name);
+}
+
+void World::report(vrml::Severity severity, const Program& program, std::string message,
+                   std::optional<vrml::Diagnostic> at) {
+  const vrml::Node& node = program.scene->node(program.id);
+  vrml::Diagnostic one = at.value_or(vrml::Diagnostic{severity, node.text->file_name(), node.location, {}});
+  one.severity = severity;
+  one.message = label(program) + ": " + std::move(message);
+  if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({std::move(one), false});
+}
+
+void World::tell(ScriptMessage message) {
+  if (observer_) return observer_(message);
+  if (messages_.size() < kMostMessages) messages_.push_back(std::move(message));
+}
+
+void World::fault(Program& program, const std::string& why, std::optional<vrml::Diagnostic> at) {
+  const bool last = ++program.faults >= kMostFaults;
+  report(vrml::Severity::error, program,
+         why + (last ? "; it is the third fault, and the program is not run any more"
+                     : " (fault " + std::to_string(program.faults) + " of " + std::to_string(kMostFaults) + ")"),
+         std::move(at));
+  program.off = last;
+}
+
+void World::report_exception(Program& program) {
+  const bool no_memory = JS_IsThrowingOutOfMemory(engine_.context());
+  bool recursion = false;
+  std::optional<vrml::Diagnostic> at = take_exception(engine_.context(), recursion);
+  if (no_memory) return fault(program, "the program takes more memory than there is for it");
+  if (!at) return fault(program, "the program failed");
+  const vrml::Node& node = program.scene->node(program.id);
+  if (at->file.empty()) at->file = node.text->file_name();
+  if (at->location.line == 0) at->location = node.location;
+  std::string text = std::move(at->message);
+  if (recursion) return fault(program, text, std::move(at));
+  report(vrml::Severity::error, program, std::move(text), std::move(at));
+}
+
+}  // namespace gs::app::script
+
+namespace gs::app {
+
+std::unique_ptr<ScriptRunner> ScriptRunner::make(vrml::Execution& execution, Settings settings) {
+  script::Engine* const engine = script::Engine::of_this_thread();
+  if (!engine) return nullptr;
+  return std::make_unique<script::World>(execution, *engine, settings);
+}
+
+}  // namespace gs::app

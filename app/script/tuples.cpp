@@ -1,0 +1,503 @@
+#include "app/script/script_world.h"
+#include "vrml/syntax/printer.h"
+
+#include <js/Array.h>
+#include <js/Conversions.h>
+#include <js/Object.h>
+#include <js/PropertySpec.h>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9): numbers in double precision. One that
+// was read from a field, an eventOut or a list goes there again when a number of it is assigned.
+namespace gs::app::script {
+namespace {
+
+using vrml::FieldType;
+
+constexpr std::uint32_t kParentSlot = 4, kPlaceSlot = 5, kTupleSlots = 6;
+
+struct TupleKind {
+  FieldType type;
+  int count;
+  JSClass of;
+};
+const TupleKind kKinds[] = {
+    {FieldType::SFColor, 3, {"SFColor", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
+    {FieldType::SFRotation,
+     4,
+     {"SFRotation", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
+    {FieldType::SFVec2f, 2, {"SFVec2f", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
+    {FieldType::SFVec3f, 3, {"SFVec3f", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
+};
+
+const TupleKind* kind_of(JSObject* object) {
+  const JSClass* const of = JS::GetClass(object);
+  for (const TupleKind& kind : kKinds)
+    if (of == &kind.of) return &kind;
+  return nullptr;
+}
+
+const TupleKind& kind_of(FieldType type) {
+  return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const TupleKind& one) { return one.type == type; });
+}
+
+// The object a method was called on, with its numbers.
+const TupleKind* this_tuple(JSContext* context, const JS::CallArgs& args, double* c) {
+  if (args.thisv().isObject()) {
+    JSObject* const object = &args.thisv().toObject();
+    if (const TupleKind* const kind = kind_of(object)) {
+      for (int i = 0; i < kind->count; ++i)
+        c[i] = JS::GetReservedSlot(object, static_cast<std::uint32_t>(i)).toNumber();
+      return kind;
+    }
+  }
+  (void)fail(context, "called on something that is no object of this type");
+  return nullptr;
+}
+
+// Three numbers at least.
+bool vector_argument(JSContext* context, const JS::CallArgs& args, unsigned index, double* c) {
+  FieldType type{};
+  if (args.get(index).isObject() && is_tuple(&args.get(index).toObject(), type, c)) return true;
+  vrml::FieldValue field;
+  if (!to_field(context, args.get(index), FieldType::SFVec3f, nullptr, field)) return false;
+  const auto& v = std::get<vrml::SFVec3f>(field);
+  c[0] = v.x;
+  c[1] = v.y;
+  c[2] = v.z;
+  return true;
+}
+
+bool number_argument(JSContext* context, const JS::CallArgs& args, unsigned index, double& number) {
+  if (index >= args.length()) {
+    number = 0;
+    return true;
+  }
+  return JS::ToNumber(context, args[index], &number);
+}
+
+bool give(JSContext* context, const JS::CallArgs& args, FieldType type, const double* c) {
+  JSObject* const made = make_tuple(context, type, c);
+  args.rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+// Assigned numbers: to the object, and to where it was read from.
+bool put(JSContext* context, JS::HandleObject object, int count, const double* c) {
+  for (int i = 0; i < count; ++i) JS::SetReservedSlot(object, static_cast<std::uint32_t>(i), JS::DoubleValue(c[i]));
+  const JS::Value parent = JS::GetReservedSlot(object, kParentSlot);
+  if (!parent.isObject()) return true;
+  JS::RootedObject source(context, &parent.toObject());
+  JS::RootedValue value(context, JS::ObjectValue(*object));
+  return write_back(context, source, static_cast<std::uint32_t>(JS::GetReservedSlot(object, kPlaceSlot).toInt32()),
+                    value);
+}
+
+template <int kIndex>
+bool get_component(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  if (!args.thisv().isObject() || !kind_of(&args.thisv().toObject())) {
+    args.rval().setUndefined();
+    return true;
+  }
+  (void)context;
+  const double number = JS::GetReservedSlot(&args.thisv().toObject(), kIndex).toNumber();
+  args.rval().set(JS::NumberValue(number));
+  return true;
+}
+
+template <int kIndex>
+bool set_component(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, c);
+  if (!kind || !number_argument(context, args, 0, c[kIndex])) return false;
+  JS::RootedObject object(context, &args.thisv().toObject());
+  args.rval().setUndefined();
+  return put(context, object, kind->count, c);
+}
+
+bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, c);
+  if (!kind) return false;
+  vrml::MFFloat numbers;
+  for (int i = 0; i < kind->count; ++i) numbers.push_back(static_cast<float>(c[i]));
+  std::string text;
+  static const vrml::SceneGraph nothing;
+  for (const float number : numbers) {
+    if (!text.empty()) text += ' ';
+    vrml::print_value(text, number, nothing);
+  }
+  return make_string(context, text, args.rval());
+}
+
+// ---- Methods
+
+template <class Combine>
+bool combine(JSContext* context, unsigned argc, JS::Value* vp, const Combine& with) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double a[4] = {}, b[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, a);
+  if (!kind) return false;
+  if (!args.get(0).isObject()) return fail(context, "expected an object of the same type");
+  if (kind->count == 2) {
+    vrml::FieldValue field;
+    FieldType type{};
+    if (!is_tuple(&args[0].toObject(), type, b)) {
+      if (!to_field(context, args[0], kind->type, nullptr, field)) return false;
+      b[0] = std::get<vrml::SFVec2f>(field).x;
+      b[1] = std::get<vrml::SFVec2f>(field).y;
+    }
+  } else if (!vector_argument(context, args, 0, b)) {
+    return false;
+  }
+  for (int i = 0; i < kind->count; ++i) a[i] = with(a[i], b[i]);
+  return give(context, args, kind->type, a);
+}
+
+bool add(JSContext* context, unsigned argc, JS::Value* vp) {
+  return combine(context, argc, vp, [](double a, double b) { return a + b; });
+}
+bool subtract(JSContext* context, unsigned argc, JS::Value* vp) {
+  return combine(context, argc, vp, [](double a, double b) { return a - b; });
+}
+
+template <class Scale>
+bool scale(JSContext* context, unsigned argc, JS::Value* vp, const Scale& by) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, c);
+  double number = 1;
+  if (!kind || !number_argument(context, args, 0, number)) return false;
+  for (int i = 0; i < kind->count; ++i) c[i] = by(c[i], number);
+  return give(context, args, kind->type, c);
+}
+
+bool multiply(JSContext* context, unsigned argc, JS::Value* vp) {
+  return scale(context, argc, vp, [](double a, double n) { return a * n; });
+}
+bool divide(JSContext* context, unsigned argc, JS::Value* vp) {
+  return scale(context, argc, vp, [](double a, double n) { return a / n; });
+}
+bool negate(JSContext* context, unsigned argc, JS::Value* vp) {
+  return scale(context, argc, vp, [](double a, double) { return -a; });
+}
+
+double length_of(const double* c, int count) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) sum += c[i] * c[i];
+  return std::sqrt(sum);
+}
+
+bool length(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, c);
+  if (!kind) return false;
+  args.rval().set(JS::NumberValue(length_of(c, kind->count)));
+  return true;
+}
+
+bool normalize(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, c);
+  if (!kind) return false;
+  const double size = length_of(c, kind->count);
+  for (int i = 0; i < kind->count; ++i) c[i] = size > 0 ? c[i] / size : 0;
+  return give(context, args, kind->type, c);
+}
+
+bool dot(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double a[4] = {}, b[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, a);
+  if (!kind || !vector_argument(context, args, 0, b)) return false;
+  double sum = 0;
+  for (int i = 0; i < kind->count; ++i) sum += a[i] * b[i];
+  args.rval().set(JS::NumberValue(sum));
+  return true;
+}
+
+bool cross(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double a[4] = {}, b[4] = {};
+  const TupleKind* const kind = this_tuple(context, args, a);
+  if (!kind || !vector_argument(context, args, 0, b)) return false;
+  const double c[] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  return give(context, args, FieldType::SFVec3f, c);
+}
+
+// ---- SFColor
+
+void rgb_of(double h, double s, double v, double* c) {
+  h = std::isfinite(h) ? h - std::floor(h) : 0;
+  const double part = h * 6;
+  const int sector = static_cast<int>(part) % 6;
+  const double f = part - std::floor(part), p = v * (1 - s), q = v * (1 - s * f), t = v * (1 - s * (1 - f));
+  const double all[6][3] = {{v, t, p}, {q, v, p}, {p, v, t}, {p, q, v}, {t, p, v}, {v, p, q}};
+  std::copy(all[sector], all[sector] + 3, c);
+}
+
+void hsv_of(const double* c, double* hsv) {
+  const double most = std::max({c[0], c[1], c[2]}), least = std::min({c[0], c[1], c[2]}), range = most - least;
+  hsv[0] = 0;
+  if (range > 0) {
+    hsv[0] = most == c[0]   ? (c[1] - c[2]) / range
+             : most == c[1] ? 2 + (c[2] - c[0]) / range
+                            : 4 + (c[0] - c[1]) / range;
+    hsv[0] /= 6;
+    hsv[0] -= std::floor(hsv[0]);
+  }
+  hsv[1] = most > 0 ? range / most : 0;
+  hsv[2] = most;
+}
+
+// Hue 0 to 1, as Cosmo Player had it; nothing is said of its range.
+bool set_hsv(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {}, hsv[3] = {};
+  if (!this_tuple(context, args, c)) return false;
+  for (unsigned i = 0; i < 3; ++i)
+    if (!number_argument(context, args, i, hsv[i])) return false;
+  rgb_of(hsv[0], hsv[1], hsv[2], c);
+  JS::RootedObject object(context, &args.thisv().toObject());
+  args.rval().setUndefined();
+  return put(context, object, 3, c);
+}
+
+bool get_hsv(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {}, hsv[3] = {};
+  if (!this_tuple(context, args, c)) return false;
+  hsv_of(c, hsv);
+  JS::RootedValueArray<3> numbers(context);
+  for (std::size_t i = 0; i < 3; ++i) numbers[i].set(JS::NumberValue(hsv[i]));
+  JSObject* const array = JS::NewArrayObject(context, numbers);
+  args.rval().setObjectOrNull(array);
+  return array != nullptr;
+}
+
+// ---- SFRotation
+
+glm::dquat quaternion(const double* c) {
+  const glm::dvec3 axis(c[0], c[1], c[2]);
+  const double size = glm::length(axis);
+  return size > 0 ? glm::angleAxis(c[3], axis / size) : glm::dquat(1, 0, 0, 0);
+}
+
+void rotation_of(glm::dquat q, double* c) {
+  q = glm::normalize(q);
+  const glm::dvec3 v(q.x, q.y, q.z);
+  const double size = glm::length(v);
+  c[3] = 2 * std::atan2(size, q.w);
+  const glm::dvec3 axis = size > 0 ? v / size : glm::dvec3(0, 0, 1);
+  c[0] = axis.x;
+  c[1] = axis.y;
+  c[2] = axis.z;
+}
+
+bool get_axis(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  return this_tuple(context, args, c) && give(context, args, FieldType::SFVec3f, c);
+}
+
+bool set_axis(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {}, axis[4] = {};
+  if (!this_tuple(context, args, c) || !vector_argument(context, args, 0, axis)) return false;
+  std::copy(axis, axis + 3, c);
+  JS::RootedObject object(context, &args.thisv().toObject());
+  args.rval().setUndefined();
+  return put(context, object, 4, c);
+}
+
+bool inverse(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {};
+  if (!this_tuple(context, args, c)) return false;
+  c[3] = -c[3];
+  return give(context, args, FieldType::SFRotation, c);
+}
+
+bool rotation_argument(JSContext* context, const JS::CallArgs& args, double* c) {
+  FieldType type{};
+  if (args.get(0).isObject() && is_tuple(&args[0].toObject(), type, c) && type == FieldType::SFRotation) return true;
+  return fail(context, "expected an SFRotation");
+}
+
+// Vectors are rows, as with VrmlMatrix: this rotation first, then that.
+bool multiply_rotation(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double a[4] = {}, b[4] = {};
+  if (!this_tuple(context, args, a) || !rotation_argument(context, args, b)) return false;
+  rotation_of(quaternion(b) * quaternion(a), a);
+  return give(context, args, FieldType::SFRotation, a);
+}
+
+bool mult_vec(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double c[4] = {}, v[4] = {};
+  if (!this_tuple(context, args, c) || !vector_argument(context, args, 0, v)) return false;
+  const glm::dvec3 turned = quaternion(c) * glm::dvec3(v[0], v[1], v[2]);
+  const double result[] = {turned.x, turned.y, turned.z};
+  return give(context, args, FieldType::SFVec3f, result);
+}
+
+bool slerp(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  double a[4] = {}, b[4] = {}, t = 0;
+  if (!this_tuple(context, args, a) || !rotation_argument(context, args, b) || !number_argument(context, args, 1, t))
+    return false;
+  if (t <= 0) return give(context, args, FieldType::SFRotation, a);
+  if (t >= 1) return give(context, args, FieldType::SFRotation, b);
+  rotation_of(glm::slerp(quaternion(a), quaternion(b), t), a);
+  return give(context, args, FieldType::SFRotation, a);
+}
+
+// ---- Making
+
+template <int kIndexOfKind>
+bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  const TupleKind& kind = kKinds[kIndexOfKind];
+  double c[4] = {};
+  if (kind.type == FieldType::SFRotation) {
+    c[1] = 1;  // "missing values default to 0.0, except y, which defaults to 1.0" (C.6.7.2)
+    FieldType type{};
+    double first[4] = {}, second[4] = {};
+    if (args.length() >= 1 && args[0].isObject() && is_tuple(&args[0].toObject(), type, first)) {
+      if (type == FieldType::SFRotation) return give(context, args, kind.type, first);
+      std::copy(first, first + 3, c);
+      if (args.length() >= 2 && args[1].isObject()) {
+        if (!vector_argument(context, args, 1, second)) return false;
+        const glm::dvec3 from(first[0], first[1], first[2]), to(second[0], second[1], second[2]);
+        glm::dvec3 axis = glm::cross(from, to);
+        const double sine = glm::length(axis), cosine = glm::dot(from, to);
+        // Opposite ones: about any axis at right angles.
+        if (!(sine > 0))
+          axis = cosine < 0 ? glm::cross(from, std::abs(from.x) < 0.9 * glm::length(from) ? glm::dvec3(1, 0, 0)
+                                                                                          : glm::dvec3(0, 1, 0))
+                            : glm::dvec3(0, 0, 1);
+        const double size = glm::length(axis);
+        for (int i = 0; i < 3; ++i) c[i] = size > 0 ? axis[i] / size : i == 2;
+        c[3] = std::atan2(sine, cosine);
+      } else if (!number_argument(context, args, 1, c[3])) {
+        return false;
+      }
+      return give(context, args, kind.type, c);
+    }
+  } else if (args.length() == 1 && args[0].isObject()) {
+    FieldType type{};
+    if (is_tuple(&args[0].toObject(), type, c)) return give(context, args, kind.type, c);
+  }
+  for (unsigned i = 0; i < static_cast<unsigned>(kind.count) && i < args.length(); ++i)
+    if (!number_argument(context, args, i, c[i])) return false;
+  return give(context, args, kind.type, c);
+}
+
+constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
+const JSPropertySpec kColorNumbers[] = {JS_PSGS("r", get_component<0>, set_component<0>, kProperty),
+                                        JS_PSGS("g", get_component<1>, set_component<1>, kProperty),
+                                        JS_PSGS("b", get_component<2>, set_component<2>, kProperty), JS_PS_END};
+const JSPropertySpec kRotationNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
+                                           JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
+                                           JS_PSGS("z", get_component<2>, set_component<2>, kProperty),
+                                           JS_PSGS("angle", get_component<3>, set_component<3>, kProperty), JS_PS_END};
+const JSPropertySpec kVec2fNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
+                                        JS_PSGS("y", get_component<1>, set_component<1>, kProperty), JS_PS_END};
+const JSPropertySpec kVec3fNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
+                                        JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
+                                        JS_PSGS("z", get_component<2>, set_component<2>, kProperty), JS_PS_END};
+const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", set_hsv, 3, 0), JS_FN("getHSV", get_hsv, 0, 0),
+                                        JS_FN("toString", to_text, 0, 0), JS_FS_END};
+const JSFunctionSpec kRotationMethods[] = {JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse, 0, 0),
+                                           JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
+                                           JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
+                                           JS_FN("toString", to_text, 0, 0),           JS_FS_END};
+const JSFunctionSpec kVec2fMethods[] = {JS_FN("add", add, 1, 0),
+                                        JS_FN("divide", divide, 1, 0),
+                                        JS_FN("dot", dot, 1, 0),
+                                        JS_FN("length", length, 0, 0),
+                                        JS_FN("multiply", multiply, 1, 0),
+                                        JS_FN("negate", negate, 0, 0),
+                                        JS_FN("normalize", normalize, 0, 0),
+                                        JS_FN("subtract", subtract, 1, 0),
+                                        JS_FN("toString", to_text, 0, 0),
+                                        JS_FS_END};
+const JSFunctionSpec kVec3fMethods[] = {JS_FN("add", add, 1, 0),
+                                        JS_FN("cross", cross, 1, 0),
+                                        JS_FN("divide", divide, 1, 0),
+                                        JS_FN("dot", dot, 1, 0),
+                                        JS_FN("length", length, 0, 0),
+                                        JS_FN("multiply", multiply, 1, 0),
+                                        JS_FN("negate", negate, 0, 0),
+                                        JS_FN("normalize", normalize, 0, 0),
+                                        JS_FN("subtract", subtract, 1, 0),
+                                        JS_FN("toString", to_text, 0, 0),
+                                        JS_FS_END};
+
+template <int kIndex>
+bool define_index(JSContext* context, JS::HandleObject prototype) {
+  JSFunction* const get = JS_NewFunction(context, get_component<kIndex>, 0, 0, nullptr);
+  JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
+  JSFunction* const set = JS_NewFunction(context, set_component<kIndex>, 1, 0, nullptr);
+  JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
+  return getter && setter && JS_DefineElement(context, prototype, kIndex, getter, setter, JSPROP_PERMANENT);
+}
+
+template <int kIndexOfKind>
+bool define(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes,
+            const JSPropertySpec* numbers, const JSFunctionSpec* methods) {
+  const TupleKind& kind = kKinds[kIndexOfKind];
+  JS::RootedObject prototype(context,
+                             JS_InitClass(context, library, nullptr, &kind.of, construct<kIndexOfKind>,
+                                          static_cast<unsigned>(kind.count), numbers, methods, nullptr, nullptr));
+  if (!prototype || !define_index<0>(context, prototype) || !define_index<1>(context, prototype)) return false;
+  if (kind.count > 2 && !define_index<2>(context, prototype)) return false;
+  if (kind.count > 3 && !define_index<3>(context, prototype)) return false;
+  for (std::uint32_t i = 0; i < 4; ++i) JS::SetReservedSlot(prototype, i, JS::DoubleValue(0));
+  prototypes[static_cast<std::size_t>(kind.type)] = prototype;
+  return true;
+}
+
+}  // namespace
+
+JSObject* make_tuple(JSContext* context, FieldType type, const double* components, Source source) {
+  const TupleKind& kind = kind_of(type);
+  JS::RootedObject parent(context, source.parent);
+  JS::RootedObject prototype(context, world_of(context).prototype(type));
+  JSObject* const made = JS_NewObjectWithGivenProto(context, &kind.of, prototype);
+  if (!made) return nullptr;
+  for (int i = 0; i < kind.count; ++i)
+    JS::SetReservedSlot(made, static_cast<std::uint32_t>(i), JS::DoubleValue(components[i]));
+  JS::SetReservedSlot(made, kParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
+  JS::SetReservedSlot(made, kPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
+  return made;
+}
+
+bool is_tuple(JSObject* object, FieldType& type, double* components) {
+  const TupleKind* const kind = kind_of(object);
+  if (!kind) return false;
+  type = kind->type;
+  for (int i = 0; i < kind->count; ++i)
+    components[i] = JS::GetReservedSlot(object, static_cast<std::uint32_t>(i)).toNumber();
+  return true;
+}
+
+bool define_tuples(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
+  return define<0>(context, library, prototypes, kColorNumbers, kColorMethods) &&
+         define<1>(context, library, prototypes, kRotationNumbers, kRotationMethods) &&
+         define<2>(context, library, prototypes, kVec2fNumbers, kVec2fMethods) &&
+         define<3>(context, library, prototypes, kVec3fNumbers, kVec3fMethods);
+}
+
+}  // namespace gs::app::script

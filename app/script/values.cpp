@@ -1,0 +1,357 @@
+#include "app/script/script_world.h"
+#include "vrml/syntax/printer.h"
+
+#include <js/Array.h>
+#include <js/CharacterEncoding.h>
+#include <js/Conversions.h>
+#include <js/Object.h>
+#include <js/Wrapper.h>
+#include <jsfriendapi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// Values of fields to values of programs, and back (VRML97 C.6.2).
+namespace gs::app::script {
+namespace {
+
+using vrml::FieldType;
+using vrml::FieldValue;
+
+bool is_true(JSContext* context, JS::HandleValue value) {
+  // An object made by `new SFBool(FALSE)`.
+  if (value.isObject()) {
+    JS::RootedObject object(context, &value.toObject());
+    js::ESClass of = js::ESClass::Other;
+    JS::RootedValue primitive(context);
+    if (JS::GetBuiltinClass(context, object, &of) && of == js::ESClass::Boolean &&
+        JS::ToPrimitive(context, object, JSTYPE_NUMBER, &primitive))
+      return JS::ToBoolean(primitive);
+  }
+  return JS::ToBoolean(value);
+}
+
+bool to_number(JSContext* context, JS::HandleValue value, double& number) {
+  if (value.isNullOrUndefined()) return fail(context, "expected a number");
+  return JS::ToNumber(context, value, &number);
+}
+
+bool to_float(JSContext* context, JS::HandleValue value, float& number) {
+  double wide = 0;
+  if (!to_number(context, value, wide)) return false;
+  number = static_cast<float>(wide);
+  return true;
+}
+
+bool to_int(JSContext* context, JS::HandleValue value, std::int32_t& number) {
+  double wide = 0;
+  if (value.isBoolean()) return number = value.toBoolean() ? 1 : 0, true;
+  if (!to_number(context, value, wide)) return false;
+  if (!std::isfinite(wide)) wide = 0;
+  // Colours of pictures go beyond the positive numbers.
+  number = wide >= -2147483648.0 && wide < 4294967296.0 ? static_cast<std::int32_t>(static_cast<std::int64_t>(wide))
+                                                        : JS::ToInt32(wide);
+  return true;
+}
+
+bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type, double* components) {
+  const int count = type == FieldType::SFVec2f ? 2 : type == FieldType::SFRotation ? 4 : 3;
+  FieldType found{};
+  if (value.isObject()) {
+    JS::RootedObject object(context, &value.toObject());
+    if (is_tuple(object, found, components)) {
+      if (found == type || (count == 3 && (found == FieldType::SFVec3f || found == FieldType::SFColor))) return true;
+    } else {
+      bool is_array = false;
+      if (!JS::IsArrayObject(context, object, &is_array)) return false;
+      const ListBox* const list = list_of(object);
+      // A list of one, or an array of numbers.
+      if (list || is_array) {
+        JS::RootedValue element(context);
+        if (!JS_GetElement(context, object, 0, &element)) return false;
+        if (element.isObject()) return tuple_components(context, element, type, components);
+        for (int i = 0; i < count; ++i) {
+          if (!JS_GetElement(context, object, static_cast<std::uint32_t>(i), &element)) return false;
+          if (!to_number(context, element, components[i])) return false;
+        }
+        return true;
+      }
+    }
+  }
+  return fail(context, "expected an " + std::string(vrml::name_of(type)));
+}
+
+bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene, vrml::NodeId& node) {
+  node = {};
+  if (value.isNullOrUndefined()) return true;
+  if (value.isObject()) {
+    JS::RootedObject object(context, &value.toObject());
+    if (const NodeBox* box = node_of(object)) {
+      if (box->scene != scene) return fail(context, "the node belongs to another file");
+      if (!world_of(context).execution().has_scene(box->scene) || !scene->contains(box->id)) return true;
+      node = box->id;
+      return true;
+    }
+    bool is_array = false;
+    if (!JS::IsArrayObject(context, object, &is_array)) return false;
+    if (is_array || list_of(object)) {
+      JS::RootedValue element(context);
+      return JS_GetElement(context, object, 0, &element) && to_node(context, element, scene, node);
+    }
+  }
+  if (value.isFalse() || (value.isInt32() && value.toInt32() == 0)) return true;
+  return fail(context, "expected a node");
+}
+
+template <class T>
+bool to_element(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, T& element) {
+  FieldValue field;
+  if (!to_field(context, value, type, scene, field)) return false;
+  element = std::move(*std::get_if<T>(&field));
+  return true;
+}
+
+template <class T>
+bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene,
+                 vrml::Array<T>& array) {
+  array.clear();
+  if (value.isNullOrUndefined()) return true;
+  if (value.isObject()) {
+    JS::RootedObject object(context, &value.toObject());
+    if (ListBox* box = list_of(object)) {
+      FieldValue* const own = list_value(*box);
+      if (const auto* same = own ? std::get_if<vrml::Array<T>>(own) : nullptr) {
+        if constexpr (std::is_same_v<T, vrml::NodeId>)
+          if (box->scene != scene) return fail(context, "the nodes belong to another file");
+        array = *same;
+        return true;
+      }
+    }
+    bool is_array = false;
+    if (!JS::IsArrayObject(context, object, &is_array)) return false;
+    if (is_array || list_of(object)) {
+      JS::RootedValue length(context), element(context);
+      double count = 0;
+      if (!JS_GetProperty(context, object, "length", &length) || !JS::ToNumber(context, length, &count)) return false;
+      if (!world_of(context).engine().may_have(static_cast<std::size_t>(count) * sizeof(T)))
+        return fail(context, "more elements than a program may have memory for");
+      for (std::uint32_t i = 0; i < count; ++i) {
+        T one{};
+        if (!JS_GetElement(context, object, i, &element)) return false;
+        if (!element.isUndefined() && !to_element(context, element, type, scene, one)) return false;
+        array.push_back(std::move(one));
+        if (i % 4096 == 4095 && !JS_CheckForInterrupt(context)) return false;
+      }
+      return true;
+    }
+  }
+  T one{};
+  if (!to_element(context, value, type, scene, one)) return false;
+  array.push_back(std::move(one));
+  return true;
+}
+
+FieldType element_type(FieldType type) {
+  std::string name(vrml::name_of(type));
+  name[0] = 'S';
+  return vrml::field_type_named(name).value_or(FieldType::SFFloat);
+}
+
+}  // namespace
+
+bool fail(JSContext* context, const std::string& why) {
+  JS_ReportErrorUTF8(context, "%s", why.c_str());
+  return false;
+}
+
+bool make_string(JSContext* context, std::string_view text, JS::MutableHandleValue value) {
+  JSString* made = JS_NewStringCopyUTF8N(context, JS::UTF8Chars(text.data(), text.size()));
+  if (!made) {
+    // Not UTF-8 after all.
+    if (JS_IsExceptionPending(context)) JS_ClearPendingException(context);
+    made = JS_NewStringCopyN(context, text.data(), text.size());
+    if (!made) return false;
+  }
+  value.setString(made);
+  return true;
+}
+
+bool text_of_value(JSContext* context, JS::HandleValue value, std::string& text) {
+  JS::RootedString string(context, JS::ToString(context, value));
+  if (!string) return false;
+  const JS::UniqueChars bytes = JS_EncodeStringToUTF8(context, string);
+  if (!bytes) return false;
+  text = bytes.get();
+  return true;
+}
+
+bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& field, Source source,
+              JS::MutableHandleValue value) {
+  const auto tuple = [&](std::initializer_list<float> of) {
+    double components[4] = {};
+    std::copy(of.begin(), of.end(), components);
+    JSObject* const made = make_tuple(context, vrml::type_of(field), components, source);
+    value.setObjectOrNull(made);
+    return made != nullptr;
+  };
+  switch (vrml::type_of(field)) {
+    case FieldType::SFBool:
+      value.setBoolean(std::get<vrml::SFBool>(field));
+      return true;
+    case FieldType::SFInt32:
+      value.setInt32(std::get<vrml::SFInt32>(field));
+      return true;
+    case FieldType::SFFloat:
+      value.set(JS::NumberValue(std::get<vrml::SFFloat>(field)));
+      return true;
+    case FieldType::SFTime:
+      value.set(JS::NumberValue(std::get<vrml::SFTime>(field)));
+      return true;
+    case FieldType::SFString:
+      return make_string(context, std::get<vrml::SFString>(field).view(), value);
+    case FieldType::SFColor: {
+      const auto& c = std::get<vrml::SFColor>(field);
+      return tuple({c.r, c.g, c.b});
+    }
+    case FieldType::SFVec2f: {
+      const auto& v = std::get<vrml::SFVec2f>(field);
+      return tuple({v.x, v.y});
+    }
+    case FieldType::SFVec3f: {
+      const auto& v = std::get<vrml::SFVec3f>(field);
+      return tuple({v.x, v.y, v.z});
+    }
+    case FieldType::SFRotation: {
+      const auto& r = std::get<vrml::SFRotation>(field);
+      return tuple({r.x, r.y, r.z, r.angle});
+    }
+    case FieldType::SFNode: {
+      const auto node = std::get<vrml::SFNode>(field);
+      if (!scene || !scene->contains(node)) {
+        value.setNull();
+        return true;
+      }
+      JSObject* const object = object_of_node(context, *scene, node);
+      value.setObjectOrNull(object);
+      return object != nullptr;
+    }
+    case FieldType::SFImage: {
+      JSObject* const image = make_image(context, std::get<vrml::SFImage>(field), source);
+      value.setObjectOrNull(image);
+      return image != nullptr;
+    }
+    default: {
+      ListBox box;
+      box.scene = scene;
+      box.value = field;
+      JSObject* const list = make_list(context, std::move(box), source);
+      value.setObjectOrNull(list);
+      return list != nullptr;
+    }
+  }
+}
+
+bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, FieldValue& field) {
+  double c[4] = {};
+  switch (type) {
+    case FieldType::SFBool:
+      field = is_true(context, value);
+      return true;
+    case FieldType::SFInt32: {
+      std::int32_t number = 0;
+      if (!to_int(context, value, number)) return false;
+      field = number;
+      return true;
+    }
+    case FieldType::SFFloat: {
+      float number = 0;
+      if (!to_float(context, value, number)) return false;
+      field = number;
+      return true;
+    }
+    case FieldType::SFTime: {
+      double number = 0;
+      if (!to_number(context, value, number)) return false;
+      field = number;
+      return true;
+    }
+    case FieldType::SFString: {
+      std::string text;
+      if (value.isObject() && list_of(&value.toObject())) {
+        JS::RootedObject list(context, &value.toObject());
+        JS::RootedValue element(context);
+        if (!JS_GetElement(context, list, 0, &element)) return false;
+        if (!element.isUndefined() && !text_of_value(context, element, text)) return false;
+      } else if (!text_of_value(context, value, text)) {
+        return false;
+      }
+      field = vrml::SFString(text);
+      return true;
+    }
+    case FieldType::SFColor:
+      if (!tuple_components(context, value, type, c)) return false;
+      field = vrml::SFColor{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
+      return true;
+    case FieldType::SFVec2f:
+      if (!tuple_components(context, value, type, c)) return false;
+      field = vrml::SFVec2f(c[0], c[1]);
+      return true;
+    case FieldType::SFVec3f:
+      if (!tuple_components(context, value, type, c)) return false;
+      field = vrml::SFVec3f(c[0], c[1], c[2]);
+      return true;
+    case FieldType::SFRotation:
+      if (!tuple_components(context, value, type, c)) return false;
+      field = vrml::SFRotation{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]),
+                               static_cast<float>(c[3])};
+      return true;
+    case FieldType::SFNode: {
+      vrml::NodeId node;
+      if (!to_node(context, value, scene, node)) return false;
+      field = node;
+      return true;
+    }
+    case FieldType::SFImage: {
+      vrml::PixelImage image;
+      if (!value.isObject() || !is_image(&value.toObject())) return fail(context, "expected an SFImage");
+      JS::RootedObject object(context, &value.toObject());
+      if (!image_of(context, object, image)) return false;
+      field = std::move(image);
+      return true;
+    }
+    default:
+      break;
+  }
+  field = vrml::initial_value(type);
+  return std::visit(
+      [&](auto& array) {
+        if constexpr (requires { array.span(); }) {
+          return to_elements(context, value, element_type(type), scene, array);
+        } else {
+          return false;
+        }
+      },
+      field);
+}
+
+bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::HandleValue value) {
+  vrml::Execution& execution = program.world->execution();
+  const FieldType type = execution.schema_of_node(program.node).interfaces[place].declaration->type;
+  FieldValue field;
+  if (!to_field(context, value, type, program.scene, field)) return false;
+  execution.own_value(program.node, place) = std::move(field);
+  program.world->own_changed(program, place);
+  return true;
+}
+
+bool write_back(JSContext* context, JS::HandleObject parent, std::uint32_t place, JS::HandleValue value) {
+  if (!parent) return true;
+  if (list_of(parent)) return set_element(context, parent, place, value);
+  if (is_image(parent)) return image_array_changed(context, parent);
+  if (node_of(parent)) return set_node_field(context, parent, place, value);
+  if (Program* const program = program_of_global(parent)) return set_own(context, *program, place, value);
+  return true;
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,55 @@
+#include "app/session/links.h"
+#include "app/session/session.h"
+#include "app/view/navigation.h"
+
+#include <utility>
+
+// What programs of Scripts want of the session (VRML97 4.12.10).
+namespace gs::app {
+
+void Session::take_script_news(Document& document) {
+  bool told = false;
+  for (ScriptMessage& message : document.living->take_script_messages()) {
+    told = true;
+    if (message.printed) message.diagnostic.file = "print";
+    document.world.diagnostics.add(std::move(message.diagnostic));
+  }
+  if (told) panes_.log_changed(document);
+  for (const ScriptRequest& request : document.living->take_script_requests()) do_for_script(document, request);
+}
+
+// In the viewport that shows the world, the active one if there are several.
+void Session::do_for_script(const Document& document, const ScriptRequest& request) {
+  const auto shows = [&](std::size_t pane) {
+    const View* const seen = panes_.at(pane).view();
+    return seen && seen->document.get() == &document;
+  };
+  std::size_t pane = panes_.active();
+  if (!shows(pane))
+    for (const std::size_t other : panes_.visible())
+      if (shows(other)) pane = other;
+  if (!shows(pane)) return;
+  View& seen = *panes_.at(pane).view();
+  switch (request.kind) {
+    case ScriptRequest::Kind::description:
+      tell(request.text, false);
+      return;
+    case ScriptRequest::Kind::viewpoint:
+      if (const auto index = find_viewpoint(seen.list->viewpoints, request.text)) go_to_viewpoint(seen, *index);
+      return;
+    case ScriptRequest::Kind::load_url: {
+      Link link = link_of(request.urls, request.parameters, *request.origin);
+      // Nobody has asked for a page that opens by itself.
+      constexpr double kAfterPress = 3;
+      if (now_ - pressed_at_ > kAfterPress)
+        for (Link::Place& place : link.places)
+          if (place.for_browser) place.problem = "The world wants to open " + place.target + ": not opened";
+      return follow_link(pane, link);
+    }
+    case ScriptRequest::Kind::program:
+    case ScriptRequest::Kind::create_from_url:
+      return;  // the world's own affair
+  }
+}
+
+}  // namespace gs::app

@@ -1,0 +1,222 @@
+#include "scripts.h"
+
+using namespace gs;
+using gs::app::scripts::Lines;
+using gs::app::scripts::World;
+
+TEST_CASE("A function of an eventIn's name gets its value and its timestamp (4.12.8, C.4.2)") {
+  World world("DEF S Script { eventIn SFVec3f move url \"javascript: function move(v, t) { print(v + ' ' + t); }\" }");
+  world.start();
+  world.step(2);
+  world.send("S.move", vrml::SFVec3f(1, 2, 3));
+  CHECK(world.printed() == Lines{"1 2 3 1002"});
+}
+
+TEST_CASE("initialize() runs before any event, shutdown() at the end (4.12.3)") {
+  World world(
+      "DEF C TimeSensor { loop TRUE } DEF S Script { eventIn SFBool active url \"javascript: function initialize() {"
+      "print('begin'); } function active() { print('active'); } function shutdown() { print('end'); }\" }"
+      "ROUTE C.isActive TO S.active");
+  world.start();
+  CHECK(world.printed() == Lines{"begin", "active"});
+  world.end();
+  CHECK(world.printed() == Lines{"end"});
+}
+
+TEST_CASE(
+    "Events of a program have the timestamp of the event that it got, and are sent when the function is over "
+    "(4.10.3, C.5.3)") {
+  World world(
+      "DEF T Transform {} DEF S Script { eventIn SFFloat in eventOut SFVec3f out eventOut SFBool done url "
+      "\"javascript: "
+      "function in_(v) {} function go(v) { out = new SFVec3f(1, 0, 0); done = TRUE; out = new SFVec3f(2, 0, 0);"
+      "print(out); }\" eventIn SFFloat go } ROUTE S.out TO T.set_translation");
+  world.start();
+  world.step(3);
+  world.send("S.go", 1.0f);
+  CHECK(world.printed() == Lines{"2 0 0"});
+  CHECK(world.events() == Lines{"3 S.out 2 0 0", "3 S.done TRUE", "3 T.translation 2 0 0"});
+}
+
+TEST_CASE("An eventOut that has not sent has the initial value of its type (4.10.1)") {
+  World world(
+      "DEF S Script { eventOut SFRotation r eventOut SFString s eventOut MFInt32 m eventOut SFBool b"
+      " url \"javascript: function initialize() { print(r + '|' + s + '|' + m.length + '|' + b); }\" }");
+  world.start();
+  CHECK(world.printed() == Lines{"0 0 1 0||0|false"});
+}
+
+TEST_CASE("eventsProcessed() is called once a cascade, after its events (4.12.4)") {
+  World world(
+      "DEF A Script { eventIn SFBool go eventOut SFBool one eventOut SFBool two url \"javascript: "
+      "function go() { one = TRUE; two = TRUE; }\" }"
+      "DEF B Script { eventIn SFBool one eventIn SFBool two eventOut SFInt32 out field SFInt32 n 0 url \"javascript: "
+      "function one() { ++n; print('one'); } function two() { ++n; print('two'); }"
+      "function eventsProcessed() { print('processed'); out = n; }\" }"
+      "ROUTE A.one TO B.one ROUTE A.two TO B.two");
+  world.start();
+  world.step(1);
+  world.send("A.go", true);
+  CHECK(world.printed() == Lines{"one", "two", "processed"});
+  CHECK(world.events("B.") == Lines{"1 B.out 2"});
+}
+
+TEST_CASE("A cascade that comes back to a Script has eventsProcessed() called in the next one (4.12.4)") {
+  World world(
+      "DEF A Script { eventIn SFBool go eventIn SFInt32 back eventOut SFInt32 out url \"javascript: "
+      "function go() { print('go'); } function back() { print('back'); }"
+      "function eventsProcessed() { print('processed'); out = 1; }\" }"
+      "DEF B Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v; }\" }"
+      "ROUTE A.out TO B.in_ ROUTE B.out TO A.back");
+  world.start();
+  world.step(1);
+  world.send("A.go", true);
+  CHECK(world.printed() == Lines{"go", "processed", "back"});
+  world.step(2);
+  CHECK(world.printed() == Lines{"processed", "back"});
+}
+
+TEST_CASE(
+    "directOutput lets a program write to nodes; what it assigned is sent at its end, the last value once (4.12.5, "
+    "C.5.2)") {
+  World world(
+      "DEF T Transform {} DEF S Script { directOutput TRUE field SFNode node USE T eventIn SFFloat go url "
+      "\"javascript: "
+      "function go(v) { node.set_translation = new SFVec3f(v, 0, 0); node.translation = new SFVec3f(v, 1, 0);"
+      "print(node.translation_changed); node.scale = node.scale.multiply(2); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.go", 4.0f);
+  CHECK(world.events() == Lines{"1 T.translation 4 1 0", "1 T.scale 2 2 2"});
+  CHECK(world.printed() == Lines{"4 1 0"});
+  CHECK(world.problems() == Lines{});
+}
+
+TEST_CASE("directOutput FALSE: what is written all the same is written, with a warning (4.12.5)") {
+  World world(
+      "DEF T Transform {} DEF S Script { field SFNode node USE T url \"javascript: function initialize() {"
+      "node.translation = new SFVec3f(1, 0, 0); }\" }");
+  world.start();
+  CHECK(world.events() == Lines{"0 T.translation 1 0 0"});
+  CHECK(world.problems() ==
+        Lines{"text.wrl:2:26: warning: Script S: writes to other nodes with directOutput FALSE (VRML97 4.12.5)"});
+}
+
+TEST_CASE("A Script knows itself, and others their eventIns and eventOuts (4.12.9.2)") {
+  World world(
+      "DEF A Script { eventIn SFInt32 set eventOut SFInt32 value_changed url \"javascript: "
+      "function set(v) { value_changed = v + 1; }\" }"
+      "DEF B Script { directOutput TRUE field SFNode me USE B field SFNode a USE A eventIn SFInt32 ask eventIn SFInt32 "
+      "tell url \"javascript: function ask(v) { a.set = v; me.tell = v; } function tell(v) {"
+      "print(a.value_changed + ' ' + v); }\" }");
+  world.start();
+  world.step(1);
+  world.send("B.ask", std::int32_t{4});
+  CHECK(world.printed() == Lines{"5 4"});
+}
+
+TEST_CASE("Browser.addRoute and deleteRoute (4.12.10)") {
+  World world(
+      "DEF C TouchSensor {} DEF T Transform {} DEF S Script { directOutput TRUE field SFNode t USE T field SFNode me "
+      "USE S "
+      "eventIn SFVec3f on eventIn SFBool add eventIn SFBool remove eventOut SFVec3f out url \"javascript: "
+      "function add() { Browser.addRoute(me, 'out', t, 'set_translation'); out = new SFVec3f(1, 0, 0); }"
+      "function remove() { Browser.deleteRoute(me, 'out', t, 'translation'); out = new SFVec3f(2, 0, 0); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.add", true);
+  world.step(2);
+  world.send("S.remove", true);
+  CHECK(world.events() == Lines{"1 S.out 1 0 0", "1 T.translation 1 0 0", "2 S.out 2 0 0"});
+}
+
+TEST_CASE("createVrmlFromString gives nodes that can be put into the world (4.12.10)") {
+  World world(
+      "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFInt32 go url \"javascript: "
+      "function go(n) { var made = Browser.createVrmlFromString('Shape {} DEF X Transform {} PROTO P [] { Group {} } P "
+      "{}'); print(made.length); g.addChildren = made; for (var i = 0; i < n; i++) g.addChildren = new MFNode("
+      "new SFNode('Group {}')); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.go", std::int32_t{2});
+  CHECK(world.printed() == Lines{"3"});
+  CHECK(world.scene().get<vrml::MFNode>(world.node("G"), "children").size() == 5);
+  CHECK(world.problems() == Lines{});
+}
+
+TEST_CASE("A Script made at run time runs before it gets an event, and ends with its node (4.12.3)") {
+  World world(
+      "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFInt32 go url \"javascript: "
+      "function go(n) { if (n == 0) { g.children = new MFNode(); return; } var s = new SFNode('Script { eventIn "
+      "SFInt32 in_ "
+      "url \\\"javascript: function initialize() { print(1); } function in_(v) { print(v); } function shutdown() {"
+      "print(9); }\\\" }'); g.children = new MFNode(s); s.in_ = 5; }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.go", std::int32_t{1});
+  CHECK(world.printed() == Lines{"1", "5"});
+  world.step(2);
+  world.send("S.go", std::int32_t{0});
+  world.end();
+  CHECK(world.printed() == Lines{"9"});
+}
+
+TEST_CASE("In a PROTO, IS gives a Script values, events and its url (4.8.2)") {
+  World world(
+      "PROTO P [ field SFInt32 add 1 eventIn SFInt32 in_ eventOut SFInt32 out field MFString url [] ] {"
+      "Script { field SFInt32 add IS add eventIn SFInt32 in_ IS in_ eventOut SFInt32 out IS out url IS url } }"
+      "DEF A P { add 5 url \"javascript: function in_(v) { out = v + add; }\" }"
+      "DEF B P { url \"vrmlscript: function in_(v) { out = v * 10; }\" }");
+  world.start();
+  world.step(1);
+  world.send("A.in_", std::int32_t{2});
+  world.send("B.in_", std::int32_t{3});
+  CHECK(world.events(" A.out") == Lines{"1 A.out 7"});
+}
+
+TEST_CASE("The first of several urls that can be run is run (4.12.1)") {
+  World world(
+      "DEF S Script { url [ \"Applet.class\" \"java:x\" \"javascript: function initialize( { \""
+      "\"ECMAScript: function initialize() { print('third'); }\" ] }");
+  world.start();
+  CHECK(world.printed() == Lines{"third"});
+  CHECK(world.problems().size() == 2);
+}
+
+TEST_CASE("A url that is set runs its program (6.40)") {
+  World world(
+      "DEF S Script { url \"javascript: function initialize() { print(1); } function shutdown() { print(2); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.set_url", vrml::MFString{vrml::SFString("javascript: function initialize() { print(3); }")});
+  CHECK(world.printed() == Lines{"1", "2", "3"});
+}
+
+TEST_CASE("replaceWorld ends the world's Scripts and shows other nodes (4.12.10)") {
+  World world(
+      "DEF S Script { eventIn SFBool go url \"javascript: function go() { Browser.replaceWorld("
+      "Browser.createVrmlFromString('Shape {}')); print('still here'); } function shutdown() { print('over'); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.go", true);
+  CHECK(world.printed() == Lines{"still here", "over"});
+  REQUIRE(world.scene().roots().size() == 1);
+  CHECK(world.scene().node(world.scene().roots()[0]).type->name == "Shape");
+}
+
+TEST_CASE("An exception is told with file, line and column, and the program goes on (C.4)") {
+  World world(
+      "DEF S Script { eventIn SFInt32 go url \"javascript:\n  function go(v) {\n    if (v == 1) nothing();\n"
+      "    print(v);\n  }\" }");
+  world.start();
+  for (std::int32_t i = 0; i < 3; ++i) {
+    world.step(1 + i);
+    world.send("S.go", i);
+  }
+  CHECK(world.printed() == Lines{"0", "2"});
+  CHECK(world.problems() == Lines{"text.wrl:4:17: error: Script S: ReferenceError: nothing is not defined"});
+  // In the first line, the place is that in the file, too.
+  World first("Script { url \"javascript:nothing();\" }");
+  first.start();
+  CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
+}

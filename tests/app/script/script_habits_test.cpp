@@ -1,0 +1,102 @@
+#include "scripts.h"
+
+using namespace gs;
+using gs::app::scripts::Lines;
+using gs::app::scripts::run;
+using gs::app::scripts::value;
+using gs::app::scripts::World;
+
+// What programs of the time when VRML97 was new do, and no standard has.
+
+TEST_CASE("Constructors are called without new, too") {
+  CHECK(value("SFVec3f(1, 2, 3).add(SFVec3f(1, 1, 1)) + ' ' + SFColor(1) + ' ' + SFRotation(0, 0, 1, 2) + ' ' + "
+              "MFInt32(1, 2)") == "2 3 4 1 0 0 0 0 1 2 [ 1, 2 ]");
+  CHECK(value("SFFloat(2.5) + SFInt32(2.5) + SFTime(1) + ' ' + SFBool(0) + ' ' + SFString('a')") == "5.5 false a");
+  CHECK(value("new SFFloat(2.5) + new SFInt32(2.5)") == "4.5");
+  CHECK(run("b = new SFBool(FALSE); print(b); f = new SFFloat(3); print(f);", "eventOut SFBool b eventOut SFFloat f") ==
+        Lines{"false", "3"});
+}
+
+TEST_CASE("Names without var belong to their own Script") {
+  World world(
+      "DEF A Script { url \"javascript: function initialize() { count = 1; }\" }"
+      "DEF B Script { url \"javascript: function initialize() { print(typeof count); }\" }");
+  world.start();
+  CHECK(world.printed() == Lines{"undefined"});
+}
+
+TEST_CASE("parseInt takes numbers") {
+  CHECK(value("parseInt(0.0000005) + ' ' + parseInt(-3.7) + ' ' + parseInt('12px') + ' ' + parseInt('ff', 16)") ==
+        "0 -3 12 255");
+}
+
+TEST_CASE("vrmlscript and other spellings of the schemes, with print, trace and alert") {
+  World world("Script { url \"VrmlScript: print('a'); trace('b', 1); alert('c'); Browser.println('d');\" }");
+  world.start();
+  CHECK(world.printed() == Lines{"a", "b 1", "c", "d"});
+}
+
+TEST_CASE("Strings over several lines, names that are reserved words by now, comments of VRML and HTML") {
+  World world(
+      "DEF S Script { url \"javascript:\n<!-- for old browsers\nvar class = 'a\nb';\n# of VRML\nvar enum = 1;\n"
+      "function initialize() { print(class.length + enum); }\n}\n// -->\n\" }");
+  world.start();
+  CHECK(world.problems() == Lines{});
+  CHECK(world.printed() == Lines{"4"});
+}
+
+TEST_CASE("A brace that is missing at the end is taken to be there") {
+  World world("DEF S Script { url \"javascript: function initialize() { print('runs');\" }");
+  world.start();
+  CHECK(world.printed() == Lines{"runs"});
+}
+
+TEST_CASE("Viewpoints are bound by bind, and fields of nodes are read") {
+  World world(
+      "DEF A Viewpoint {} DEF B Viewpoint {} DEF X Box { size 1 2 3 } DEF S Script { directOutput TRUE field SFNode v "
+      "USE B "
+      "field SFNode b USE X eventIn SFBool go url \"javascript: function go() { v.bind = TRUE; print(b.size); }\" }");
+  world.start();
+  world.step(1);
+  world.send("S.go", true);
+  CHECK(world.events("B.isBound") == Lines{"1 B.isBound TRUE"});
+  CHECK(world.printed() == Lines{"1 2 3"});
+}
+
+TEST_CASE("What a node does not have is not set, with one warning") {
+  World world(
+      "DEF T Transform {} DEF S Script { directOutput TRUE field SFNode t USE T url \"javascript: function "
+      "initialize() { t.nothing = 1; t.nothing = 2; print(t.nothing); }\" }");
+  world.start();
+  CHECK(world.printed() == Lines{"undefined"});
+  CHECK(world.problems() == Lines{"text.wrl:2:26: warning: Script S: Transform has no eventIn 'nothing'; not set"});
+}
+
+TEST_CASE("A part of a node's value is assigned") {
+  World world(
+      "DEF T Transform {} DEF C Coordinate { point [ 0 0 0, 1 1 1 ] } DEF S Script { directOutput TRUE field SFNode t "
+      "USE T field SFNode c USE C url \"javascript: function initialize() { t.translation.y = 2; "
+      "c.point[1] = new SFVec3f(5, 5, 5); c.point[0].x = 3; }\" }");
+  world.start();
+  CHECK(world.events() == Lines{"0 T.translation 0 2 0", "0 C.point [ 3 0 0, 5 5 5 ]"});
+}
+
+TEST_CASE("Methods of other browsers answer, and do no harm") {
+  CHECK(
+      run("Browser.showConsole(); Browser.beginUpdate(); Browser.setCollisionDetection(TRUE); print(Browser.getTime());"
+          "print(Browser.viewpointPosition); print(Browser.getBrowserOption('x')); Browser.endUpdate();") ==
+      Lines{"1000", "0 0 10", "0"});
+}
+
+TEST_CASE("One value for a list, and arrays for lists") {
+  CHECK(run("m = 'one'; print(m); m = ['a', 'b']; print(m); i = [1, 2.5]; print(i); v = [1, 2, 3]; print(v);",
+            "field MFString m [] field MFInt32 i [] field SFVec3f v 0 0 0") ==
+        Lines{"[ \"one\" ]", "[ \"a\", \"b\" ]", "[ 1, 2 ]", "1 2 3"});
+}
+
+TEST_CASE("A Java program is told of once, and the world goes on") {
+  World world("DEF S Script { url \"Applet.class\" } DEF T Script { url \"javascript: print('on');\" }");
+  world.start();
+  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a Java program, which is not run"});
+  CHECK(world.printed() == Lines{"on"});
+}

@@ -1,0 +1,164 @@
+#include "scripts.h"
+
+using namespace gs;
+using gs::app::scripts::Lines;
+using gs::app::scripts::World;
+
+namespace {
+
+vrml::Limits small_limits() {
+  vrml::Limits limits;
+  limits.script_seconds = 0.2;
+  limits.script_heap = std::size_t{24} << 20;
+  return limits;
+}
+
+/// Runs initialize() and then an event in another Script.
+std::string problem_of(const std::string& program, const std::string& interface = {},
+                       const vrml::Limits& limits = small_limits()) {
+  World world("DEF Bad Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
+                  program +
+                  " }\" } DEF Good Script { eventIn SFBool go url \"javascript: function go() { print('good'); }\" }",
+              limits);
+  world.start();
+  world.step(1);
+  world.send("Good.go", true);
+  CHECK(world.printed() == Lines{"good"});
+  const Lines problems = world.problems();
+  REQUIRE(problems.size() == 1);
+  return problems.front();
+}
+
+}  // namespace
+
+TEST_CASE("A program that does not come to its end is stopped, and cannot catch that") {
+  const std::string stopped =
+      "text.wrl:2:9: error: Script Bad: the program did not come to its end in time (fault 1 of 3)";
+  CHECK(problem_of("for (;;) {}") == stopped);
+  CHECK(problem_of("for (;;) try { for (;;) {} } catch (e) {} finally { for (;;) {} }") == stopped);
+  CHECK(problem_of("Promise.resolve().then(function () { for (;;) {} });") == stopped);
+}
+
+TEST_CASE("A regular expression that explodes is stopped") {
+  const std::string problem = problem_of("/^(a+)+$/.test('aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa!');");
+  INFO(problem);
+  CHECK(problem.find("(fault 1 of 3)") != std::string::npos);
+}
+
+TEST_CASE("A program that calls itself without end is stopped") {
+  const std::string problem = problem_of("function f(n) { return f(n + 1) + 1; } f(0);");
+  CHECK(problem.find("too much recursion (fault 1 of 3)") != std::string::npos);
+}
+
+TEST_CASE("A program that takes more memory than there is for it is stopped") {
+  const std::string stopped = "takes more memory than";
+  vrml::Limits limits = small_limits();
+  limits.script_seconds = 100;
+  for (const std::string program :
+       {"var a = []; for (;;) a.push(new Array(1000).fill(1));", "var a = []; for (;;) a.push('x' + a.length);",
+        "var a = []; for (;;) a.push(new SFVec3f(1, 2, 3));", "var a = []; for (;;) a.push(new MFFloat(1, 2, 3));",
+        "var m = new MFFloat(); for (var i = 0; ; ++i) m[i] = i;"}) {
+    INFO(program);
+    CHECK(problem_of(program, {}, limits).find(stopped) != std::string::npos);
+  }
+  CHECK(problem_of("for (var i = 0; ; ++i) f[i] = i;", "field MFFloat f []", limits).find(stopped) !=
+        std::string::npos);
+  CHECK(problem_of("f.length = 60000000;", "field MFVec3f f []").find("memory") != std::string::npos);
+}
+
+TEST_CASE("After three faults a Script is switched off") {
+  World world("DEF S Script { eventIn SFBool go url \"javascript: function go() { print('runs'); for (;;) {} }\" }",
+              small_limits());
+  world.start();
+  for (int i = 1; i <= 5; ++i) {
+    world.step(i);
+    world.send("S.go", true);
+  }
+  CHECK(world.printed() == Lines{"runs", "runs", "runs"});
+  const Lines problems = world.problems();
+  REQUIRE(problems.size() == 3);
+  CHECK(problems.back() ==
+        "text.wrl:2:7: error: Script S: the program did not come to its end in time; it is the third "
+        "fault, and the program is not run any more");
+}
+
+TEST_CASE("Programs reach nothing but their world") {
+  CHECK(
+      gs::app::scripts::value("typeof require + typeof load + typeof read + typeof os + typeof fetch + typeof Worker + "
+                              "typeof WebAssembly + typeof SharedArrayBuffer + typeof ArrayBuffer") ==
+      "undefinedundefinedundefinedundefinedundefinedundefinedundefinedundefinedundefined");
+}
+
+TEST_CASE("A storm of events between Scripts ends with each timestamp (4.10.4)") {
+  World world(
+      "DEF A Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v + 1; }\" }"
+      "DEF B Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v + 1; }\" }"
+      "ROUTE A.out TO B.in_ ROUTE B.out TO A.in_");
+  world.start();
+  world.step(1);
+  world.send("A.in_", std::int32_t{0});
+  CHECK(world.events() == Lines{"1 A.out 1", "1 B.out 2"});
+}
+
+TEST_CASE("A Script that takes its own node out of the world goes, and its memory with it") {
+  World world(
+      "DEF G Group { children DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFBool go url "
+      "\"javascript: "
+      "function go() { g.children = new MFNode(); print('gone'); } \" } }");
+  world.start();
+  world.step(1);
+  world.send("S.go", true);
+  world.step(2);
+  CHECK(world.printed() == Lines{"gone"});
+  CHECK(world.problems() == Lines{});
+}
+
+TEST_CASE("Nodes that a program makes each frame and throws away are given back") {
+  World world(
+      "DEF C TimeSensor { loop TRUE } DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn "
+      "SFTime "
+      "tick url \"javascript: function tick(t) { for (var i = 0; i < 20; ++i) g.children = "
+      "Browser.createVrmlFromString('Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0 1 1 1 ] } } "
+      "}'); }\" }"
+      "ROUTE C.time TO S.tick");
+  world.start();
+  std::size_t most = 0;
+  for (int i = 1; i <= 400; ++i) {
+    world.step(i * 0.1);
+    most = std::max(most, world.scene().node_count());
+  }
+  // 32,000 nodes were made.
+  CHECK(most < 12'000);
+}
+
+TEST_CASE("A world that replaces itself each frame stays as small as it is") {
+  World world(
+      "DEF C TimeSensor { loop TRUE } DEF S Script { eventIn SFTime tick url \"javascript: "
+      "function tick(t) { Browser.replaceWorld(Browser.createVrmlFromString('DEF C TimeSensor { loop TRUE } DEF S "
+      "Script { "
+      "eventIn SFTime tick url \\\"javascript: function tick() { print(2); }\\\" } ROUTE C.time TO S.tick')); }\" }"
+      "ROUTE C.time TO S.tick");
+  world.start();
+  for (int i = 1; i <= 5; ++i) world.step(i * 0.1);
+  CHECK(world.printed().size() >= 3);
+  CHECK(world.scene().roots().size() == 2);
+}
+
+TEST_CASE("What has no time left in a step is run in the next one") {
+  World world(
+      "DEF A Script { eventIn SFInt32 in_ url \"javascript: function in_(v) { var end = Date.now() + 30; while "
+      "(Date.now() < "
+      "end); print('a' + v); }\" } DEF B Script { eventIn SFInt32 in_ url \"javascript: function in_(v, t) { print('b' "
+      "+ v + ' ' "
+      "+ t); }\" }",
+      {}, {0.01, true});
+  world.start();
+  world.step(1);
+  world.send("A.in_", std::int32_t{1});
+  world.send("B.in_", std::int32_t{2});
+  CHECK(world.printed() == Lines{"a1"});
+  CHECK(world.runner().is_late());
+  world.step(2);
+  CHECK(world.printed() == Lines{"b2 1001"});
+  CHECK_FALSE(world.runner().is_late());
+}

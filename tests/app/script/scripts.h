@@ -1,0 +1,112 @@
+#pragma once
+
+#include "app/script/script_runner.h"
+#include "vrml/events/node_names.h"
+#include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
+
+#include <catch2/catch.hpp>
+
+#include <charconv>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gs::app::scripts {
+
+using Lines = std::vector<std::string>;
+
+/// A world with Scripts; what they print, what is wrong with them, and the events: "time node.event value", the time in
+/// seconds since kStart.
+class World {
+ public:
+  static constexpr double kStart = 1000;
+
+  explicit World(const std::string& body, const vrml::Limits& limits = {}, ScriptRunner::Settings settings = {0, true})
+      : scene_(std::make_unique<vrml::SceneGraph>("text.wrl", limits)) {
+    vrml::Diagnostics diagnostics;
+    (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+    CHECK(diagnostics.errors() == 0);
+    execution_ = std::make_unique<vrml::Execution>(*scene_);
+    names_ = std::make_unique<vrml::NodeNames>(*scene_);
+    execution_->observe([this](const vrml::SentEvent& event) {
+      char digits[64];
+      std::string line(digits, std::to_chars(digits, digits + sizeof digits, event.time - kStart).ptr);
+      line += ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
+      vrml::print_value(line, *event.value, *event.scene);
+      events_.push_back(line);
+    });
+    runner_ = ScriptRunner::make(*execution_, settings);
+    REQUIRE(runner_);
+    runner_->observe([this](const ScriptMessage& message) {
+      (message.printed ? printed_ : problems_)
+          .push_back(message.printed ? message.diagnostic.message : message.diagnostic.text());
+    });
+    execution_->set_script_host(runner_.get());
+  }
+  ~World() {
+    runner_.reset();
+    execution_->set_script_host(nullptr);
+  }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  void start(double at = 0) { execution_->start(kStart + at); }
+  void step(double at) {
+    if (runner_) runner_->begin_step();
+    execution_->step(kStart + at);
+  }
+  template <class T>
+  void send(std::string_view target, T value) {
+    const std::size_t point = target.rfind('.');
+    const vrml::NodeId node = names_->find(target.substr(0, point));
+    REQUIRE(node);
+    const vrml::InterfaceDeclaration* event = scene_->node(node).type->find_event_in(target.substr(point + 1));
+    REQUIRE(event);
+    CHECK(execution_->send(*scene_, node, *event, vrml::FieldValue(std::move(value))));
+  }
+  /// All since the last call.
+  Lines printed() { return std::exchange(printed_, {}); }
+  Lines problems() { return std::exchange(problems_, {}); }
+  Lines events() { return std::exchange(events_, {}); }
+  /// The lines among the events in which `part` stands.
+  Lines events(std::string_view part) {
+    Lines some;
+    for (const std::string& line : events())
+      if (line.find(part) != std::string::npos) some.push_back(line);
+    return some;
+  }
+  /// The world goes, with its programs; what they still print is in `printed`.
+  void end() { runner_.reset(); }
+  vrml::SceneGraph& scene() { return *scene_; }
+  vrml::Execution& execution() { return *execution_; }
+  ScriptRunner& runner() { return *runner_; }
+  vrml::NodeId node(std::string_view name) { return names_->find(name); }
+
+ private:
+  Lines printed_, problems_, events_;
+  std::unique_ptr<vrml::SceneGraph> scene_;
+  std::unique_ptr<vrml::Execution> execution_;
+  std::unique_ptr<vrml::NodeNames> names_;
+  std::unique_ptr<ScriptRunner> runner_;
+};
+
+/// What a program prints that runs in initialize(). It must be in no conflict with VRML's strings.
+inline Lines run(const std::string& program, const std::string& interface = {}) {
+  World world("DEF S Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
+              program + " }\" }");
+  world.start();
+  CHECK(world.problems() == Lines{});
+  return world.printed();
+}
+
+/// The text of one expression.
+inline std::string value(const std::string& expression, const std::string& before = {}) {
+  const Lines lines = run(before + " print(" + expression + ");");
+  return lines.empty() ? "" : lines.front();
+}
+
+}  // namespace gs::app::scripts

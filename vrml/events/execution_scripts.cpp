@@ -1,0 +1,74 @@
+#include "vrml/events/execution.h"
+#include "vrml/events/script_host.h"
+
+#include <utility>
+
+// What programs of Scripts do to their world (VRML97 4.12).
+namespace gs::vrml {
+
+void Execution::note_script(EventNode node) {
+  has_scripts_ = true;
+  new_scripts_.push_back(node);
+}
+
+// Before any event for them (4.12.3). A program may make Scripts.
+void Execution::begin_scripts() {
+  if (!started_) return;
+  for (std::size_t i = 0; i < new_scripts_.size() && script_host_; ++i) {
+    const EventNode node = new_scripts_[i];
+    (void)script_host_->begin(node);
+  }
+  new_scripts_.clear();
+}
+
+void Execution::end_scripts(const std::vector<EventNode>& nodes) {
+  for (const EventNode node : nodes)
+    if (node != 0 && nodes_[node].schema->behaviour && nodes_[node].schema->behaviour->before_removal)
+      nodes_[node].schema->behaviour->before_removal(*this, node);
+}
+
+void Execution::program_came(const SceneGraph& scene, NodeId script) {
+  const EventNode node = event_node(scene, script);
+  if (node == 0 || !script_host_) return;
+  look_again(node);
+  drain();
+}
+
+void Execution::own_value_changed(EventNode node, std::uint32_t interface) {
+  const EventSchema::Interface& own = nodes_[node].schema->interfaces[interface];
+  if (holds_nodes(own.declaration->type)) note_referring(node);
+}
+
+void Execution::send_own(EventNode node, std::uint32_t interface) {
+  const EventSchema::Interface& own = nodes_[node].schema->interfaces[interface];
+  if (own.slot >= 0) mark_changed(node, own.slot);
+  own_value_changed(node, interface);
+  queue(node, interface);
+}
+
+bool Execution::post(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& event_in, FieldValue value) {
+  if (!scene.contains(id) || vrml::type_of(value) != event_in.type) return false;
+  if (event_in.access != AccessType::eventIn && event_in.access != AccessType::exposedField) return false;
+  const EventNode node = event_node(scene, id);
+  const std::uint32_t interface = node == 0 ? EventSchema::kNone : nodes_[node].schema->find(event_in);
+  if (interface == EventSchema::kNone || !spend(1)) return false;
+  posted_.push_back(std::move(value));
+  queue_.push_back({node, interface, static_cast<std::uint32_t>(posted_.size())});
+  return true;
+}
+
+const FieldValue* Execution::last_value(const SceneGraph& scene, NodeId id, const InterfaceDeclaration& interface) {
+  if (!scene.contains(id)) return nullptr;
+  if (interface.slot >= 0) return &scene.node(id).values[interface.slot];
+  if (interface.access != AccessType::eventOut) return nullptr;
+  const EventNode node = event_node(scene, id);
+  const std::uint32_t place = node == 0 ? EventSchema::kNone : nodes_[node].schema->find(interface);
+  return place == EventSchema::kNone ? nullptr : &own_value(node, place);
+}
+
+SceneGraph* Execution::own_scene(const SceneGraph& scene) {
+  const auto place = scene_places_.find(&scene);
+  return place == scene_places_.end() ? nullptr : scenes_[place->second].scene;
+}
+
+}  // namespace gs::vrml
