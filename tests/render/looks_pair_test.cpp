@@ -53,7 +53,7 @@ void check_alike(const std::string& one, const std::string& other) {
   drawing.options.samples = 4;
   const Image first = ParsedWorld(one).draw(drawing, camera_at({0, 0, 10})),
               second = ParsedWorld(other).draw(drawing, camera_at({0, 0, 10}));
-  CHECK(shown(first) > 200);
+  CHECK(shown(first) > 120);
   CHECK(difference(first, second) < 2);
 }
 
