@@ -294,7 +294,8 @@ void Execution::start(double now) {
   drain();
 }
 
-// In the order of the file, through what is shown, without Inlines (4.6.10).
+// In the order of the file, through what is shown, without Inlines (4.6.10). The standard does not say whether what a
+// Switch does not show is a candidate; other browsers pass over it, and worlds choose their Background with one.
 void Execution::bind_first_nodes() {
   SceneState& state = scenes_.front();
   SceneGraph& scene = *state.scene;
@@ -320,10 +321,18 @@ void Execution::bind_first_nodes() {
       nodes_[bindable].placed = nodes_[bindable].on_stack;
     }
     if (!has(node.type->role, Role::grouping)) continue;
+    const InterfaceDeclaration* which = node.type->find_field("whichChoice");
+    const auto* chosen = which ? std::get_if<SFInt32>(&node.values[which->slot]) : nullptr;
     for (const InterfaceDeclaration& declaration : node.type->interfaces)
       if (declaration.slot >= 0)
-        if (const auto* children = std::get_if<MFNode>(&node.values[declaration.slot]))
-          path.push_back({children->begin(), children->end()});
+        if (const auto* children = std::get_if<MFNode>(&node.values[declaration.slot])) {
+          const NodeId *begin = children->begin(), *end = children->end();
+          if (chosen) {
+            begin = *chosen < 0 || *chosen >= end - begin ? end : begin + *chosen;
+            end = begin == end ? end : begin + 1;
+          }
+          path.push_back({begin, end});
+        }
   }
 }
 

@@ -14,6 +14,15 @@ TEST_CASE("the first node of each bindable type is bound at start (4.6.10)") {
   CHECK(world.execution().bound(*built_in_node_type("Viewpoint")).node == world.node("V1"));
 }
 
+TEST_CASE("what a Switch does not show is not bound at start (4.6.10, 6.46)") {
+  World world(
+      "Switch { whichChoice 1 choice [ DEF B1 Background { } Group { children DEF B2 Background { } } ] }\n"
+      "Switch { choice DEF F1 Fog { } } Switch { whichChoice 5 choice DEF F2 Fog { } } DEF F3 Fog { }\n"
+      "Switch { whichChoice 0 choice DEF V1 Viewpoint { } } DEF V2 Viewpoint { }");
+  world.start();
+  CHECK(world.take() == Lines{"0 B2.isBound TRUE", "0 F3.isBound TRUE", "0 V1.isBound TRUE", "0 V1.bindTime 1000"});
+}
+
 TEST_CASE("set_bind TRUE pushes and moves, FALSE pops (4.6.10)") {
   World world("DEF A Viewpoint { } DEF B Viewpoint { } DEF C Viewpoint { }");
   world.start();
