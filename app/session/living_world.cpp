@@ -167,11 +167,13 @@ bool LivingWorld::show(LivingScene& scene, const glm::dvec3& viewer) {
 }
 
 render::BoundNodes LivingWorld::bound() const {
-  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
-    const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
+  using vrml::NodeKind;
+  const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
+    const vrml::NodeChange bound = execution_.bound(vrml::built_in_node_type(kind));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
-  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background"), node_of("Fog")};
+  return {node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info), node_of(NodeKind::background),
+          node_of(NodeKind::fog)};
 }
 
 }  // namespace gs::app

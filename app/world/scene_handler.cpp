@@ -286,7 +286,7 @@ void SceneHandler::forget_open(render::MeshCache& meshes) {
       meshes.forget(shown_open_.back());
       // What it refines changes with it.
       if (shown_open_.back()->type->url_content != vrml::UrlContent::outlines) continue;
-      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
+      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), vrml::NodeKind::outline_group);
       if (!refined) continue;
       shown_open_.push_back(&scene->node(refined));
       meshes.forget(shown_open_.back());

@@ -103,7 +103,9 @@ void SceneHandler::miss_prototype(vrml::NodeType& type, const std::string& why, 
     return;
   }
   const bool replaced = stand_in(type);
-  if (told_already || type.name == "QNV") return;  // the latter's fallback
+  const vrml::NodeType* own = vrml::built_in_node_type(type.name);
+  const bool is_fallback = own && own->url_content == vrml::UrlContent::vectors;  // for browsers without our own node
+  if (told_already || is_fallback) return;
   report(Severity::warning, type.location,
          "EXTERNPROTO " + type.name + ": " + why_missing(type.url, why) +
              (replaced ? "; a stand-in takes its place" : ""));

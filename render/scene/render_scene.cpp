@@ -152,6 +152,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::texture_transform:
     case NodeKind::pixel_texture:
     case NodeKind::image_texture:
+    case NodeKind::movie_texture:
       return Effect::dress;
     case NodeKind::directional_light:
     case NodeKind::point_light:
@@ -165,7 +166,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return Effect::bindable;
     case NodeKind::qnv:
       return Effect::everything;
-    case NodeKind::other:
+    default:
       break;
   }
   return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;

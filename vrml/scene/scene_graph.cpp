@@ -270,9 +270,9 @@ NodeId SceneGraph::resolve(NodeId id) const {
   return {};
 }
 
-NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
+NodeId SceneGraph::resolve_as(NodeId id, NodeKind kind) const {
   const NodeId resolved = resolve(id);
-  return resolved && nodes_[resolved.index].type->name == type_name ? resolved : NodeId{};
+  return resolved && nodes_[resolved.index].type->read_as == kind ? resolved : NodeId{};
 }
 
 const SourceText& SceneGraph::text_of(NodeId id, int slot) const {

@@ -201,7 +201,7 @@ class GltfImporter {
     const Placement placement = placement_of(n);
     if (placement.sheared)
       builder_.warn("node " + std::to_string(visit.node) + ": its matrix is no translation, rotation and scale");
-    visit.transform = builder_.make("Transform");
+    visit.transform = builder_.make(vrml::NodeKind::transform);
     builder_.set(visit.transform, "translation", placement.translation);
     builder_.set(visit.transform, "rotation", axis_and_angle(placement.rotation));
     builder_.set(visit.transform, "scale", placement.scale);
@@ -223,7 +223,7 @@ class GltfImporter {
     float field_of_view = finite(camera.perspective.yfov);
     const float aspect = finite(camera.perspective.aspectRatio);
     if (aspect > 0 && aspect < 1) field_of_view = 2 * std::atan(std::tan(field_of_view / 2) * aspect);
-    const vrml::NodeId viewpoint = builder_.make("Viewpoint");
+    const vrml::NodeId viewpoint = builder_.make(vrml::NodeKind::viewpoint);
     builder_.set(viewpoint, "position", vrml::SFVec3f(0.0f));
     if (field_of_view > 0 && field_of_view < std::numbers::pi_v<float>)
       builder_.set(viewpoint, "fieldOfView", field_of_view);
