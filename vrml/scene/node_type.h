@@ -152,6 +152,7 @@ struct NodeType {
   std::vector<int> measures;  // slots of a built-in geometry's lengths: fields whose range is (0,inf)
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
+  bool asked_for = false;                // of an EXTERNPROTO of a text read at run time: the body is being fetched
   SourceLocation location;               // of the name in a PROTO or EXTERNPROTO
 
   NodeType();

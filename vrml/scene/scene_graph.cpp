@@ -227,6 +227,14 @@ std::uint32_t SceneGraph::owner_of(const NodeType& type) const {
   return 0;
 }
 
+std::optional<std::uint32_t> SceneGraph::text_declaring(const NodeType* type) const {
+  const auto is_it = [type](const auto& one) { return one.get() == type; };
+  for (std::uint32_t i = 0; i < texts_.size(); ++i)
+    if (i == 0 || texts_[i].text)
+      if (const auto& types = text_at(i).types(); std::any_of(types.begin(), types.end(), is_it)) return i;
+  return std::nullopt;
+}
+
 // ---- The budget
 
 bool SceneGraph::draw(std::size_t bytes) {

@@ -148,6 +148,8 @@ class SceneGraph : public SourceText {
   }
   /// The number of the run-time text that declares the type; 0: none does.
   [[nodiscard]] std::uint32_t owner_of(const NodeType& type) const;
+  /// The same for one that may be gone: nothing where no text has it. 0: the file's.
+  [[nodiscard]] std::optional<std::uint32_t> text_declaring(const NodeType* type) const;
   [[nodiscard]] const SourceText& text_at(std::uint32_t owner) const {
     return owner == 0 ? static_cast<const SourceText&>(*this) : *texts_[owner].text;
   }
