@@ -318,6 +318,8 @@ std::shared_ptr<vrml::SceneGraph> SceneHandler::give_content() {
 void SceneHandler::give_away() {
   owner_ = Owner::living_world;
   if (!scene || refused()) return;
+  for (const auto& one : libraries_)
+    if (one->stage_ == Stage::settled && one->owner_ == Owner::reader) one->give_away();
   for (const auto& one : inner_) {
     const bool is_attached = one->scene && scene->inlined(one->inline_node) == one->scene;
     if (one->nothing_more_comes()) {

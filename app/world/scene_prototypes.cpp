@@ -123,7 +123,9 @@ void SceneHandler::take_library(SceneHandler& library) {
   if (usable)
     for (const auto& [text, origin] : library.origins_) origins_.insert_or_assign(text, origin);
   if (owner_ == Owner::living_world) {
-    if (usable) give_prototypes(library.awaiting, std::move(library.own_), std::nullopt);
+    if (!usable) return;
+    library.give_away();
+    give_prototypes(library.awaiting, std::move(library.own_), std::nullopt);
     return;
   }
   if (usable) {
