@@ -33,11 +33,12 @@ double median(std::vector<double>& values) {
 }
 
 render::BoundNodes bound(const vrml::Execution& execution) {
-  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
-    const vrml::NodeChange found = execution.bound(*vrml::built_in_node_type(type));
+  const auto node_of = [&](vrml::NodeKind kind) -> const vrml::Node* {
+    const vrml::NodeChange found = execution.bound(vrml::built_in_node_type(kind));
     return found.scene ? &found.scene->node(found.node) : nullptr;
   };
-  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background")};
+  return {node_of(vrml::NodeKind::viewpoint), node_of(vrml::NodeKind::navigation_info),
+          node_of(vrml::NodeKind::background)};
 }
 
 }  // namespace

@@ -16,6 +16,12 @@ for room in app vrml qnv net render; do
   report "$room/ has folders that include each other:" "$(sources $room | xargs -r grep -oE '#include "'$room'/[^"]+"' |
     sed -E 's|/[^/]+:#include "| |; s|/[^/]+"$||' | awk '$1 != $2' | sort -u | tsort 2>&1 >/dev/null)"
 done
+# Who reads a node goes by the columns of its row (NodeType::read_as, role, behaviour, ...).
+types=$(grep -ohE '^ +\{"[A-Z][A-Za-z]*", "[0-9G]' vrml/nodes/*.cpp | grep -oE '[A-Z][A-Za-z]+' | grep -v '^GhostSpace' | paste -sd '|')
+report "Node types are told apart by the columns of the node table, not by their names:" \
+  "$(sources app render vrml bench | grep -vE '^vrml/(nodes/|syntax/stand_ins)' | xargs -r grep -nE \
+    "type(\(\))?(->|\.)name *[=!]= *[^;]*\"|[=!]= *\"($types)\"|\"($types)\" *[=!]=|(make|create|resolve_as|built_in_node_type|node_of)\(([^;\"]*, )?\"($types)\"|\{\"($types)\"" |
+    grep -vE 'input(->|\.)type == "|^app/interface/|^app/formats/content_types')"
 report "GLFW belongs in app/window/window.cpp:" "$(sources app render vrml qnv net | grep -v '^app/window/window.cpp$' | xargs -r grep -ln 'GLFW/glfw3.h')"
 report "Dear ImGui belongs in app/interface/:" "$(sources app render vrml qnv net | grep -v '^app/interface/' | xargs -r grep -ln '#include [<"]imgui')"
 report "SpiderMonkey belongs in app/script/, and out of script_runner.h:" "$( (sources app render vrml qnv net | grep -v '^app/script/'; echo app/script/script_runner.h) |

@@ -8,6 +8,7 @@
 #include "app/formats/export/outline_text.h"
 #include "net/base/file.h"
 #include "net/base/url.h"
+#include "qnv/codec/payloads.h"
 #include "qnv/outline/outline_stream.h"
 #include "qnv/stream/container.h"
 
@@ -124,7 +125,8 @@ int encode_outlines(const Options& options) {
     encode.position_bits = options.position_bits;
     if (options.max_bytes_given) encode.max_bytes = options.max_bytes;
     encode.metadata = {{"title", input->title}};
-    auto encoded = qnv::encode_outlines(groups, model.appearances, encode);
+    auto encoded =
+        qnv::row_of(qnv::Payload::outlines).encode(qnv::OutlineSource{groups, model.appearances, encode}, {}, nullptr);
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
     bytes = std::move(std::get<qnv::EncodedStream>(encoded).bytes);
   } else {

@@ -11,7 +11,7 @@
 #include "app/world/world_loader.h"
 #include "net/base/file.h"
 #include "net/base/url.h"
-#include "qnv/decode/decoder.h"
+#include "qnv/codec/payloads.h"
 #include "qnv/encode/encode_volume.h"
 #include "qnv/encode/isosurface.h"
 #include "qnv/lod/lod.h"
@@ -21,6 +21,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -152,13 +154,18 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
 std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const Options& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
-  encode_options.payload = options.records ? qnv::Payload::records : qnv::Payload::packed;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);
-  auto encoded = qnv::encode_surface(surface.source, encode_options, &progress.whole());
+  const qnv::PayloadRow& payload = qnv::row_of(options.records ? qnv::Payload::records : qnv::Payload::packed);
+  auto encoded = payload.encode(std::cref(surface.source), std::move(encode_options), &progress.whole());
   if (std::holds_alternative<EncodeError>(encoded) && !surface.problem->empty() && !progress.cancelled())
     return EncodeError{*surface.problem};
   return encoded;
+}
+
+std::variant<qnv::EncodedStream, EncodeError> encode_vectors(const qnv::Cloud& cloud, qnv::EncodeOptions options,
+                                                             ProgressBar& progress) {
+  return qnv::row_of(qnv::Payload::records).encode(std::cref(cloud), std::move(options), &progress.whole());
 }
 
 std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const Options& options,
@@ -238,14 +245,14 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
     encode_options.metadata = metadata_of(input, path, cloud->description.metadata);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
-    return qnv::encode_cloud(*cloud, encode_options, &progress.whole());
+    return encode_vectors(*cloud, std::move(encode_options), progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   auto found = gradients(volume, options, progress);
   if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
   encode_options.metadata = metadata_of(input, path, volume.layout.metadata);
   encode_options.vectors = 0;
-  return qnv::encode_cloud(std::get<qnv::Cloud>(found), encode_options, &progress.whole());
+  return encode_vectors(std::get<qnv::Cloud>(found), std::move(encode_options), progress);
 }
 
 std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options, const qnv::VolumeSource& volume,
@@ -275,9 +282,10 @@ std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, Ope
     return gradients(*volume, options, progress);
   auto encoded = encode_input(options, input, progress);
   if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
-  qnv::StreamDecoder decoder;
-  (void)decoder.push(std::get<qnv::EncodedStream>(encoded).bytes);
-  return decoder.cloud();
+  const auto& stream = std::get<qnv::EncodedStream>(encoded);
+  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  auto decoded = qnv::row_of(stream.header.payload).decode(stream.bytes, kAll);
+  return std::get<qnv::Cloud>(std::move(decoded.content));
 }
 
 }  // namespace gs::app

@@ -150,7 +150,7 @@ TextureUrls texture_urls(const OpenedWorld& world) {
   for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i) {
     const vrml::NodeId id = world.scene->id_at(i);
     const auto found = world.images.find(&world.scene->node(id));
-    if (found == world.images.end() || !world.scene->resolve_as(id, "ImageTexture")) continue;
+    if (found == world.images.end() || !world.scene->resolve_as(id, vrml::NodeKind::image_texture)) continue;
     const auto& list = world.scene->get<vrml::MFString>(id, "url");
     const int slot = world.scene->node(id).type->find_field("url")->slot;
     // A library's is relative to the library.

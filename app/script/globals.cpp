@@ -70,7 +70,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
 
 const JSClassOps kGlobalOps = {nullptr, nullptr, nullptr, JS_NewEnumerateStandardClasses, resolve, nullptr,
                                nullptr, nullptr, nullptr, JS_GlobalObjectTraceHook};
-const JSClass kGlobalClass = {"Script", JSCLASS_GLOBAL_FLAGS, &kGlobalOps, nullptr, nullptr, nullptr};
+const JSClass kGlobalClass = {"global", JSCLASS_GLOBAL_FLAGS, &kGlobalOps, nullptr, nullptr, nullptr};
 
 JS::RealmOptions realm_options() {
   JS::RealmOptions options;

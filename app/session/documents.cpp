@@ -10,13 +10,13 @@
 namespace gs::app {
 namespace {
 
-/// Looks for what the render list does not tell, through all Inlines.
-void inspect(Document& document) {
-  std::vector<const vrml::SceneGraph*> scenes{document.world.scene.get()};
+/// Looks for what the render list does not tell, from the node `first` of a scene on, and in all its Inlines.
+void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t first) {
+  std::vector<const vrml::SceneGraph*> scenes{&from};
   while (!scenes.empty()) {
     const vrml::SceneGraph& scene = *scenes.back();
     scenes.pop_back();
-    for (std::uint32_t index = 1; index <= scene.node_count(); ++index) {
+    for (std::uint32_t index = std::exchange(first, 1); index <= scene.node_count(); ++index) {
       const vrml::Node& node = scene.node_at(index);
       if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
       document.viewer_dependent |= vrml::has(node.type->role, vrml::Role::viewer_dependent);
@@ -55,7 +55,7 @@ std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes
   document->meshes = std::move(meshes);
   document->list = std::make_shared<const render::RenderList>();
   if (!document->world.scene) return document;
-  inspect(*document);
+  inspect(*document, *document->world.scene, 1);
   document->living = std::make_unique<LivingWorld>(document->world, document->meshes);
   return document;
 }
@@ -75,6 +75,20 @@ void begin_world(Document& document, double now) {
   }
   report_left_out(*document.list, document.world.diagnostics);
   inspect_clouds(document);
+}
+
+bool arrive(Document& document, Arrivals&& arrivals) {
+  std::vector<std::pair<const vrml::SceneGraph*, std::uint32_t>> grown;
+  for (const Arrivals::Content& one : arrivals.contents)
+    if (one.content) grown.emplace_back(one.content.get(), 1);
+  for (const Arrivals::Prototypes& one : arrivals.prototypes)
+    if (document.living->execution().has_scene(one.scene))
+      grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
+  document.living->arrive(std::move(arrivals));
+  for (const auto& [scene, first] : grown)
+    if (document.living->execution().has_scene(scene)) inspect(document, *scene, first);
+  document.has_navigation_info = document.living->bound().navigation_info != nullptr;
+  return !grown.empty();
 }
 
 std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes) {

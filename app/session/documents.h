@@ -46,8 +46,11 @@ struct Document {
 [[nodiscard]] std::shared_ptr<Document> hold_world(OpenedWorld world, render::MeshCache meshes = {});
 /// Brings it to life at `now`, in seconds since 1970, and gathers what is visible. Once.
 void begin_world(Document& document, double now);
-/// Both at once, at the present time; but a world with Scripts begins on the thread that lets it live: here its meshes
-/// are made.
+/// Takes in what has come for a living world. True where there are other nodes than before: Inlines and bodies of
+/// EXTERNPROTOs.
+bool arrive(Document& document, Arrivals&& arrivals);
+/// `hold_world` and `begin_world` at once, at the present time; but a world with Scripts begins on the thread that lets
+/// it live: here its meshes are made.
 [[nodiscard]] std::shared_ptr<Document> make_document(OpenedWorld world, render::MeshCache meshes = {});
 /// A world that is still being read: what there is to see, without its scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,

@@ -13,6 +13,7 @@ namespace {
 
 // Of changes that are remembered; a list that is further behind, since nobody looked at it, is gathered anew.
 constexpr std::size_t kMostBatches = 8;
+constexpr std::size_t kMostRequests = 10'000;  // that nobody takes
 
 }  // namespace
 
@@ -67,8 +68,16 @@ void LivingWorld::ask_for_texts() {
     if (!one.scene->contains(one.node)) continue;
     const vrml::Node& node = one.scene->node(one.node);
     const std::size_t number = kAsked + next_text_++;
-    UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]}, &node, vrml::UrlContent::none,
-                       true, {}, one.origin, node.type->name, node.text->file_name(), one.location};
+    UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]},
+                       &node,
+                       vrml::UrlContent::none,
+                       true,
+                       nullptr,
+                       {},
+                       one.origin,
+                       node.type->name,
+                       node.text->file_name(),
+                       one.location};
     for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
     url_requests_.push_back(std::move(request));
     asked_texts_[number] = std::move(one);
@@ -160,43 +169,82 @@ bool LivingWorld::is_gone(const Arrivals::Place& place) const {
 }
 
 void LivingWorld::show_content(Arrivals::Content&& arrival) {
-  if (is_gone(arrival.place)) return;
+  if (is_gone(arrival.place)) {
+    if (arrival.content) forget(*arrival.content, {});
+    return;
+  }
   vrml::SceneGraph& scene = *arrival.place.scene;
   execution_.remove_content(scene, arrival.place.node);
   if (!arrival.content) return;
+  meshes_.take(std::move(arrival.meshes));
   scene.attach_inline(arrival.place.node, std::move(arrival.content));
   execution_.attach(scene);
   want_scripts();
   execution_.content_changed(scene, arrival.place.node);
 }
 
+void LivingWorld::take_prototypes(Arrivals::Prototypes&& arrival) {
+  if (!execution_.has_scene(arrival.scene)) return;
+  vrml::SceneGraph& scene = *arrival.scene;
+  if (!app::take_prototypes(scene, arrival.awaited, std::move(arrival.library), arrival.why, world_.diagnostics))
+    return;
+  for (const AwaitedPrototype& one : arrival.awaited)
+    if (vrml::has(one.type->role, render::kGeometryParts)) meshes_.forget_scene(scene);
+  execution_.attach(scene);
+  execution_.bind_what_came();
+}
+
+// The lists of polygons have no events: only the browser sets them.
+void LivingWorld::take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes) {
+  vrml::SceneGraph& scene = *arrival.place.scene;
+  const vrml::NodeId node = arrival.place.node;
+  std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> told;
+  for (const auto& one : arrival.fields)
+    if (one.first->access == vrml::AccessType::exposedField &&
+        !(scene.node(node).values[one.first->slot] == one.second))
+      told.push_back(one);
+  std::erase_if(arrival.fields, [](const auto& one) { return one.first->access == vrml::AccessType::exposedField; });
+  set_outlines(world_, arrival);
+  for (const auto& [field, value] : told) (void)execution_.send(scene, node, *field, value);
+  changes.push_back({&scene, node, 0});
+  // What it refines is drawn with it.
+  for (const vrml::InterfaceDeclaration& field : scene.node(node).type->interfaces)
+    if (const auto* other = field.slot < 0 ? nullptr : std::get_if<vrml::SFNode>(&scene.node(node).values[field.slot]))
+      if (const vrml::NodeId refined = scene.resolve(*other)) changes.push_back({&scene, refined, 0});
+}
+
 void LivingWorld::arrive(Arrivals&& arrivals) {
   for (Arrivals::Content& one : arrivals.contents) show_content(std::move(one));
   for (Arrivals::Text& one : arrivals.texts) take_text(std::move(one));
+  for (Arrivals::Prototypes& one : arrivals.prototypes) take_prototypes(std::move(one));
   const auto gone = [this](const Arrivals::Place& place) { return is_gone(place); };
   for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
   std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return is_gone(one.place); });
   progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
   std::vector<vrml::NodeChange> changes;
+  for (Arrivals::Outlines& one : arrivals.outlines)
+    if (!is_gone(one.place)) take_outlines(std::move(one), changes);
+  render::forget_changed(meshes_, changes);
   for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
     changes.push_back({place.scene, place.node, 0});
   if (!changes.empty()) add_changes(std::move(changes));
 }
 
 void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
-  constexpr std::size_t kMost = 10'000;  // that nobody takes
   for (const vrml::NodeChange& change : changes) {
     const vrml::Node& node = change.scene->node(change.node);
+    if (node.type->kind == vrml::NodeType::Kind::external_prototype) ask_for_prototype(*change.scene, change.node);
     if (node.type->url_content == vrml::UrlContent::none) continue;
     const auto fields = node.type->url_fields();
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const int slot = fields[i]->slot;
-      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMost) continue;
+      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMostRequests) continue;
       const vrml::SourceText& text = change.scene->text_of(change.node, slot);
       url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
                                &node,
                                node.type->url_content,
                                false,
+                               nullptr,
                                *std::get_if<vrml::MFString>(&node.values[slot]),
                                &text.origin(),
                                node.type->name,
@@ -204,6 +252,29 @@ void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
                                node.location});
     }
   }
+}
+
+// Of a text read at run time; those of files are fetched by who reads these.
+void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
+  const vrml::Node& node = scene.node(instance);
+  if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMostRequests) return;
+  const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
+  if (!owner || *owner == 0) return;
+  const vrml::WritingFor writing(scene, *owner);
+  vrml::SourceText& text = scene.writing();
+  const auto& types = text.types();
+  const auto type = std::find_if(types.begin(), types.end(), [&](const auto& one) { return one.get() == node.type; });
+  (*type)->asked_for = true;
+  url_requests_.push_back({{&scene, instance},
+                           &node,
+                           vrml::UrlContent::none,
+                           false,
+                           type->get(),
+                           node.type->url,
+                           &text.origin(),
+                           node.type->name,
+                           text.file_name(),
+                           node.type->location});
 }
 
 // A node that is removed, or all of a scene: its place in memory may become another's.
@@ -214,6 +285,7 @@ void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
       url_numbers_.erase({&one, i});
     }
     world_.clouds.erase(&one);
+    world_.outlines.erase(&one);
     meshes_.remove(scene, &one);
   };
   if (node) return forget_one(scene.node(node));
@@ -269,11 +341,13 @@ bool LivingWorld::show(LivingScene& scene, const glm::dvec3& viewer) {
 }
 
 render::BoundNodes LivingWorld::bound() const {
-  const auto node_of = [&](std::string_view type) -> const vrml::Node* {
-    const vrml::NodeChange bound = execution_.bound(*vrml::built_in_node_type(type));
+  using vrml::NodeKind;
+  const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
+    const vrml::NodeChange bound = execution_.bound(vrml::built_in_node_type(kind));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
-  return {node_of("Viewpoint"), node_of("NavigationInfo"), node_of("Background"), node_of("Fog")};
+  return {node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info), node_of(NodeKind::background),
+          node_of(NodeKind::fog)};
 }
 
 }  // namespace gs::app

@@ -89,6 +89,9 @@ class LivingWorld {
   void note_urls(std::span<const vrml::NodeChange> changes);
   [[nodiscard]] bool is_gone(const Arrivals::Place& place) const;
   void show_content(Arrivals::Content&& arrival);
+  void take_prototypes(Arrivals::Prototypes&& arrival);
+  void take_outlines(Arrivals::Outlines&& arrival, std::vector<vrml::NodeChange>& changes);
+  void ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance);
 
   OpenedWorld& world_;
   render::MeshCache& meshes_;

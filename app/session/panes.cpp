@@ -122,6 +122,21 @@ void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, c
   }
 }
 
+void Panes::grow(const Document& document) {
+  for (Pane& pane : panes_)
+    for (auto& [path, view] : pane.views)
+      if (view.document.get() == &document) {
+        // Its viewpoint counts now for LODs and the like: a list of its own, if another view has this one, too.
+        constexpr long kOwnUsers = 2;  // this view, and the document for those to come
+        if (document.viewer_dependent && view.scene.use_count() > kOwnUsers) {
+          view.scene = document.living->look(view.navigation.pose.position, true);
+          view.list = view.scene->scene.shared_list();
+        }
+        (void)follow_world(view);
+        if (at_home(view)) view = grown(view, view.document, view.home_size);
+      }
+}
+
 void Panes::log_changed(const Document& document) {
   for (Pane& pane : panes_)
     if (const View* view = pane.view(); view && view->document.get() == &document && pane.shown == pane.wanted)

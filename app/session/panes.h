@@ -75,6 +75,8 @@ class Panes {
   void deliver(std::uint64_t reading, std::shared_ptr<Document> document, const glm::vec2& viewport);
   /// So much of a reading has come; it shows already.
   void preview(std::uint64_t reading, std::shared_ptr<Document> document);
+  /// A living world has got more nodes: who has not moved yet sees all of it.
+  void grow(const Document& document);
   /// What is wrong with a file that is shown has been told anew.
   void log_changed(const Document& document);
   /// A reading came to nothing. The viewports that waited for it go back to what they showed, or on to a file that

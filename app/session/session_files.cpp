@@ -85,7 +85,7 @@ bool Session::take_arrivals(Document& document, const std::string& path, WorldRe
   if (news.arrivals.empty()) return any;
   if (!news.arrivals.outside.empty()) questions_.ask(path, news.arrivals.outside);
   const bool told = !news.arrivals.diagnostics.entries().empty();
-  document.living->arrive(std::move(news.arrivals));
+  if (arrive(document, std::move(news.arrivals))) panes_.grow(document);
   if (told) panes_.log_changed(document);
   return true;
 }

@@ -200,7 +200,7 @@ void Simulation::fetch() {
   while (!loading_->done()) (void)loading_->step(kWait);
   Arrivals arrivals = loading_->take_arrivals();
   for (const auto& feed : arrivals.feeds) (void)feed->apply();
-  document_->living->arrive(std::move(arrivals));
+  (void)arrive(*document_, std::move(arrivals));
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {

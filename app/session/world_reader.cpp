@@ -15,8 +15,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kWait{50};          // so that progress shows
 constexpr std::chrono::milliseconds kStreamWait{1000};  // wishes of views end it
 constexpr std::chrono::milliseconds kBetweenLists{80};
-constexpr std::chrono::milliseconds kForPictures{150};  // what comes so soon shows with the first picture
-constexpr int kRest = 3;                                // times as long as gathering took, before the next time
+constexpr std::chrono::milliseconds kForTheRest{150};  // what comes so soon shows with the first picture
+constexpr int kRest = 3;                               // times as long as gathering took, before the next time
 
 }  // namespace
 
@@ -27,13 +27,14 @@ WorldReader::WorldReader(std::string path, LoadOptions options, std::function<vo
         } catch (const std::bad_alloc&) {
           tell({make_document(world_without_memory(path)), {}, true, false, {}});
         }
-        ended_ = true;
+        stage_ = Stage::ended;
       }) {}
 
 WorldReader::~WorldReader() { retire(); }
 
 void WorldReader::retire() {
-  stop_ = true;
+  Stage running = Stage::running;
+  (void)stage_.compare_exchange_strong(running, Stage::retired);
   cancel();
 }
 
@@ -52,7 +53,6 @@ void WorldReader::cancel() {
 void WorldReader::prioritize(std::unordered_map<const vrml::Node*, float> importance) {
   const std::lock_guard lock(mutex_);
   importance_ = std::move(importance);
-  importance_is_new_ = true;
   if (loading_) loading_->wake();
 }
 
@@ -89,7 +89,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   }
   bool lives = false;
   auto next = Clock::now() + kBetweenLists;
-  std::optional<Clock::time_point> complete;  // when all nodes were there
+  std::optional<Clock::time_point> complete;  // when all nodes of the file itself were there
   LoadingState told;
   while (!loading.done()) {
     (void)loading.step(kWait);
@@ -104,9 +104,9 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
       exchange_priorities(loading);
       continue;
     }
-    if (loading.structure_complete()) {
+    if (loading.root_is_read()) {
       if (!complete) complete = Clock::now();
-      if (Clock::now() >= *complete + kForPictures) {
+      if (Clock::now() >= *complete + kForTheRest) {
         give_away(loading);
         lives = true;
         continue;
@@ -127,11 +127,11 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
     told = state;
     next = Clock::now() + std::max<Clock::duration>(kBetweenLists, kRest * (Clock::now() - start));
   }
-  if (!stop_) {
+  if (stage_ == Stage::running) {
     if (!lives) give_away(loading);
     tell({nullptr, loading.take_arrivals(), true, false, loading.state()});
   }
-  while (!stop_) {
+  while (stage_ == Stage::running) {
     take_requests(loading);
     if (loading.done() && !loading.streaming()) {
       loading.rest(kStreamWait);
@@ -169,7 +169,7 @@ void WorldReader::take_requests(WorldLoading& loading) {
 void WorldReader::exchange_priorities(WorldLoading& loading) {
   const std::lock_guard lock(mutex_);
   wanted_ = loading.wanted();
-  if (std::exchange(importance_is_new_, false)) loading.prioritize(std::move(importance_));
+  if (auto importance = std::exchange(importance_, std::nullopt)) loading.prioritize(std::move(*importance));
 }
 
 }  // namespace gs::app

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -16,10 +17,10 @@
 
 namespace gs::app {
 
-/// Reads one world on a thread of its own, and tells meanwhile what there is to see. As soon as all nodes are there the
-/// world is the owner's, and lives; pictures and vectors go on arriving. What it tells is moved or never changes, but
-/// for streams, which are the owner's from then on and are fed through `OpenedWorld::feeds`. The owner calls everything
-/// below.
+/// Reads one world on a thread of its own, and tells meanwhile what there is to see. As soon as its file is read the
+/// world is the owner's, and lives; Inlines, EXTERNPROTOs, pictures and vectors go on arriving. What it tells is moved
+/// or never changes, but for streams, which are the owner's from then on and are fed through `OpenedWorld::feeds`. The
+/// owner calls everything below.
 class WorldReader {
  public:
   /// What has happened since the last time.
@@ -51,7 +52,7 @@ class WorldReader {
   /// The nodes for which it comes.
   [[nodiscard]] std::unordered_set<const vrml::Node*> wanted();
   /// The thread has ended, so that the destructor does not wait.
-  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] bool ended() const { return stage_ == Stage::ended; }
   [[nodiscard]] News take();
 
  private:
@@ -62,15 +63,16 @@ class WorldReader {
   void exchange_priorities(WorldLoading& loading);
 
   std::function<void()> wake_;
-  std::atomic<bool> cancelled_ = false, stop_ = false, ended_ = false;
+  std::atomic<bool> cancelled_ = false;  // LoadOptions::cancelled
+  enum class Stage : std::uint8_t { running, retired, ended };
+  std::atomic<Stage> stage_ = Stage::running;
   std::mutex mutex_;
-  News news_;                                                // guarded by mutex_
-  WorldLoading* loading_ = nullptr;                          // guarded by mutex_: for waking it
-  std::unordered_map<const vrml::Node*, float> importance_;  // guarded by mutex_
-  std::unordered_set<const vrml::Node*> wanted_;             // guarded by mutex_
-  bool importance_is_new_ = false;                           // guarded by mutex_
-  std::vector<UrlRequest> requests_;                         // guarded by mutex_
-  std::jthread thread_;                                      // last: joined before what it uses goes
+  News news_;                                                               // guarded by mutex_
+  WorldLoading* loading_ = nullptr;                                         // guarded by mutex_: for waking it
+  std::optional<std::unordered_map<const vrml::Node*, float>> importance_;  // guarded by mutex_: not told yet
+  std::unordered_set<const vrml::Node*> wanted_;                            // guarded by mutex_
+  std::vector<UrlRequest> requests_;                                        // guarded by mutex_
+  std::jthread thread_;                                                     // last: joined before what it uses goes
 };
 
 }  // namespace gs::app

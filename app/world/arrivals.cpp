@@ -13,6 +13,8 @@ void Arrivals::append(Arrivals&& later) {
   };
   move(contents, later.contents);
   move(texts, later.texts);
+  move(prototypes, later.prototypes);
+  move(outlines, later.outlines);
   move(images, later.images);
   move(clouds, later.clouds);
   move(feeds, later.feeds);
@@ -46,6 +48,12 @@ void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
   vrml::Node& instance = scene.node(arrival.fallback);
   instance.expansion = {};
   instance.expansion.push_back(arrival.place.node);
+}
+
+void set_outlines(OpenedWorld& world, const Arrivals::Outlines& arrival) {
+  vrml::Node& node = arrival.place.scene->node(arrival.place.node);
+  for (const auto& [field, value] : arrival.fields) node.values[field->slot] = value;
+  world.outlines[&node] = arrival.held;
 }
 
 std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {

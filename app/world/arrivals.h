@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/world/external_prototypes.h"
 #include "app/world/opened_world.h"
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
@@ -9,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -30,6 +32,19 @@ struct Arrivals {
   struct Content {
     Place place;                                // of an Inline
     std::shared_ptr<vrml::SceneGraph> content;  // null: there is none
+    render::MeshCache meshes;                   // of its nodes
+  };
+  struct Prototypes {
+    vrml::SceneGraph* scene = nullptr;             // of the types that wait
+    std::shared_ptr<vrml::SceneGraph> scene_held;  // where it is an Inline's: so that no other one takes its place
+    std::vector<AwaitedPrototype> awaited;
+    std::unique_ptr<vrml::SceneGraph> library;  // null: there is none
+    std::optional<std::string> why;             // there is none, where that has not been said yet
+  };
+  struct Outlines {
+    Place place;  // of an OutlineGroup
+    std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> fields;
+    std::shared_ptr<const vrml::SceneGraph> held;  // whose budget they are drawn from
   };
   struct Cloud {
     Place place;                              // of a QNV node
@@ -44,6 +59,8 @@ struct Arrivals {
   };
   std::vector<Text> texts;
   std::vector<Content> contents;  // in front of all that belongs into them
+  std::vector<Prototypes> prototypes;
+  std::vector<Outlines> outlines;
   std::vector<Image> images;
   std::vector<Cloud> clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
@@ -52,19 +69,21 @@ struct Arrivals {
   std::vector<OutsideFolder> outside;
 
   [[nodiscard]] bool empty() const {
-    return contents.empty() && images.empty() && clouds.empty() && feeds.empty() && progress.empty() &&
-           texts.empty() && diagnostics.entries().empty() && outside.empty();
+    return contents.empty() && prototypes.empty() && outlines.empty() && images.empty() && clouds.empty() &&
+           feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() && outside.empty();
   }
   /// Puts what has come later behind.
   void append(Arrivals&& later);
 };
 
-/// The url of a node of a living world was set, or is that of a node made at run time.
+/// The url of a node of a living world was set, or is that of a node made at run time, or of an EXTERNPROTO of a text
+/// read then.
 struct UrlRequest {
   Arrivals::Place place;
   const vrml::Node* node = nullptr;  // whose importance counts; not to be looked at by the thread that reads
   vrml::UrlContent content = vrml::UrlContent::none;
-  bool as_text = false;  // in place of that: the text itself
+  bool as_text = false;                 // in place of that: the text itself
+  vrml::NodeType* prototype = nullptr;  // the EXTERNPROTO that waits for its body; likewise. Null: it is the node's
   vrml::MFString urls;
   const vrml::SourceText* text = nullptr;  // in whose name; likewise
   std::string type, file;                  // of the node, and place in its text, for messages
@@ -73,8 +92,10 @@ struct UrlRequest {
 
 /// Gives a QNV node its vectors; a transfer function of its own goes before that of the stream.
 void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival);
-/// Gives all to the world but `progress`, which is its events', and `contents`. The nodes that look otherwise from then
-/// on.
+/// Gives an OutlineGroup its polygons.
+void set_outlines(OpenedWorld& world, const Arrivals::Outlines& arrival);
+/// Gives all to the world but `progress` and `outlines`, which are its events', `contents` and `prototypes`. The nodes
+/// that look otherwise from then on.
 [[nodiscard]] std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals);
 
 }  // namespace gs::app

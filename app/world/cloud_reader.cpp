@@ -268,15 +268,15 @@ std::optional<qnv::Cloud> read_cloud(const ContentType& type, const CloudFile& f
 }
 
 vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, const std::string& url) {
-  const auto make = [&](std::string_view type) { return scene.create(*vrml::built_in_node_type(type)); };
+  const auto make = [&](vrml::NodeKind kind) { return scene.create(vrml::built_in_node_type(kind)); };
   for (const auto& [key, value] : cloud.description.metadata)
     if (key == "title" && !value.empty())
-      if (const vrml::NodeId info = make("WorldInfo")) {
+      if (const vrml::NodeId info = make(vrml::NodeKind::world_info)) {
         scene.set<vrml::SFString>(info, "title", vrml::SFString(value));
         scene.add_root(info);
       }
-  const vrml::NodeId shape = make("Shape"), appearance = make("Appearance"), material = make("Material"),
-                     qnv = make("QNV");
+  const vrml::NodeId shape = make(vrml::NodeKind::shape), appearance = make(vrml::NodeKind::appearance),
+                     material = make(vrml::NodeKind::material), qnv = make(vrml::NodeKind::qnv);
   if (!qnv) return qnv;
   vrml::MFString urls;
   urls.push_back(vrml::SFString(url));

@@ -81,7 +81,9 @@ class Fetch {
   // While it is being read.
   std::string content_type;
   net::Validator validator;
-  bool front = false;  // only the first bytes are asked for yet
+  /// What of it is asked for.
+  enum class Part : std::uint8_t { all, front };
+  Part part = Part::all;
   net::RequestId request;
   std::string first_problem;
   bool told = false;      // it is one that was said already of another
@@ -89,7 +91,12 @@ class Fetch {
   std::optional<net::MappedFile> file;
   std::vector<std::byte> data;  // of a data: URL
   std::span<const std::byte> rest;
-  bool begun = false, refused = false;
+  enum class Stage : std::uint8_t {
+    seeking,    // no candidate has had it yet
+    receiving,  // its bytes go to the handler
+    refused,    // the handler does not want them
+  };
+  Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::app {
@@ -45,8 +46,10 @@ struct OpenedWorld {
   render::Images images;
   render::Clouds clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
-  std::vector<UrlProgress> progress;               // of QNV nodes
-  std::vector<ProgramText> programs;               // of files
+  /// By OutlineGroup with polygons that its url names: from whose budget these are drawn.
+  std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
+  std::vector<UrlProgress> progress;  // of QNV nodes
+  std::vector<ProgramText> programs;  // of files
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
   bool truncated = false;    // the file ends before the world does

@@ -78,7 +78,7 @@ OutlineScene::Target* OutlineScene::target_of(const qnv::OutlineHeader& header, 
   SceneBuilder builder(scene_, diagnostics_);
   const qnv::OutlineAppearance look =
       appearance < header.appearances.size() ? header.appearances[appearance] : qnv::OutlineAppearance{};
-  at->second.node = node_ ? node_ : builder.make("OutlineGroup");
+  at->second.node = node_ ? node_ : builder.make(vrml::NodeKind::outline_group);
   if (!at->second.node) return nullptr;
   if (!node_) {
     builder.set(at->second.node, "solid", vrml::SFBool{look.solid});

@@ -29,7 +29,7 @@ bool SceneHandler::leads_back(const Found& found) const {
 bool SceneHandler::begin(const Found& found) {
   if (outer && leads_back(found)) {
     world_.report(Severity::error, place_file, place, what + " leads back to " + found.path + "; left out");
-    refused = true;
+    content = Content::refused;
     finished_reading();
     return false;
   }
@@ -50,18 +50,18 @@ bool SceneHandler::whole_file(const net::MappedFile& file, const std::string& pa
     (void)cloud_handler().whole_file(file, path);
   else
     read_mesh(bytes);
-  refused = refused || (type_->is_cloud() && !cloud_node_);
-  whole_file_read_ = true;
+  if (type_->is_cloud() && !cloud_node_) content = Content::refused;
+  stage_ = Stage::read_at_once;
   return true;
 }
 
 void SceneHandler::receive(std::span<const std::byte> bytes) {
   bytes_ += bytes.size();
-  if (refused) return;
+  if (refused()) return;
   if (!type_ || type_->content == ContentClass::mesh) {
     if (!waiting_share_.grow(bytes.size())) {
       report(Severity::error, {}, world_.budget->refusal(vrml::Resource::files) + "; left out");
-      refused = true;
+      content = Content::refused;
       waiting_ = {};
       return;
     }
@@ -96,8 +96,10 @@ void SceneHandler::read_rest(std::span<const std::byte> bytes) {
   }
   if (type_->is_cloud()) return cloud_handler().receive(bytes);
   if (!parser_) parser_.emplace(*scene, world_.world.diagnostics);
-  if (!gunzip_ && !is_gzip_known_ && is_gzip(bytes)) gunzip_ = std::make_unique<Gunzip>(world_.budget);
-  is_gzip_known_ = true;
+  if (packing_ == Packing::unknown) {
+    packing_ = is_gzip(bytes) ? Packing::gzip : Packing::plain;
+    if (packing_ == Packing::gzip) gunzip_ = std::make_unique<Gunzip>(world_.budget);
+  }
   parse(bytes);
   world_.changed = true;
   attach();
@@ -143,8 +145,8 @@ void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
   const render::PhaseScope phase(world_.options.phases, render::Phase::parse);
   auto read =
       import_mesh(*type_, found_.path, bytes, world_.world.diagnostics, world_.reader_of(found_.origin), world_.budget);
-  refused = !read;
-  if (refused) return;
+  if (!read) content = Content::refused;
+  if (!read) return;
   own_ = std::move(read);
   scene = own_.get();
   origins_ = {{scene, found_.origin}};
@@ -164,9 +166,9 @@ void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
 void SceneHandler::end(const std::optional<std::string>& problem) {
   if (problem) {
     world_.report(Severity::error, found_.path, {}, *problem);
-    whole = false;
+    cut_short();
   }
-  if (!whole_file_read_ && !refused) {
+  if (stage_ != Stage::read_at_once && !refused()) {
     if (!type_) choose_type(true);
     if (type_->content == ContentClass::mesh) {
       read_mesh(std::exchange(waiting_, {}));
@@ -176,19 +178,19 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     if (outlines_) {
       outlines_->end(found_.path, !cut && !problem);
       show_outlines();
-      refused = outlines_->empty();
+      if (outlines_->empty()) content = Content::refused;
       outlines_.reset();
     } else if (type_->is_cloud()) {
       if (!cloud_handler_) read_rest(std::exchange(waiting_, {}));
       cloud_handler().cut = cut || problem;
       cloud_handler_->end(std::nullopt);
-      refused = !cloud_node_;
+      if (!cloud_node_) content = Content::refused;
     } else if (type_->content == ContentClass::vrml) {
       if (!parser_) read_rest(std::exchange(waiting_, {}));
       end_text(problem.has_value());
     }
   }
-  if (refused && world_.world.diagnostics.errors() == errors_before_)
+  if (refused() && world_.world.diagnostics.errors() == errors_before_)
     world_.report(Severity::error, found_.path, {}, "holds nothing to show");
   world_.changed = true;
   finished_reading();
@@ -198,12 +200,14 @@ void SceneHandler::end_text(bool had_problem) {
   if (gunzip_) {
     if (const auto damage = gunzip_->finish(); damage && !cut && !had_problem) {
       report(Severity::error, {}, *damage);
-      whole = false;
+      cut_short();
     }
   }
   const vrml::ParseOutcome outcome = parser_->finish();
-  refused = outcome == vrml::ParseOutcome::refused;
-  whole = whole && (outcome == vrml::ParseOutcome::complete || cut);
+  if (outcome == vrml::ParseOutcome::refused)
+    content = Content::refused;
+  else if (outcome != vrml::ParseOutcome::complete && !cut)
+    cut_short();
   parser_.reset();
   if (!had_problem && !cut) complete_outlines();
 }
@@ -240,11 +244,11 @@ std::shared_ptr<StreamFeed> SceneHandler::follow() {
 }
 
 void SceneHandler::missing(const std::string& why) {
-  refused = true;
+  content = Content::refused;
   if (!outer)
     world_.report(Severity::error, world_.world.path, {}, why.empty() ? "cannot be found" : why);
   else if (role == Role::library)
-    for (vrml::NodeType* type : types) outer->miss_prototype(*type, why, told);
+    outer->miss_prototypes(*this, told ? std::nullopt : std::optional<std::string>(why));
   else if (!told)
     world_.report(Severity::warning, place_file, place, what + ": " + why_missing(urls, why));
   finished_reading();
@@ -252,10 +256,11 @@ void SceneHandler::missing(const std::string& why) {
 
 // Nothing more comes of the file itself.
 void SceneHandler::finished_reading() {
-  text_ended_ = true;
+  stage_ = std::max(stage_, Stage::ended);
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - world_.started).count();
-  if (!refused) {
+  if (!refused()) {
     attach();
+    resolve_types();
     look_for_references();
   }
   settle();
@@ -263,14 +268,14 @@ void SceneHandler::finished_reading() {
 
 // An Inline's content shows as soon as there is any.
 void SceneHandler::attach() {
-  if (role != Role::inlined || given_to || !own_ || refused || own_->roots().empty()) return;
+  if (role != Role::inlined || given_to || !own_ || refused() || own_->roots().empty()) return;
   outer->scene->attach_inline(inline_node, std::move(own_));
 }
 
 // A library is of use when all that it uses itself is there.
 void SceneHandler::settle() {
-  if (settled_ || !text_ended_ || awaited_libraries_ > 0) return;
-  settled_ = true;
+  if (stage_ == Stage::settled || !nothing_more_comes() || awaited_libraries_ > 0) return;
+  stage_ = Stage::settled;
   if (role != Role::library) return;
   outer->take_library(*this);
 }
@@ -286,7 +291,7 @@ void SceneHandler::forget_open(render::MeshCache& meshes) {
       meshes.forget(shown_open_.back());
       // What it refines changes with it.
       if (shown_open_.back()->type->url_content != vrml::UrlContent::outlines) continue;
-      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), "OutlineGroup");
+      const auto refined = scene->resolve_as(scene->get<vrml::SFNode>(id, "refines"), vrml::NodeKind::outline_group);
       if (!refined) continue;
       shown_open_.push_back(&scene->node(refined));
       meshes.forget(shown_open_.back());
@@ -294,9 +299,42 @@ void SceneHandler::forget_open(render::MeshCache& meshes) {
   for (const auto& inner : inner_) inner->forget_open(meshes);
 }
 
-std::unique_ptr<vrml::SceneGraph> SceneHandler::release() {
-  if (refused) own_.reset();
+std::unique_ptr<vrml::SceneGraph> SceneHandler::give_root() {
+  if (refused()) own_.reset();
+  give_away();
   return std::move(own_);
+}
+
+std::shared_ptr<vrml::SceneGraph> SceneHandler::give_content() {
+  if (refused()) return nullptr;
+  std::shared_ptr<vrml::SceneGraph> given = content_ ? std::move(content_) : std::move(own_);
+  if (!given) return nullptr;
+  given_ = given;
+  give_away();
+  return given;
+}
+
+// With the Inlines that are read; the others follow.
+void SceneHandler::give_away() {
+  owner_ = Owner::living_world;
+  if (!scene || refused()) return;
+  for (const auto& one : libraries_)
+    if (one->stage_ == Stage::settled && one->owner_ == Owner::reader) one->give_away();
+  for (const auto& one : inner_) {
+    const bool is_attached = one->scene && scene->inlined(one->inline_node) == one->scene;
+    if (one->nothing_more_comes()) {
+      if (!is_attached) continue;
+      one->given_ = scene->inlines().at(one->inline_node.index);
+      one->give_away();
+      continue;
+    }
+    if (is_attached) {
+      one->content_ = scene->inlines().at(one->inline_node.index);
+      scene->attach_inline(one->inline_node, nullptr);
+    }
+    one->given_to = Arrivals::Place{scene, one->inline_node};
+    world_.withheld.push_back(one);
+  }
 }
 
 }  // namespace gs::app

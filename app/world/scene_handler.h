@@ -3,6 +3,7 @@
 #include "app/base/gunzip.h"
 #include "app/formats/content_types.h"
 #include "app/world/cloud_handler.h"
+#include "app/world/external_prototypes.h"
 #include "app/world/outline_reader.h"
 #include "app/world/world_loading_state.h"
 #include "vrml/syntax/parser.h"
@@ -42,8 +43,11 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
 
   /// Drops meshes of nodes that are still being read.
   void forget_open(render::MeshCache& meshes);
-  /// The scene of the root, which nobody feeds any more. Null: there is nothing to show.
-  [[nodiscard]] std::unique_ptr<vrml::SceneGraph> release();
+  /// The scene of the root, of which all is read, or will never be. Null: there is nothing to show. It belongs to the
+  /// living world from now on: what comes for it are arrivals, and Inlines of it that are still being read are, too.
+  [[nodiscard]] std::unique_ptr<vrml::SceneGraph> give_root();
+  /// The same of an Inline that was `given_to` a living world.
+  [[nodiscard]] std::shared_ptr<vrml::SceneGraph> give_content();
   void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud);
   /// An OutlineGroup that has got more polygons.
   void outlines_changed(vrml::NodeId id);
@@ -57,17 +61,21 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] double seconds() const { return seconds_; }
 
   Role role;
-  SceneHandler* outer;                 // whose Inline or EXTERNPROTO this is; null: the root
-  vrml::NodeId inline_node;            // of outer's scene
-  std::string place_file;              // where outer's node is, for messages
-  vrml::SourceLocation place;          // in that file
-  std::string what;                    // "Inline", "EXTERNPROTO Name", for messages
-  vrml::MFString urls;                 // where it may be, for messages
-  std::vector<vrml::NodeType*> types;  // library: outer's types that wait for it
-  std::vector<std::string> fragments;  // of each
+  SceneHandler* outer;                     // whose Inline or EXTERNPROTO this is; null: the root
+  vrml::NodeId inline_node;                // of outer's scene
+  std::string place_file;                  // where outer's node is, for messages
+  vrml::SourceLocation place;              // in that file
+  std::string what;                        // "Inline", "EXTERNPROTO Name", for messages
+  vrml::MFString urls;                     // where it may be, for messages
+  std::vector<AwaitedPrototype> awaiting;  // library: outer's types that wait for it
   vrml::SceneGraph* scene = nullptr;
-  std::optional<Arrivals::Place> given_to;  // the Inline of a living world that gets the content when all is there
-  bool refused = false, whole = true;
+  std::optional<Arrivals::Place> given_to;  // the Inline of a living world that gets the content when it is read
+  /// What there is of the file itself.
+  enum class Content : std::uint8_t { whole, cut_short, refused };
+  Content content = Content::whole;
+  [[nodiscard]] bool refused() const { return content == Content::refused; }
+  /// Of the file itself; what it refers to may yet come.
+  [[nodiscard]] bool nothing_more_comes() const { return stage_ >= Stage::ended; }
 
  private:
   // scene_handler.cpp
@@ -83,6 +91,13 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud);
   void attach();
   void settle();
+  void give_away();
+  void cut_short() { content = refused() ? Content::refused : Content::cut_short; }
+  [[nodiscard]] ReportAt reporter() {
+    return [this](vrml::Severity severity, vrml::SourceLocation at, std::string message) {
+      report(severity, at, std::move(message));
+    };
+  }
   [[nodiscard]] bool leads_back(const Found& found) const;
   // scene_references.cpp
   /// What a url list names, and in whose name it is asked for.
@@ -97,6 +112,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
                                                     const net::Origin& from) const;
   void ask_for(Reference reference, const vrml::Node* node, std::shared_ptr<ContentHandler> handler, Urgency urgency);
   void load_inline(const UrlRequest& request, Reference reference);
+  void load_prototype(const UrlRequest& request);
   void look_for_references();
   void visit(vrml::NodeId id);
   void visit_inline(vrml::NodeId id);
@@ -111,14 +127,22 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   // scene_prototypes.cpp
   void look_for_prototypes();
   void use_types_inside();
+  using Libraries = std::unordered_map<std::string, SceneHandler*>;  // EXTERNPROTOs of one file are one library
+  struct PrototypePlace {
+    std::string name, file;
+    vrml::MFString urls;
+  };
+  bool ask_for_prototype(AwaitedPrototype& wanted, Reference reference, const PrototypePlace& place, Libraries& fresh);
   void take_library(SceneHandler& library);
   void take_own_prototypes();
   bool stand_in(vrml::NodeType& type);
-  void miss_prototype(vrml::NodeType& type, const std::string& why, bool told_already);
-  void take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file);
+  void miss_prototypes(const SceneHandler& library, const std::optional<std::string>& why);
+  void give_prototypes(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
+                       std::optional<std::string> why);
   void resolve_types();
   void report(vrml::Severity severity, vrml::SourceLocation at, std::string message) {
-    world_.report(severity, scene ? scene->file_name() : found_.path, at, std::move(message));
+    const bool is_own = scene && owner_ == Owner::reader;
+    world_.report(severity, is_own ? scene->file_name() : found_.path, at, std::move(message));
   }
   void report_at(const vrml::Node& node, std::string message) {
     world_.report(vrml::Severity::warning, node.text->file_name(), node.location, std::move(message));
@@ -126,13 +150,15 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
 
   World& world_;
   Found found_;
-  std::unique_ptr<vrml::SceneGraph> own_;                             // until it is attached or handed over
+  std::unique_ptr<vrml::SceneGraph> own_;      // until it is attached or handed over
+  std::shared_ptr<vrml::SceneGraph> content_;  // an Inline's that was attached, and is taken back until it is read
+  std::weak_ptr<vrml::SceneGraph> given_;      // an Inline's that belongs to the living world
   std::unordered_map<const vrml::SourceText*, net::Origin> origins_;  // of this text, and of libraries'
   std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
   vrml::Share waiting_share_;
   const ContentType* type_ = nullptr;
   std::optional<vrml::Parser> parser_;
-  std::unique_ptr<Gunzip> gunzip_;
+  std::unique_ptr<Gunzip> gunzip_;  // Packing::gzip
   std::shared_ptr<CloudHandler> cloud_handler_;
   std::unique_ptr<OutlineReader> outlines_;  // of a file that is a stream of outlines
   vrml::NodeId cloud_node_;
@@ -143,12 +169,21 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::unordered_set<std::uint32_t> open_;     // indices of nodes that are being read
   std::unordered_set<const vrml::NodeType*> used_types_, asked_types_;
   std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // EXTERNPROTO, PROTO
-  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;        // EXTERNPROTOs that name a PROTO of this file
-  std::unordered_map<const vrml::NodeType*, std::string> own_fragments_;  // likewise, if what goes before is missing
-  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;             // by the QNV node that may take its place
+  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;  // EXTERNPROTOs that name a PROTO of this file
+  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;       // by the QNV node that may take its place
   std::size_t awaited_libraries_ = 0, bytes_ = 0, errors_before_ = 0;
   double seconds_ = 0;
-  bool is_gzip_known_ = false, whole_file_read_ = false, text_ended_ = false, settled_ = false;
+  enum class Packing : std::uint8_t { unknown, plain, gzip };
+  Packing packing_ = Packing::unknown;
+  enum class Stage : std::uint8_t {
+    receiving,
+    read_at_once,  // by `whole_file`
+    ended,         // nothing more comes of the file itself
+    settled,       // nor, for a library, of what it uses
+  };
+  Stage stage_ = Stage::receiving;
+  enum class Owner : std::uint8_t { reader, living_world };
+  Owner owner_ = Owner::reader;  // of the scene, its nodes and types
 };
 
 }  // namespace gs::app

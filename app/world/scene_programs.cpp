@@ -71,8 +71,13 @@ void SceneHandler::visit_script(vrml::NodeId id) {
   const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
   const auto* const list = url ? std::get_if<vrml::MFString>(&node.values[url->slot]) : nullptr;
   if (!list) return;
-  UrlRequest request{{scene, id}, &node,           vrml::UrlContent::none, true,         {},
-                     nullptr,     node.type->name, node.text->file_name(), node.location};
+  UrlRequest request;
+  request.place = {scene, id};
+  request.node = &node;
+  request.as_text = true;
+  request.type = node.type->name;
+  request.file = node.text->file_name();
+  request.location = node.location;
   for (const vrml::SFString& one : *list) {
     const ProgramPlace::Kind kind = program_place(one.view()).kind;
     if (kind == ProgramPlace::Kind::held) break;

@@ -22,48 +22,58 @@ bool names_file(net::Url url, const std::string& file) {
 }  // namespace
 
 void SceneHandler::look_for_prototypes() {
-  std::unordered_map<std::string, SceneHandler*> fresh;  // EXTERNPROTOs of one file are one library
+  Libraries fresh;
   for (const auto& type : scene->types()) {
     if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
         !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
       continue;
-    Reference reference = refer(type->url, *scene);
-    // What names this file itself is not fetched. First of all it is the one; behind others, where these cannot be had.
-    std::optional<std::string> own;
-    const auto origin = origins_.find(scene);
-    const bool own_first = !reference.places.empty() && origin != origins_.end() &&
-                           names_file(reference.places.front(), origin->second.url);
-    std::erase_if(reference.places, [&](const net::Url& url) {
-      if (origin == origins_.end() || !names_file(url, origin->second.url)) return false;
-      if (!own) own = url.fragment;
-      return true;
-    });
-    if (own_first || (own && reference.places.empty())) {
-      own_types_.emplace_back(type.get(), *own);
+    AwaitedPrototype wanted{type.get(), {}, {}};
+    if (ask_for_prototype(wanted, refer(type->url, *scene), {type->name, scene->file_name(), type->url}, fresh))
       continue;
-    }
-    if (own) own_fragments_[type.get()] = *own;
-    std::vector<net::Url> files = reference.places;
-    for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
-    const std::string fragment = files.empty() ? std::string() : reference.places.front().fragment;
-    SceneHandler*& known = fresh[fetch_key(files, reference.from)];
-    if (known) {
-      known->types.push_back(type.get());
-      known->fragments.push_back(fragment);
-      continue;
-    }
-    auto library = std::make_shared<SceneHandler>(world_, Role::library, this);
-    known = library.get();
-    library->what = "EXTERNPROTO " + type->name;
-    library->place_file = scene->file_name();
-    library->urls = type->url;
-    library->types = {type.get()};
-    library->fragments = {fragment};
-    libraries_.push_back(library);
-    ++awaited_libraries_;
-    ask_for(std::move(reference), nullptr, std::move(library), Urgency::prototypes);
+    own_types_.emplace_back(type.get(), *wanted.own_name);
   }
   take_own_prototypes();
+}
+
+// False: first of all it is one of the text itself, whose name is in `wanted`, and nothing is fetched.
+bool SceneHandler::ask_for_prototype(AwaitedPrototype& wanted, Reference reference, const PrototypePlace& named,
+                                     Libraries& fresh) {
+  // What names this file itself is not fetched. First of all it is the one; behind others, where these cannot be had.
+  const auto origin = origins_.find(scene);
+  const bool own_first =
+      !reference.places.empty() && origin != origins_.end() && names_file(reference.places.front(), origin->second.url);
+  std::erase_if(reference.places, [&](const net::Url& url) {
+    if (origin == origins_.end() || !names_file(url, origin->second.url)) return false;
+    if (!wanted.own_name) wanted.own_name = url.fragment;
+    return true;
+  });
+  if (own_first || (wanted.own_name && reference.places.empty())) return false;
+  std::vector<net::Url> files = reference.places;
+  for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
+  if (!files.empty()) wanted.name = reference.places.front().fragment;
+  SceneHandler*& known = fresh[fetch_key(files, reference.from)];
+  if (known) {
+    known->awaiting.push_back(wanted);
+    return true;
+  }
+  auto library = std::make_shared<SceneHandler>(world_, Role::library, this);
+  known = library.get();
+  library->what = "EXTERNPROTO " + named.name;
+  library->place_file = named.file;
+  library->urls = named.urls;
+  library->awaiting = {wanted};
+  libraries_.push_back(library);
+  ++awaited_libraries_;
+  ask_for(std::move(reference), nullptr, std::move(library), Urgency::prototypes);
+  return true;
+}
+
+// Of a text that was read into the living world, whose types are not looked at here.
+void SceneHandler::load_prototype(const UrlRequest& request) {
+  Libraries fresh;
+  AwaitedPrototype wanted{request.prototype, {}, {}};
+  if (!ask_for_prototype(wanted, refer(request.urls, *request.text), {request.type, request.file, request.urls}, fresh))
+    give_prototypes({wanted}, nullptr, std::nullopt);
 }
 
 // Those whose EXTERNPROTO names the file that it stands in (4.9.2): when they are complete.
@@ -71,17 +81,15 @@ void SceneHandler::take_own_prototypes() {
   const std::size_t before = to_resolve_.size(), waiting = own_types_.size();
   std::erase_if(own_types_, [&](const auto& one) {
     const auto& [type, name] = one;
-    const vrml::NodeType* source = vrml::find_own_prototype(*scene, name);
-    if (!source && !text_ended_) return false;
+    if (!vrml::find_own_prototype(*scene, name) && !nothing_more_comes()) return false;
+    const vrml::NodeType* source = prototype_in_own_text(*scene, *type, name, reporter());
     if (!source) {
-      report(Severity::error, type->location,
-             "no PROTO" + (name.empty() ? "" : " '" + name + "'") + " in this file for EXTERNPROTO " + type->name);
       stand_in(*type);
     } else if (vrml::stands_inside(*type, *source)) {
       report(Severity::error, type->location,
              "EXTERNPROTO " + type->name + " stands inside its own PROTO " + source->name + "; left out");
     } else {
-      take_prototype(*type, *source, scene->file_name());
+      to_resolve_.emplace_back(type, source);
       resolve_types();  // so that the next one is looked for in the body of this one
     }
     return true;
@@ -96,50 +104,55 @@ bool SceneHandler::stand_in(vrml::NodeType& type) {
   return source != nullptr;
 }
 
-// One that cannot be had, because of `why`.
-void SceneHandler::miss_prototype(vrml::NodeType& type, const std::string& why, bool told_already) {
-  if (const auto own = own_fragments_.find(&type); own != own_fragments_.end()) {
-    own_types_.emplace_back(&type, own->second);
-    return;
+// A library that cannot be had, because of `why`; nothing: that has been said.
+void SceneHandler::miss_prototypes(const SceneHandler& library, const std::optional<std::string>& why) {
+  if (owner_ == Owner::living_world) return give_prototypes(library.awaiting, nullptr, why);
+  for (const AwaitedPrototype& one : library.awaiting) {
+    if (one.own_name) {
+      own_types_.emplace_back(one.type, *one.own_name);
+      continue;
+    }
+    const bool replaced = stand_in(*one.type);
+    if (why) tell_missing_prototype(*one.type, *why, replaced, reporter());
   }
-  const bool replaced = stand_in(type);
-  if (told_already || type.name == "QNV") return;  // the latter's fallback
-  report(Severity::warning, type.location,
-         "EXTERNPROTO " + type.name + ": " + why_missing(type.url, why) +
-             (replaced ? "; a stand-in takes its place" : ""));
 }
 
 void SceneHandler::take_library(SceneHandler& library) {
-  if (library.scene && !library.refused) {
-    origins_.insert(library.origins_.begin(), library.origins_.end());
-    vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
-    const std::string& file = attached.file_name();
-    for (std::size_t i = 0; i < library.types.size(); ++i) {
-      vrml::NodeType& type = *library.types[i];
-      const std::string& name = library.fragments[i];
-      const vrml::NodeType* source = vrml::find_prototype(attached, name);
-      if (!source || !source->prototype) {
-        report(Severity::error, {},
-               file + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " + type.name);
-        (void)stand_in(type);
-      } else {
-        take_prototype(type, *source, file);
-      }
+  --awaited_libraries_;
+  const bool usable = library.scene && !library.refused();
+  if (usable)
+    for (const auto& [text, origin] : library.origins_) origins_.insert_or_assign(text, origin);
+  if (owner_ == Owner::living_world) {
+    if (!usable) return;
+    library.give_away();
+    give_prototypes(library.awaiting, std::move(library.own_), std::nullopt);
+    return;
+  }
+  if (usable) {
+    const vrml::SceneGraph& attached = scene->attach_library(std::move(library.own_));
+    for (const AwaitedPrototype& one : library.awaiting) {
+      if (const vrml::NodeType* source = prototype_in_library(attached, *one.type, one.name, reporter()))
+        to_resolve_.emplace_back(one.type, source);
+      else
+        (void)stand_in(*one.type);
     }
   }
-  --awaited_libraries_;
   resolve_types();
   look_for_references();
   settle();
 }
 
-void SceneHandler::take_prototype(vrml::NodeType& type, const vrml::NodeType& source, const std::string& file) {
-  if (const vrml::InterfaceDeclaration* odd = vrml::unlike_prototype(type, source))
-    report(Severity::warning, type.location,
-           "PROTO " + source.name + " of " + file + " has no " + std::string(name_of(odd->access)) + ' ' +
-               std::string(name_of(odd->type)) + " '" + odd->name + "', as EXTERNPROTO " + type.name +
-               " says (VRML97 4.9.2)");
-  to_resolve_.emplace_back(&type, &source);
+// To the living world, whose types these are.
+void SceneHandler::give_prototypes(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
+                                   std::optional<std::string> why) {
+  Arrivals::Prototypes arrival;
+  arrival.scene = scene;
+  arrival.scene_held = given_.lock();
+  if (role != Role::root && !arrival.scene_held) return;  // the Inline is gone
+  arrival.awaited = std::move(awaited);
+  arrival.library = std::move(library);
+  arrival.why = std::move(why);
+  world_.arrivals.prototypes.push_back(std::move(arrival));
 }
 
 // Instances whose own fields are still being read must wait for them.
@@ -160,8 +173,8 @@ void SceneHandler::resolve_types() {
 void SceneHandler::use_types_inside() {
   std::vector<const vrml::NodeType*> waiting;
   std::unordered_set<const vrml::NodeType*> seen;
-  for (const std::string& name : fragments)
-    if (const vrml::NodeType* source = vrml::find_prototype(*scene, name)) waiting.push_back(source);
+  for (const AwaitedPrototype& one : awaiting)
+    if (const vrml::NodeType* source = vrml::find_prototype(*scene, one.name)) waiting.push_back(source);
   while (!waiting.empty()) {
     const vrml::NodeType& type = *waiting.back();
     waiting.pop_back();

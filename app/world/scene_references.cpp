@@ -1,4 +1,5 @@
 #include "app/formats/texture_image.h"
+#include "app/world/outline_handler.h"
 #include "app/world/scene_handler.h"
 #include "net/base/schemes.h"
 #include "vrml/scene/prototype.h"
@@ -30,13 +31,14 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
 
 /// A picture that textures show.
 struct WorldLoading::State::SharedImage final : ContentHandler {
-  SharedImage(State& state, std::string type_name, std::string text, vrml::SourceLocation location, vrml::MFString list)
-      : world(state),
+  SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, vrml::SourceLocation location,
+              vrml::MFString list)
+      : world(loading),
         type(std::move(type_name)),
         file(std::move(text)),
         place(location),
         urls(std::move(list)),
-        held(state.budget, vrml::Resource::files) {}
+        held(loading.budget, vrml::Resource::files) {}
 
   bool begin(const Found& where) override {
     name = where.path;
@@ -47,7 +49,7 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
     return true;
   }
   void receive(std::span<const std::byte> piece) override {
-    if (over) return;
+    if (stage != Stage::coming) return;
     if (held.grow(piece.size())) {
       bytes.insert(bytes.end(), piece.begin(), piece.end());
     } else {
@@ -57,18 +59,17 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   }
   void end(const std::optional<std::string>& problem) override {
     if (problem) world.report(Severity::warning, file, place, type + ": " + *problem);
-    if (!over) decode(bytes);
+    if (stage == Stage::coming) decode(bytes);
     bytes = {};
     held.shrink_to(0);
   }
   void leave_out(const std::string& why) {
-    over = true;
-    has_none = true;
+    stage = Stage::none;
     world.image_arrived({std::exchange(textures, {}), nullptr});
     world.report(Severity::warning, file, place, type + " " + name + ": " + why + "; left out");
   }
   void decode(std::span<const std::byte> from) {
-    over = true;
+    stage = Stage::shown;
     auto decoded = decode_texture(from, world.budget);
     if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
     Texture& texture = std::get<Texture>(decoded);
@@ -77,21 +78,21 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
     world.image_arrived({std::exchange(textures, {}), std::move(texture.image)});
   }
   void missing(const std::string& why) override {
-    over = true;
-    has_none = true;
+    stage = Stage::none;
     if (!told) world.report(Severity::warning, file, place, type + ": " + why_missing(urls, why));
     world.image_arrived({std::exchange(textures, {}), nullptr});
   }
   void add(const Arrivals::Place& texture) {
-    if (!over)
+    if (stage == Stage::coming)
       textures.push_back(texture);
     else
       world.image_arrived({{texture}, image.lock()});
   }
+  [[nodiscard]] bool has_none() const { return stage == Stage::none; }
   /// Nobody has what came any more.
-  [[nodiscard]] bool is_spent() const { return over && !has_none && image.expired(); }
+  [[nodiscard]] bool is_spent() const { return stage == Stage::shown && image.expired(); }
 
-  State& world;
+  WorldLoading::State& world;
   std::string type, file, name;  // of the node that asked first; of its text; of the picture
   vrml::SourceLocation place;
   vrml::MFString urls;
@@ -99,7 +100,8 @@ struct WorldLoading::State::SharedImage final : ContentHandler {
   vrml::Share held;  // of these
   std::vector<Arrivals::Place> textures;
   std::weak_ptr<const render::Image> image;
-  bool over = false, has_none = false;
+  enum class Stage : std::uint8_t { coming, shown, none };
+  Stage stage = Stage::coming;
 };
 
 /// Vectors that QNV nodes show.
@@ -170,7 +172,7 @@ void SceneHandler::ask_for(Reference reference, const vrml::Node* node, std::sha
 }
 
 void SceneHandler::look_for_references() {
-  if (!scene || refused || !world_.options.references) return;
+  if (!scene || refused() || !world_.options.references) return;
   if (parser_) {
     open_.clear();
     for (const NodeId id : parser_->open_nodes()) open_.insert(id.index);
@@ -180,7 +182,7 @@ void SceneHandler::look_for_references() {
   for (const NodeId id : std::exchange(later_, {})) visit(id);
   // Looking may make nodes: those of PROTO instances.
   while (looked_at_ < scene->node_count()) visit(scene->id_at(++looked_at_));
-  if (role == Role::library && text_ended_) use_types_inside();
+  if (role == Role::library && nothing_more_comes()) use_types_inside();
   look_for_prototypes();
 }
 
@@ -288,58 +290,13 @@ void SceneHandler::visit_cloud(NodeId id) {
   ask_for(std::move(reference), &node, std::move(handler), Urgency::vectors);
 }
 
-/// Polygons of an OutlineGroup that its url names.
-struct WorldLoading::State::OutlineHandler final : ContentHandler {
-  OutlineHandler(State& state, std::shared_ptr<SceneHandler> scene_handler, NodeId id, vrml::MFString list)
-      : owner(std::move(scene_handler)),
-        node(id),
-        urls(std::move(list)),
-        place(owner->scene->node(id).location),
-        world(state),
-        reader(state, *owner->scene, id) {}
-
-  [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return owner.get(); }
-  bool begin(const Found& found) override {
-    name = found.path;
-    return true;
-  }
-  void receive(std::span<const std::byte> bytes) override {
-    reader.receive(bytes);
-    show();
-  }
-  void receive_cells(const net::CellEvent& event) override {
-    reader.receive_cells(event);
-    show();
-  }
-  void end(const std::optional<std::string>& problem) override {
-    if (problem)
-      world.report(Severity::warning, owner->scene->file_name(), place,
-                   "OutlineGroup: " + *problem + "; shown is what has come");
-    reader.end(name, !problem && !cut);
-    show();
-  }
-  void missing(const std::string& why) override {
-    if (!told)
-      world.report(Severity::warning, owner->scene->file_name(), place, "OutlineGroup: " + why_missing(urls, why));
-  }
-  void show() {
-    for (const NodeId changed : reader.take_changed()) owner->outlines_changed(changed);
-  }
-
-  std::shared_ptr<SceneHandler> owner;
-  NodeId node;
-  vrml::MFString urls;
-  vrml::SourceLocation place;
-  State& world;
-  OutlineReader reader;
-  std::string name;
-};
-
 void SceneHandler::visit_outlines(NodeId id) {
+  const vrml::Node& node = scene->node(id);
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  ask_for(refer(id), &scene->node(id),
-          std::make_shared<WorldLoading::State::OutlineHandler>(world_, shared_from_this(), id, list),
+  ask_for(refer(id), &node,
+          std::make_shared<OutlineHandler>(world_, Arrivals::Place{scene, id}, node.text->file_name(), node.location,
+                                           list, &node),
           Urgency::vectors);
 }
 
@@ -352,6 +309,7 @@ void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>&
 
 // What the node shows so far stays until there is something else, or nothing.
 void SceneHandler::load(const UrlRequest& request) {
+  if (request.prototype) return load_prototype(request);
   Reference reference = refer(request.urls, *request.text);
   const Arrivals::Place& at = request.place;
   if (request.as_text) return load_text(request, std::move(reference));
@@ -362,7 +320,7 @@ void SceneHandler::load(const UrlRequest& request) {
       if (reference.places.empty()) return world_.image_arrived({{at}, nullptr});
       std::erase_if(world_.shared_images, [](const auto& one) { return one.second->is_spent(); });
       auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
-      const bool fresh = !shared || shared->has_none;
+      const bool fresh = !shared || shared->has_none();
       if (fresh)
         shared = std::make_shared<WorldLoading::State::SharedImage>(world_, request.type, request.file,
                                                                     request.location, request.urls);
@@ -382,7 +340,12 @@ void SceneHandler::load(const UrlRequest& request) {
           });
       return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
     }
-    case vrml::UrlContent::outlines:  // its nodes are the owner's now
+    case vrml::UrlContent::outlines: {
+      auto handler =
+          std::make_shared<OutlineHandler>(world_, at, request.file, request.location, request.urls, nullptr);
+      if (reference.places.empty()) return handler->give();
+      return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
+    }
     case vrml::UrlContent::none:
       return;
   }
@@ -397,7 +360,7 @@ void SceneHandler::load_inline(const UrlRequest& request, Reference reference) {
     if (is_former(one)) world_.withdraw(*one);
   std::erase_if(inner_, is_former);
   if (reference.places.empty()) {
-    world_.arrivals.contents.push_back({request.place, nullptr});
+    world_.arrivals.contents.push_back({request.place, nullptr, {}});
     return;
   }
   auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);

@@ -76,7 +76,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     found.origin = {found.url.text(), net::AddressSpace::global};
     if (!at->fetch) return;
     begin_taking(*at->fetch, found);
-    if (at->fetch->refused) finish(*std::exchange(at->fetch, nullptr), std::nullopt);
+    if (at->fetch->stage == Fetch::Stage::refused) finish(*std::exchange(at->fetch, nullptr), std::nullopt);
   };
   sink.base = [this, at](const std::vector<std::byte>& bytes) {
     if (!at->fetch) return;
@@ -104,7 +104,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     if (!at->fetch) return;
     if (!at->stream->answered()) silent_servers.insert(at->server);
     Fetch& ending = *std::exchange(at->fetch, nullptr);
-    if (ending.begun) return finish(ending, problem);
+    if (ending.stage != Fetch::Stage::seeking) return finish(ending, problem);
     fail_candidate(ending, problem.value_or(""));
     begin_next_candidate(ending);
   };

@@ -3,6 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/base/text.h"
 #include "app/world/importance.h"
+#include "app/world/outline_handler.h"
 #include "app/world/scene_handler.h"
 #include "net/base/schemes.h"
 #include "net/load/transport.h"
@@ -24,8 +25,7 @@ std::string title_of(const vrml::SceneGraph& scene) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
     const vrml::Node& node = scene.node_at(i);
-    if (node.in_prototype_body || node.type->name != "WorldInfo" || node.type->kind != vrml::NodeType::Kind::built_in)
-      continue;
+    if (node.in_prototype_body || node.type->read_as != vrml::NodeKind::world_info) continue;
     std::string title = scene.get<vrml::SFString>(id, "title").str();
     if (!title.empty()) return title;
   }
@@ -67,10 +67,10 @@ void WorldLoading::State::start() {
 }
 
 void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
-  if (stopped || too_many_files) return;
+  if (phase == Phase::too_many_files || phase == Phase::stopped) return;
   // It is a fetch that asks for more, which stopping ends: the next step does so.
-  too_many_files = ++files > budget->limits().files;
-  if (too_many_files) return;
+  phase = ++files > budget->limits().files ? Phase::too_many_files : Phase::loading;
+  if (phase == Phase::too_many_files) return;
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
   fetches.push_back(std::move(wanted));
   begin_next_candidate(*fetches.back());
@@ -98,8 +98,9 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
     }
     std::vector<net::ByteRange> ranges;
     if (fetch.max_bytes != Fetch::kNoLimit) ranges = {{0, fetch.max_bytes}};
-    fetch.front = options.by_view && ranges.empty() && url.path.ends_with(".qnv");
-    if (fetch.front) ranges = {{0, kFrontBytes}};
+    const bool is_long = options.by_view && ranges.empty() && url.path.ends_with(".qnv");
+    fetch.part = is_long ? Fetch::Part::front : Fetch::Part::all;
+    if (is_long) ranges = {{0, kFrontBytes}};
     return ask(fetch, std::move(ranges));
   }
   ended.push_back(&fetch);
@@ -160,7 +161,8 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
     fetch.rest = fetch.rest.first(static_cast<std::size_t>(fetch.max_bytes));
   }
   begin_taking(fetch, found);
-  if (!fetch.refused && fetch.file && !fetch.cut && fetch.handler->whole_file(*fetch.file, found.path)) {
+  if (fetch.stage == Fetch::Stage::receiving && fetch.file && !fetch.cut &&
+      fetch.handler->whole_file(*fetch.file, found.path)) {
     received += fetch.rest.size();
     fetch.received = fetch.rest.size();
     fetch.rest = {};
@@ -170,20 +172,20 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
 
 void WorldLoading::State::local_step() {
   Fetch& fetch = *local.front();
-  if (!fetch.begun) {
+  if (fetch.stage == Fetch::Stage::seeking) {
     const net::Url url = fetch.candidates[fetch.next - 1];
     if (!begin_local(fetch, url)) {
       local.pop_front();
       return begin_next_candidate(fetch);
     }
   }
-  if (!fetch.refused && !fetch.rest.empty()) {
+  if (fetch.stage == Fetch::Stage::receiving && !fetch.rest.empty()) {
     const auto piece = fetch.rest.first(std::min(kLocalBytes, fetch.rest.size()));
     fetch.rest = fetch.rest.subspan(piece.size());
     deliver(fetch, piece);
     if (fetch.file) fetch.file->put_aside(static_cast<std::size_t>(fetch.received));
   }
-  if (!fetch.refused && !fetch.rest.empty()) return;
+  if (fetch.stage == Fetch::Stage::receiving && !fetch.rest.empty()) return;
   local.pop_front();
   finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
 }
@@ -191,8 +193,7 @@ void WorldLoading::State::local_step() {
 // What has come
 
 void WorldLoading::State::begin_taking(Fetch& fetch, const Found& found) {
-  fetch.begun = true;
-  fetch.refused = !fetch.handler->begin(found);
+  fetch.stage = fetch.handler->begin(found) ? Fetch::Stage::receiving : Fetch::Stage::refused;
 }
 
 void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes) {
@@ -210,13 +211,13 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
 void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   ended.push_back(&fetch);
   fetch.handler->cut = fetch.cut;
-  if (fetch.refused) return;
+  if (fetch.stage == Fetch::Stage::refused) return;
   fetch.handler->end(problem);
   if (!problem) fetch.handler->tell_progress(1);
 }
 
 void WorldLoading::State::stop(const std::string& why) {
-  if (std::exchange(stopped, true)) return;
+  if (std::exchange(phase, Phase::stopped) == Phase::stopped) return;
   const bool cancelled = limit.cancelled && *limit.cancelled;
   if (!cancelled) report(Severity::error, root && root->scene ? root->scene->file_name() : world.path, {}, why);
   for (const auto& [id, fetch] : by_request) loader->cancel(fetch->request);
@@ -228,12 +229,11 @@ void WorldLoading::State::stop(const std::string& why) {
     if (std::find(ended.begin(), ended.end(), &fetch) != ended.end()) continue;
     fetch.handler->cut = true;
     stop_cells(&fetch);
-    if (fetch.begun && !fetch.refused) fetch.handler->end(std::nullopt);
-    if (fetch.handler == root) root->whole = false;
+    if (fetch.stage == Fetch::Stage::receiving) fetch.handler->end(std::nullopt);
+    if (fetch.handler == root && !root->refused()) root->content = SceneHandler::Content::cut_short;
   }
   ended.clear();
   fetches.clear();
-  is_done = true;
 }
 
 bool WorldLoading::State::step(std::chrono::milliseconds wait) {
@@ -243,20 +243,20 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
     local_step();
     busy = true;
   }
-  if (!is_done && !fetches.empty() && ended.size() < fetches.size() && limit.over())
+  if (!is_done() && !fetches.empty() && ended.size() < fetches.size() && limit.over())
     stop("the time for loading is over; what is missing is left out");
-  if (!is_done && too_many_files)
+  if (phase == Phase::too_many_files)
     stop("refers to more than " + std::to_string(budget->limits().files) + " files; the rest is left out");
-  if (is_done && streams.empty() && cells.empty()) return false;
+  if (is_done() && streams.empty() && cells.empty()) return false;
   if (loader) busy = take_events() || busy;
   busy = step_cells() || busy;
   for (const auto& stream : streams) busy = stream->ask_for_more() || busy;
   std::erase_if(streams, [](const auto& stream) { return stream->over(); });
   for (Fetch* fetch : std::exchange(ended, {}))
     std::erase_if(fetches, [fetch](const auto& one) { return one.get() == fetch; });
-  if (!is_done && fetches.empty()) is_done = true;
-  if (!busy && !is_done) set_priorities();
-  if (busy || (is_done && !taken)) return !is_done || !streams.empty() || !cells.empty();
+  if (!is_done() && fetches.empty()) phase = Phase::done;
+  if (!busy && !is_done()) set_priorities();
+  if (busy || (is_done() && !taken)) return !is_done() || !streams.empty() || !cells.empty();
   waker->wait(std::min(wait, kLongestWait));
   return true;
 }
@@ -281,6 +281,21 @@ void WorldLoading::State::note_progress(const UrlProgress& progress) {
       return;
     }
   all.push_back(progress);
+}
+
+void WorldLoading::State::outlines_arrived(Arrivals::Outlines arrival) {
+  changed = true;
+  if (taken) {
+    arrivals.outlines.push_back(std::move(arrival));
+    return;
+  }
+  set_outlines(world, arrival);
+  if (SceneHandler* const handler = root->handler_of(arrival.place.scene))
+    handler->outlines_changed(arrival.place.node);
+}
+
+void WorldLoading::State::give_outlines() {
+  for (const auto& one : std::exchange(outlines, {})) one->give();
 }
 
 void WorldLoading::State::image_arrived(Arrivals::Image image) {
@@ -324,14 +339,11 @@ WorldLoading::WorldLoading(const std::string& asked, const LoadOptions& options)
 WorldLoading::~WorldLoading() = default;
 
 bool WorldLoading::step(std::chrono::milliseconds wait) { return state_->step(wait); }
-bool WorldLoading::done() const { return state_->is_done; }
+bool WorldLoading::done() const { return state_->is_done(); }
 void WorldLoading::wake() { state_->waker->wake(); }
-bool WorldLoading::structure_complete() const {
+bool WorldLoading::root_is_read() const {
   const State& s = *state_;
-  if (!s.root || !s.root->scene || s.root->refused || s.taken) return false;
-  return std::none_of(s.fetches.begin(), s.fetches.end(), [&](const auto& fetch) {
-    return fetch->handler->makes_nodes_of() && std::find(s.ended.begin(), s.ended.end(), fetch.get()) == s.ended.end();
-  });
+  return s.root && s.root->scene && !s.root->refused() && !s.taken && s.root->nothing_more_comes();
 }
 Arrivals WorldLoading::take_arrivals() { return state_->take_arrivals(); }
 void WorldLoading::request(std::vector<UrlRequest> requests) { state_->request(std::move(requests)); }
@@ -353,8 +365,9 @@ void WorldLoading::look_from(const glm::dvec3& viewer) { state_->viewer = viewer
 
 render::RenderList WorldLoading::collect(const glm::dvec3& viewer) {
   State& s = *state_;
+  s.give_outlines();
   s.changed = false;
-  if (!s.root->scene || s.root->refused) return {};
+  if (!s.root->scene || s.root->refused()) return {};
   s.root->forget_open(s.meshes);
   return render::collect(*s.root->scene, s.world.images, s.meshes, viewer, s.world.clouds);
 }
@@ -380,6 +393,7 @@ const std::string& WorldLoading::title() const { return state_->world.title; }
 
 OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   State& s = *state_;
+  s.give_outlines();
   s.taken = true;
   s.budget->stop_when({});
   OpenedWorld world = std::exchange(s.world, OpenedWorld());
@@ -387,8 +401,8 @@ OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   s.world.title = world.title;
   world.bytes = s.root->bytes();
   world.parse_seconds = s.root->seconds();
-  world.truncated = !s.root->whole;
-  world.scene = s.root->release();
+  world.truncated = s.root->content == SceneHandler::Content::cut_short;
+  world.scene = s.root->give_root();
   if (world.scene)
     if (std::string title = title_of(*world.scene); !title.empty()) world.title = std::move(title);
   if (meshes) {

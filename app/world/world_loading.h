@@ -50,12 +50,13 @@ class WorldLoading {
   /// Ends the wait of a `step`. Any thread.
   void wake();
 
-  /// Whether all nodes of the world are there, so that it can be taken while pictures and vectors still come.
-  [[nodiscard]] bool structure_complete() const;
+  /// Whether all nodes of the file itself are there, so that it can be taken while Inlines, EXTERNPROTOs, polygons,
+  /// pictures and vectors still come.
+  [[nodiscard]] bool root_is_read() const;
   /// After `take`: what has come since the last time.
   [[nodiscard]] Arrivals take_arrivals();
   /// After `take`: urls have been set. `step` until it is done again; what they name is among the arrivals, each Inline
-  /// when all its nodes are there.
+  /// when its file is read.
   void request(std::vector<UrlRequest> requests);
   /// Waits for `wake`, at most for `wait`.
   void rest(std::chrono::milliseconds wait);
@@ -78,7 +79,7 @@ class WorldLoading {
   [[nodiscard]] const vrml::Diagnostics& diagnostics() const;
   /// Of the world, or the name of its file.
   [[nodiscard]] const std::string& title() const;
-  /// The world as it is now; call once, when it is done or its structure is complete. What comes later are arrivals:
+  /// The world as it is now; call once, when it is done or its root is read. What comes later are arrivals:
   /// the scene is not touched any more. Meshes that `collect` made go along.
   [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);
 

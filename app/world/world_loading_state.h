@@ -26,6 +26,7 @@
 namespace gs::app {
 
 class SceneHandler;
+class OutlineHandler;
 
 /// What the thread waits on.
 class Waker {
@@ -73,10 +74,14 @@ struct WorldLoading::State {
   void image_arrived(Arrivals::Image image);
   void text_arrived(Arrivals::Text text);
   void note_progress(const UrlProgress& progress);
+  void outlines_arrived(Arrivals::Outlines outlines);
+  /// OutlineGroups get what has come for them.
+  void give_outlines();
   // world_requests.cpp: urls that are set in a living world
   void request(std::vector<UrlRequest> requests);
   /// What the handler and those inside it read is not wanted any more.
   void withdraw(const SceneHandler& handler);
+  void give_content(SceneHandler& handler);
   Arrivals take_arrivals();
   net::Loader* network();
   // world_cells.cpp
@@ -95,7 +100,7 @@ struct WorldLoading::State {
   WorldBudget budget;
   OpenedWorld world;                                        // once it was taken: only what goes with the arrivals
   Arrivals arrivals;                                        // since then
-  std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines that are not all there
+  std::vector<std::shared_ptr<SceneHandler>> withheld;      // contents of Inlines whose files are not all there
   std::unordered_map<const vrml::Node*, float> importance;  // likewise, as the owner of the world sees it
   render::MeshCache meshes;
   std::shared_ptr<SceneHandler> root;
@@ -117,14 +122,23 @@ struct WorldLoading::State {
   std::deque<net::LoadEvent> events;               // that were polled and not taken in yet
   std::size_t files = 0;
   std::uint64_t received = 0;
-  bool too_many_files = false, stopped = false, is_done = false, changed = false, streams_grew = false, taken = false;
+  enum class Phase : std::uint8_t {
+    loading,
+    too_many_files,  // one more is referred to than there may be: the next step stops
+    done,            // what is there is all there will be, unless urls are set
+    stopped,         // likewise, before all had come
+  };
+  Phase phase = Phase::loading;
+  [[nodiscard]] bool is_done() const { return phase == Phase::done || phase == Phase::stopped; }
+  bool changed = false, streams_grew = false;  // since somebody asked
+  bool taken = false;                          // the world lives
   std::chrono::steady_clock::time_point next_priorities;
 
   // Things that several nodes refer to, by what they ask for.
   struct SharedImage;
   struct SharedCloud;
-  struct OutlineHandler;
   struct TextHandler;
+  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // of which more has come
   std::unordered_map<std::string, std::shared_ptr<SharedImage>> shared_images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> shared_clouds;
 

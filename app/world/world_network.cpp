@@ -87,19 +87,21 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
   if (auto* head = std::get_if<net::LoadHead>(&event.what)) {
     fetch.total = head->total;
     fetch.cut = head->total && *head->total > fetch.max_bytes;
-    if (fetch.front && !take_front(fetch, *head)) return;
+    if (fetch.part == Fetch::Part::front && !take_front(fetch, *head)) return;
     fetch.content_type = head->content_type;
     Found found;
     found.url = net::parse_url(head->url);
     found.fragment = fetch.candidates[fetch.next - 1].fragment;
     found.path = net::url_for_messages(head->url);
     found.origin = head->origin();
-    if (!fetch.begun) begin_taking(fetch, found);
+    if (fetch.stage == Fetch::Stage::seeking) begin_taking(fetch, found);
   } else if (auto* data = std::get_if<net::LoadData>(&event.what)) {
-    if (!fetch.refused) deliver(fetch, data->bytes);
+    if (fetch.stage == Fetch::Stage::receiving) deliver(fetch, data->bytes);
   } else if (std::holds_alternative<net::LoadDone>(event.what)) {
     over();
-    if (fetch.front && fetch.total && fetch.received < *fetch.total && !fetch.refused) return take_rest(fetch);
+    if (fetch.part == Fetch::Part::front && fetch.stage == Fetch::Stage::receiving && fetch.total &&
+        fetch.received < *fetch.total)
+      return take_rest(fetch);
     return finish(fetch, std::nullopt);
   } else if (std::holds_alternative<net::LoadRestarted>(event.what)) {
     if (fetch.received > 0) {
@@ -111,11 +113,11 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
     }
   } else if (auto* error = std::get_if<net::LoadError>(&event.what)) {
     over();
-    if (fetch.begun) return finish(fetch, error->message);
+    if (fetch.stage != Fetch::Stage::seeking) return finish(fetch, error->message);
     fail_candidate(fetch, error->message);
     return begin_next_candidate(fetch);
   }
-  if (!fetch.refused) return;
+  if (fetch.stage != Fetch::Stage::refused) return;
   loader->cancel(fetch.request);
   over();
   finish(fetch, std::nullopt);
@@ -125,7 +127,7 @@ void WorldLoading::State::take(Fetch& fetch, net::LoadEvent& event) {
 bool WorldLoading::State::take_front(Fetch& fetch, const net::LoadHead& head) {
   fetch.validator = head.validator;
   if (head.accepts_ranges && head.total && *head.total >= kWorthChoosing) return true;
-  fetch.front = false;
+  fetch.part = Fetch::Part::all;
   if (head.total && *head.total <= kFrontBytes) return true;
   loader->cancel(fetch.request);
   by_request.erase(fetch.request.value);
@@ -134,7 +136,7 @@ bool WorldLoading::State::take_front(Fetch& fetch, const net::LoadHead& head) {
 }
 
 void WorldLoading::State::take_rest(Fetch& fetch) {
-  fetch.front = false;
+  fetch.part = Fetch::Part::all;
   RangedStream::Place place;
   place.url = without_fragment(fetch.candidates[fetch.next - 1]);
   place.from = fetch.from;

@@ -17,11 +17,10 @@ void WorldLoading::State::request(std::vector<UrlRequest> requests) {
   // A number of files of its own, where nothing of before goes on.
   if (fetches.empty()) {
     files = 0;
-    too_many_files = stopped = false;
+    phase = Phase::done;
   }
   for (const UrlRequest& one : requests)
     if (SceneHandler* const handler = root->handler_of(one.place.scene)) handler->load(one);
-  is_done = is_done && fetches.empty();
 }
 
 void WorldLoading::State::withdraw(const SceneHandler& handler) {
@@ -35,17 +34,31 @@ void WorldLoading::State::withdraw(const SceneHandler& handler) {
   std::erase_if(withheld, [&](const auto& one) { return one->is_inside(handler); });
 }
 
-// Contents of Inlines whose nodes are all there, and whatever does not belong into others.
+// With all meshes, so that nobody who draws waits for them.
+void WorldLoading::State::give_content(SceneHandler& handler) {
+  Arrivals::Content arrival{*handler.given_to, handler.give_content(), {}};
+  if (arrival.content) (void)render::collect(*arrival.content, {}, arrival.meshes, viewer, {});
+  arrivals.contents.push_back(std::move(arrival));
+}
+
+// Contents of Inlines whose files are read, and whatever does not belong into others.
 Arrivals WorldLoading::State::take_arrivals() {
-  std::erase_if(withheld, [&](const std::shared_ptr<SceneHandler>& one) {
-    const bool goes_on = std::any_of(fetches.begin(), fetches.end(), [&](const auto& fetch) {
-      const SceneHandler* const of = fetch->handler->makes_nodes_of();
-      return of && of->is_inside(*one) && std::find(ended.begin(), ended.end(), fetch.get()) == ended.end();
+  give_outlines();
+  const auto goes_on = [&](const SceneHandler& handler) {
+    return !handler.nothing_more_comes() && std::any_of(fetches.begin(), fetches.end(), [&](const auto& fetch) {
+      return fetch->handler.get() == &handler && std::find(ended.begin(), ended.end(), fetch.get()) == ended.end();
     });
-    if (goes_on) return false;
-    arrivals.contents.push_back({*one->given_to, one->release()});
-    return true;
-  });
+  };
+  // Those inside one that is given stand behind it from then on.
+  for (std::size_t i = 0; i < withheld.size();) {
+    if (goes_on(*withheld[i])) {
+      ++i;
+      continue;
+    }
+    const std::shared_ptr<SceneHandler> one = withheld[i];
+    withheld.erase(withheld.begin() + static_cast<std::ptrdiff_t>(i));
+    give_content(*one);
+  }
   Arrivals taken_now = std::exchange(arrivals, {});
   const auto is_withheld = [&](const vrml::SceneGraph* scene) {
     return std::any_of(withheld.begin(), withheld.end(), [&](const auto& one) { return one->handler_of(scene); });
@@ -57,6 +70,7 @@ Arrivals WorldLoading::State::take_arrivals() {
     from.erase(kept, from.end());
   };
   if (!withheld.empty()) {
+    keep(taken_now.outlines, arrivals.outlines, [](const Arrivals::Outlines& one) { return one.place.scene; });
     keep(taken_now.clouds, arrivals.clouds, [](const Arrivals::Cloud& one) { return one.place.scene; });
     keep(taken_now.texts, arrivals.texts, [](const Arrivals::Text& one) { return one.place.scene; });
     keep(taken_now.progress, arrivals.progress, [](const UrlProgress& one) { return one.scene; });

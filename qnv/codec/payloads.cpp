@@ -1,18 +1,75 @@
 #include "qnv/codec/payloads.h"
 
+#include "qnv/decode/decoder.h"
 #include "qnv/records/record.h"
 #include "qnv/records/records_payload.h"
 
 #include <array>
+#include <utility>
 
 namespace gs::qnv {
 namespace {
 
+using Encoded = std::variant<EncodedStream, EncodeError>;
+
+const TriangleSource* triangles_of(const EncodeSource& source) {
+  const auto* triangles = std::get_if<std::reference_wrapper<const TriangleSource>>(&source);
+  return triangles ? &triangles->get() : nullptr;
+}
+
+Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const TriangleSource* triangles = triangles_of(source);
+  if (!triangles) return EncodeError{"a packed stream is made of a surface; expected triangles"};
+  options.payload = Payload::packed;
+  return encode_surface(*triangles, options, progress);
+}
+
+Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  options.payload = Payload::records;
+  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
+  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
+    return encode_cloud(*cloud, options, progress);
+  return EncodeError{"a stream of records is made of a surface or of vectors; expected no outline groups"};
+}
+
+Encoded encode_groups(const EncodeSource& source, EncodeOptions, Progress* progress) {
+  const auto* polygons = std::get_if<OutlineSource>(&source);
+  if (!polygons) return EncodeError{"a stream of outlines is made of outline groups; expected these"};
+  return encode_outlines(polygons->groups, polygons->appearances, polygons->options, progress);
+}
+
+template <class Decoder>
+void read(Decoder& decoder, std::span<const std::byte> stream, DecodedStream& into) {
+  (void)decoder.push(stream);
+  decoder.finish();
+  if (decoder.header()) into.header = *decoder.header();
+  into.problems = decoder.problems();
+  into.refused_chunks = decoder.refused_chunks();
+}
+
+DecodedStream decode_vectors(std::span<const std::byte> stream, std::size_t most) {
+  StreamDecoder decoder(most);
+  DecodedStream decoded;
+  read(decoder, stream, decoded);
+  decoded.content = decoder.cloud();
+  return decoded;
+}
+
+DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t most) {
+  OutlineDecoder decoder(most);
+  DecodedStream decoded;
+  read(decoder, stream, decoded);
+  decoded.content = decoder.take();
+  return decoded;
+}
+
 constexpr std::array<PayloadRow, 3> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, ChunkType::records, ChunkType::records, kRecordsHeaderBytes,
-     kRecordBytes, 1200 / kRecordBytes},
-    {Payload::packed, "packed", PayloadReader::levels, ChunkType::packed, ChunkType::packed, 0, 0, 0},
-    {Payload::outlines, "outlines", PayloadReader::polygons, ChunkType::outlines, ChunkType::inner, 0, 0, 0},
+     kRecordBytes, 1200 / kRecordBytes, encode_records, decode_vectors},
+    {Payload::packed, "packed", PayloadReader::levels, ChunkType::packed, ChunkType::packed, 0, 0, 0, encode_packed,
+     decode_vectors},
+    {Payload::outlines, "outlines", PayloadReader::polygons, ChunkType::outlines, ChunkType::inner, 0, 0, 0,
+     encode_groups, decode_polygons},
 }};
 
 // The table is in the order of the enumeration.

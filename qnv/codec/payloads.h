@@ -1,12 +1,19 @@
 #pragma once
 
+#include "qnv/base/cloud.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/outline/outline_groups.h"
+#include "qnv/outline/outline_stream.h"
 #include "qnv/stream/container.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <variant>
+#include <vector>
 
 namespace gs::qnv {
 
@@ -17,7 +24,25 @@ enum class PayloadReader : std::uint8_t {
   polygons,  // OutlineDecoder
 };
 
-/// One payload of QNV streams: what those need to know of it who read, carry or lose its chunks.
+/// Polygons in groups, with their looks.
+struct OutlineSource {
+  const OutlineGroups& groups;
+  std::span<const OutlineAppearance> appearances;
+  const OutlineEncodeOptions& options;
+};
+/// What a stream is made of.
+using EncodeSource =
+    std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>, OutlineSource>;
+
+/// What is in a stream that has ended.
+struct DecodedStream {
+  std::optional<StreamHeader> header;  // nothing: it is none
+  std::variant<Cloud, std::vector<OutlineBatch>> content;
+  std::vector<StreamProblem> problems;
+  std::size_t refused_chunks = 0;
+};
+
+/// One payload of QNV streams: what those need to know of it who write, read, carry or lose its chunks.
 struct PayloadRow {
   Payload payload;
   std::string_view name;
@@ -26,6 +51,12 @@ struct PayloadRow {
   std::size_t head_bytes;        // of a chunk's payload, of which nothing may be missing
   std::size_t record_bytes;      // behind them, each of use by itself; 0: a chunk is of use only as a whole
   std::size_t packet_records;    // that travel together and are lost together
+  /// Makes a stream; an error where the payload is not made of such a source. `options.payload` does not count, nor do
+  /// the others for polygons, which have their own. Blocking; any thread.
+  std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,
+                                                     Progress* progress);
+  /// All that a whole stream, or the front of one, has: at most so many vectors or polygons. Safe for untrusted bytes.
+  DecodedStream (*decode)(std::span<const std::byte> stream, std::size_t most);
 };
 
 /// All payloads, in the order of their numbers.

@@ -4,50 +4,43 @@ namespace gs::render {
 namespace {
 
 struct SchemaRow {
-  std::string_view type;
   NodeKind kind;
   std::array<std::string_view, Schema::kFields> fields;  // in the order of the enums
 };
 
 constexpr SchemaRow kSchemaRows[] = {
-    {"Shape", NodeKind::shape, {"appearance", "geometry"}},
-    {"Group", NodeKind::group, {"children"}},
-    {"Anchor", NodeKind::group, {"children"}},
-    {"Collision", NodeKind::collision, {"children", "collide", "proxy"}},
-    {"Transform", NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
-    {"Billboard", NodeKind::billboard, {"children", "axisOfRotation"}},
-    {"Switch", NodeKind::switch_node, {"choice", "whichChoice"}},
-    {"LOD", NodeKind::lod, {"level", "center", "range"}},
-    {"Inline", NodeKind::inline_node, {}},
-    {"DirectionalLight", NodeKind::directional_light, {"on", "color", "intensity", "ambientIntensity", "direction"}},
-    {"PointLight",
-     NodeKind::point_light,
-     {"on", "color", "intensity", "ambientIntensity", "", "location", "attenuation", "radius"}},
-    {"SpotLight",
-     NodeKind::spot_light,
+    {NodeKind::shape, {"appearance", "geometry"}},
+    {NodeKind::group, {"children"}},
+    {NodeKind::collision, {"children", "collide", "proxy"}},
+    {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
+    {NodeKind::billboard, {"children", "axisOfRotation"}},
+    {NodeKind::switch_node, {"choice", "whichChoice"}},
+    {NodeKind::lod, {"level", "center", "range"}},
+    {NodeKind::inline_node, {}},
+    {NodeKind::directional_light, {"on", "color", "intensity", "ambientIntensity", "direction"}},
+    {NodeKind::point_light, {"on", "color", "intensity", "ambientIntensity", "", "location", "attenuation", "radius"}},
+    {NodeKind::spot_light,
      {"on", "color", "intensity", "ambientIntensity", "direction", "location", "attenuation", "radius", "beamWidth",
       "cutOffAngle"}},
-    {"Viewpoint", NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
-    {"NavigationInfo", NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
-    {"Background", NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
-    {"Fog", NodeKind::fog, {"color", "fogType", "visibilityRange"}},
-    {"Appearance", NodeKind::appearance, {"material", "texture", "textureTransform"}},
-    {"Material",
-     NodeKind::material,
+    {NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
+    {NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
+    {NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
+    {NodeKind::fog, {"color", "fogType", "visibilityRange"}},
+    {NodeKind::appearance, {"material", "texture", "textureTransform"}},
+    {NodeKind::material,
      {"diffuseColor", "emissiveColor", "specularColor", "ambientIntensity", "shininess", "transparency"}},
-    {"ImageTexture", NodeKind::image_texture, {"repeatS", "repeatT"}},
-    {"MovieTexture", NodeKind::image_texture, {"repeatS", "repeatT"}},
-    {"PixelTexture", NodeKind::pixel_texture, {"repeatS", "repeatT", "image"}},
-    {"TextureTransform", NodeKind::texture_transform, {"center", "rotation", "scale", "translation"}},
-    {"QNV", NodeKind::qnv, {"detail"}},
+    {NodeKind::image_texture, {"repeatS", "repeatT"}},
+    {NodeKind::movie_texture, {"repeatS", "repeatT"}},
+    {NodeKind::pixel_texture, {"repeatS", "repeatT", "image"}},
+    {NodeKind::texture_transform, {"center", "rotation", "scale", "translation"}},
+    {NodeKind::qnv, {"detail"}},
 };
 
 Schema make_schema(const vrml::NodeType& type) {
   Schema schema;
   schema.slots.fill(-1);
-  if (type.kind != vrml::NodeType::Kind::built_in) return schema;
   for (const SchemaRow& row : kSchemaRows) {
-    if (row.type != type.name) continue;
+    if (row.kind != type.read_as) continue;
     schema.kind = row.kind;
     for (std::size_t i = 0; i < row.fields.size(); ++i)
       if (!row.fields[i].empty())

@@ -9,31 +9,7 @@
 
 namespace gs::render {
 
-/// The node types that collect reads.
-enum class NodeKind : std::uint8_t {
-  other,
-  shape,
-  group,
-  collision,
-  transform,
-  billboard,
-  switch_node,
-  lod,
-  inline_node,
-  directional_light,
-  point_light,
-  spot_light,
-  viewpoint,
-  navigation_info,
-  background,
-  fog,
-  appearance,
-  material,
-  image_texture,
-  pixel_texture,
-  texture_transform,
-  qnv,
-};
+using vrml::NodeKind;
 
 // Places of the fields in their row of the schema table (collect_schema.cpp).
 struct GroupFields {
@@ -127,7 +103,7 @@ struct NodeView {
   }
 };
 
-/// Schemas by type, looked up by name once a type.
+/// Schemas by type: fields are looked up by name once a type.
 class Schemas {
  public:
   [[nodiscard]] const Schema& of(const vrml::NodeType& type);

@@ -24,6 +24,10 @@ void MeshCache::forget(const vrml::Node* node) {
     meshes.erase(each->second);
 }
 
+void MeshCache::forget_scene(const vrml::SceneGraph& scene) {
+  std::erase_if(meshes, [&](const auto& one) { return one.second.scene == &scene; });
+}
+
 void MeshCache::remove(const vrml::SceneGraph& scene, const vrml::Node* node) {
   meshes.erase(node);
   pixel_images.erase(node);
@@ -32,6 +36,14 @@ void MeshCache::remove(const vrml::SceneGraph& scene, const vrml::Node* node) {
   for (std::size_t i = 0; i < node->type->defaults.size(); ++i)
     if (const auto* part = std::get_if<vrml::SFNode>(&node->values[i]))
       if (const vrml::NodeId id = scene.resolve(*part)) geometries_of_.erase({&scene.node(id), node});
+}
+
+void MeshCache::take(MeshCache&& other) {
+  for (const auto& [geometry, entry] : other.meshes) made(geometry);
+  meshes.merge(other.meshes);
+  pixel_images.merge(other.pixel_images);
+  primitives.merge(other.primitives);
+  other.clear();
 }
 
 void MeshCache::made(const vrml::Node* geometry) {

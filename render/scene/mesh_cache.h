@@ -17,6 +17,10 @@
 
 namespace gs::render {
 
+/// Nodes that meshes are made of.
+inline constexpr vrml::Role kGeometryParts =
+    vrml::Role::geometry | vrml::Role::geometric_property | vrml::Role::font_style;
+
 /// What is made of geometries and PixelTextures once, and kept while the world lives. Drop it with the world. One
 /// thread at a time.
 ///
@@ -49,10 +53,14 @@ struct MeshCache {
 
   /// This node has changed: a geometry, or a node that geometries are made of (Coordinate, Color, FontStyle, ...).
   void forget(const vrml::Node* node);
+  /// Parts of geometries of this scene are there that were not: coordinates, colours and the like.
+  void forget_scene(const vrml::SceneGraph& scene);
   /// This node of `scene` is about to be removed; its place in memory may become another's.
   void remove(const vrml::SceneGraph& scene, const vrml::Node* node);
   /// A mesh was made of this geometry.
   void made(const vrml::Node* geometry);
+  /// Takes over what another one has of other scenes.
+  void take(MeshCache&& other);
   void clear() {
     PhaseClock* const kept = phases;
     *this = {};

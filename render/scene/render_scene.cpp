@@ -15,7 +15,6 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
-constexpr vrml::Role kGeometryParts = vrml::Role::geometry | vrml::Role::geometric_property | vrml::Role::font_style;
 constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat, not an item
 constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index: it shows nothing so far
 
@@ -131,6 +130,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
 
 RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const vrml::Node& node) {
   const NodeView view{&node, &resources_.schemas().of(*node.type)};
+  // A PROTO instance whose body has come.
+  if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
   const auto only = [&](Effect effect, int children) {
     return has_changed(change, view, children) ? Effect::everything : effect;
   };
@@ -152,6 +153,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::texture_transform:
     case NodeKind::pixel_texture:
     case NodeKind::image_texture:
+    case NodeKind::movie_texture:
       return Effect::dress;
     case NodeKind::directional_light:
     case NodeKind::point_light:
@@ -165,7 +167,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return Effect::bindable;
     case NodeKind::qnv:
       return Effect::everything;
-    case NodeKind::other:
+    default:
       break;
   }
   return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;

@@ -45,7 +45,9 @@ TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const Node
   TextureUse use;
   const auto id = appearance.get(AppearanceFields::texture, vrml::NodeId{});
   const NodeView texture = schemas_.view(scene, id);
-  if (texture.kind() != NodeKind::image_texture && texture.kind() != NodeKind::pixel_texture) return use;
+  if (texture.kind() != NodeKind::image_texture && texture.kind() != NodeKind::movie_texture &&
+      texture.kind() != NodeKind::pixel_texture)
+    return use;
   use.image = image_of_texture(scene, id);
   if (!use.image) return use;
   use.repeat_s = texture.get(TextureFields::repeat_s, true);
@@ -114,13 +116,13 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
 
 // The OutlineGroup that says that it refines this one. Scenes with such nodes are looked through once.
 vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry) {
-  static const vrml::NodeType* const kOutlineGroup = vrml::built_in_node_type("OutlineGroup");
-  if (scene.node(geometry).type != kOutlineGroup) return {};
+  constexpr vrml::NodeKind kOutlineGroup = vrml::NodeKind::outline_group;
+  if (scene.node(geometry).type->read_as != kOutlineGroup) return {};
   const auto [at, fresh] = refiners_.try_emplace(&scene);
   for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
-    if (scene.node_at(i).type != kOutlineGroup || scene.node_at(i).in_prototype_body) continue;
-    if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), "OutlineGroup"))
+    if (scene.node_at(i).type->read_as != kOutlineGroup || scene.node_at(i).in_prototype_body) continue;
+    if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), kOutlineGroup))
       at->second.emplace(refined.index, id);
   }
   const auto found = at->second.find(geometry.index);

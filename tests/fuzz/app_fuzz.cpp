@@ -61,7 +61,7 @@ bool run_vrml(std::span<const std::byte> bytes) {
   check_scene(scene);
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId node = scene.id_at(i);
-    if (!(scene.resolve_as(node, "QNV") == node)) continue;
+    if (!(scene.resolve_as(node, vrml::NodeKind::qnv) == node)) continue;
     const auto cloud = inline_cloud(scene, node);
     if (const auto* vectors = std::get_if<qnv::Cloud>(&cloud)) require(vectors->normals.size() == vectors->size());
     (void)transfer_of(scene.get<vrml::MFFloat>(node, "transfer"));

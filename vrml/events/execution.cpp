@@ -458,6 +458,8 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
       walk(slots_[ways_down].first, value);
       return;
     }
+    // There is nobody yet who could take it (4.9.1).
+    if (schema.type->kind == NodeType::Kind::external_prototype && !schema.type->prototype) return;
   }
   if (interface.event >= 0 && schema.behaviour->on_event &&
       !schema.behaviour->on_event(*this, node, interface.event, value))

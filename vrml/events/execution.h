@@ -62,6 +62,9 @@ class Execution {
   /// The same of one scene of the world, after vrml::read_into. ROUTEs between nodes made at run time leave
   /// SceneGraph::routes: they are kept here alone.
   void attach(SceneGraph& scene);
+  /// A body of EXTERNPROTO instances has come and was attached: bindable nodes of types of which none was bound since
+  /// the world began are bound as if they had been there (4.6.10).
+  void bind_what_came();
   /// Begins at `now`, with the first cascade: the first bindable node of each type that is not in an Inline is bound
   /// (4.6.10), and time-dependent nodes that are active at that time begin (4.6.9). Call once.
   void start(double now);
@@ -94,10 +97,12 @@ class Execution {
   void remove_content(SceneGraph& scene, NodeId inline_node);
   /// The content of the Inline is another one: to be called behind SceneGraph::attach_inline and `attach`.
   void content_changed(SceneGraph& scene, NodeId inline_node);
-  /// In place of the world there are only these nodes of the root's scene (4.12.10.8, replaceWorld), as soon as the
-  /// cascade is over: what they do not hold is removed, files' nodes as well, and their first bindable nodes are bound.
-  /// False where one is no node of the root's scene.
-  bool replace_world(const MFNode& nodes);
+  /// In place of the world there are only these nodes of one scene of it, the root's or that of an Inline (4.12.10.8,
+  /// replaceWorld), as soon as the cascade is over: what they do not hold is removed, files' nodes as well, and their
+  /// first bindable nodes are bound. An Inline's scene is then the only content of the root's. False where one is no
+  /// node of the scene, or that is no part of the world.
+  bool replace_world(SceneGraph& scene, const MFNode& nodes);
+  bool replace_world(const MFNode& nodes) { return replace_world(root_, nodes); }
   /// How often the world has been replaced.
   [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
   /// Is told of each node, or with a null node of a whole scene, before it is removed. Not for work on this object.
@@ -303,6 +308,11 @@ class Execution {
     std::vector<NodeId> waiting;      // instances without content
     std::vector<NodeId> at_run_time;  // nodes made then
     bool files_hold = true;           // the nodes of its file are held
+    bool lives = false;               // it was attached before: what it gets now comes at run time
+  };
+  struct NextWorld {
+    SceneGraph* scene;
+    MFNode nodes;
   };
   struct Stack {
     const NodeType* type;
@@ -319,7 +329,8 @@ class Execution {
   EventSchema& schema_of(const NodeType& type);
   std::uint32_t connect(EventNode source, std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
   void disconnect(std::uint32_t connection);
-  void bind_first_nodes();
+  void bind_first_nodes(SceneState& state, bool of_fresh_types);
+  bool move_to_root(SceneGraph& scene);
 
   // execution_remove.cpp
   class Marking;
@@ -374,7 +385,7 @@ class Execution {
   RemovalObserver removal_observer_;
   std::size_t made_since_ = 0, next_removal_ = 0;  // nodes at run time, since something was removed last
   bool removing_ = false;
-  std::optional<MFNode> next_world_;
+  std::optional<NextWorld> next_world_;
   std::uint32_t replaced_ = 0;
   std::deque<FieldValue> out_values_;
   std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to

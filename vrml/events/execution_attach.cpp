@@ -86,17 +86,20 @@ void Execution::attach_node(SceneState& state, NodeId id) {
   has_pointing_sensors_ = has_pointing_sensors_ || (node.type->behaviour && node.type->behaviour->pointing);
   if (node.type->behaviour && node.type->behaviour->initialize) (void)member(state, id);
   // What its url names is to be fetched like that of a set_url.
-  if (node.owner != 0 && node.type->url_content != UrlContent::none)
+  if ((node.owner != 0 || state.lives) && node.type->url_content != UrlContent::none)
     for (const InterfaceDeclaration* url : node.type->url_fields())
       if (const EventNode made = member(state, id)) mark_changed(made, url->slot);
   if (node.type->prototype || node.type->kind == NodeType::Kind::external_prototype) (void)attach_instance(state, id);
+  // So is the body of an EXTERNPROTO.
+  if (node.owner != 0 && !node.type->prototype && node.type->kind == NodeType::Kind::external_prototype)
+    content_changed(*state.scene, id);
 }
 
 void Execution::attach_scene(std::size_t index) {
   SceneState& state = scenes_[index];
   SceneGraph& scene = *state.scene;
   for (const NodeId id : std::exchange(state.waiting, {}))
-    if (scene.contains(id)) (void)attach_instance(state, id);
+    if (scene.contains(id) && attach_instance(state, id) && state.lives) content_changed(scene, id);
   for (; state.nodes_seen <= scene.node_count(); ++state.nodes_seen) {
     const Node& node = scene.node_at(static_cast<std::uint32_t>(state.nodes_seen));
     if (!node.in_prototype_body && node.owner == 0 && !node.recycled)
@@ -111,6 +114,7 @@ void Execution::attach_scene(std::size_t index) {
                               [&](const Route& route) { return at_run_time(route.from) || at_run_time(route.to); }),
                routes.end());
   state.routes_seen = routes.size();
+  state.lives = true;
 }
 
 // The ways between the interface of a PROTO instance and the nodes of its body, as IS says.
@@ -290,16 +294,23 @@ void Execution::start(double now) {
   begin(now);
   previous_ = now_;
   started_ = true;
-  bind_first_nodes();
+  bind_first_nodes(scenes_.front(), false);
+  drain();
+}
+
+void Execution::bind_what_came() {
+  bind_first_nodes(scenes_.front(), true);
   drain();
 }
 
 // In the order of the file, through what is shown, without Inlines (4.6.10). The standard does not say whether what a
 // Switch does not show is a candidate; other browsers pass over it, and worlds choose their Background with one.
-void Execution::bind_first_nodes() {
-  SceneState& state = scenes_.front();
+void Execution::bind_first_nodes(SceneState& state, bool of_fresh_types) {
   SceneGraph& scene = *state.scene;
   std::vector<bool> seen(scene.node_count() + 1);
+  std::vector<const NodeType*> known;
+  for (const Stack& stack : stacks_)
+    if (of_fresh_types) known.push_back(stack.type);
   struct Place {
     const NodeId* next;
     const NodeId* end;
@@ -314,7 +325,9 @@ void Execution::bind_first_nodes() {
     if (!id || seen[id.index]) continue;
     seen[id.index] = true;
     const Node& node = scene.node(id);
-    if (has(node.type->role, Role::bindable) && node.type->behaviour) {
+    const bool is_known = std::find(known.begin(), known.end(), node.type) != known.end();
+    if (has(node.type->role, Role::bindable) && node.type->behaviour && !is_known &&
+        !(of_fresh_types && node.owner != 0)) {
       const EventNode bindable = member(state, id);
       if (bindable != 0 && stack_of(*node.type).top == 0)
         (void)node.type->behaviour->on_event(*this, bindable, kSetBind, FieldValue(true));

@@ -241,6 +241,7 @@ void Execution::remove_scene(SceneGraph& scene) {
     free_scenes_.push_back(place->second);
     scene_places_.erase(place);
     held_.erase(one);
+    if (next_world_ && next_world_->scene == one) next_world_.reset();
   }
 }
 
@@ -313,29 +314,58 @@ void Execution::drop_removed() {
 
 // ---- replaceWorld
 
-bool Execution::replace_world(const MFNode& nodes) {
+bool Execution::replace_world(SceneGraph& scene, const MFNode& nodes) {
+  if (!has_scene(&scene)) return false;
   for (const NodeId id : nodes)
-    if (!root_.contains(id)) return false;
-  for (const NodeId id : nodes) hold(root_, id);
+    if (!scene.contains(id)) return false;
+  for (const NodeId id : nodes) hold(scene, id);
   if (next_world_)
-    for (const NodeId id : *next_world_) release(root_, id);
-  next_world_ = nodes;
+    for (const NodeId id : next_world_->nodes) release(*next_world_->scene, id);
+  next_world_ = NextWorld{&scene, nodes};
+  return true;
+}
+
+// What shows an Inline's scene is an Inline of the root that nobody else has.
+bool Execution::move_to_root(SceneGraph& scene) {
+  std::shared_ptr<SceneGraph> content;
+  for (const SceneState& state : scenes_) {
+    if (!state.scene) continue;
+    for (const auto& [place, inlined] : state.scene->inlines())
+      if (inlined.get() == &scene) content = inlined;
+    if (!content) continue;
+    std::vector<NodeId> holders;
+    for (const auto& [place, inlined] : state.scene->inlines())
+      if (inlined == content) holders.push_back(state.scene->id_at(place));
+    for (const NodeId holder : holders) state.scene->attach_inline(holder, nullptr);
+    break;
+  }
+  const NodeId shown = content ? root_.create(built_in_node_type(NodeKind::inline_node)) : NodeId{};
+  if (!shown) return false;
+  root_.set_roots({shown});
+  root_.attach_inline(shown, std::move(content));
   return true;
 }
 
 void Execution::do_replace_world() {
   if (removing_) return;
-  const MFNode nodes = *std::exchange(next_world_, std::nullopt);
-  root_.set_roots(nodes);
-  for (const NodeId id : nodes) release(root_, id);
+  const NextWorld next = *std::exchange(next_world_, std::nullopt);
+  const bool is_root = next.scene == &root_;
+  const bool has_room = is_root || move_to_root(*next.scene);
+  if (has_room) next.scene->set_roots(next.nodes);
+  for (const NodeId id : next.nodes) release(*next.scene, id);
+  if (!has_room) return;
   scenes_.front().files_hold = false;
+  scenes_[scene_places_.at(next.scene)].files_hold = false;
   ++replaced_;
+  if (!is_root) attach(root_);
   (void)remove_unheld();
   removing_ = true;
-  std::vector<Route>& routes = root_.routes();
-  std::erase_if(routes, [&](const Route& one) { return !root_.contains(one.from) || !root_.contains(one.to); });
-  scenes_.front().routes_seen = routes.size();
-  bind_first_nodes();
+  for (SceneGraph* const scene : {&root_, next.scene}) {
+    std::vector<Route>& routes = scene->routes();
+    std::erase_if(routes, [&](const Route& one) { return !scene->contains(one.from) || !scene->contains(one.to); });
+    scenes_[scene_places_.at(scene)].routes_seen = routes.size();
+  }
+  bind_first_nodes(scenes_[scene_places_.at(next.scene)], false);
   drain();
   removing_ = false;
 }

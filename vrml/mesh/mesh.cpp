@@ -13,7 +13,7 @@ std::uint64_t Mesh::cost() const {
 Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const NodeId resolved = scene.resolve(geometry);
   if (!resolved) return {};
-  const Tessellate make = scene.node(resolved).type->tessellate;
+  const Tessellate make = scene.node(resolved).type->tessellator.tessellate;
   return make ? make(scene, resolved, options) : Mesh{};
 }
 

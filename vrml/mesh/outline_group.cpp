@@ -178,7 +178,7 @@ class Gatherer {
 
 Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   // What refines another node is drawn with that, so that both shade as one.
-  if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), "OutlineGroup")) return {};
+  if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), NodeKind::outline_group)) return {};
   const Groups groups(scene, geometry, options.refiner);
   const auto entries = [&](NodeId node) {
     return !node ? std::uint64_t{0}

@@ -25,6 +25,12 @@ template <class T>
   return std::get<T>(type.defaults[static_cast<std::size_t>(type.find_field(field)->slot)]);
 }
 
+/// A measure of the node as a part of its type's.
+template <class T>
+[[nodiscard]] T relative(const SceneGraph& scene, NodeId geometry, std::string_view field) {
+  return scene.get<T>(geometry, field) / measure<T>(scene, geometry, field, {.default_measures = true});
+}
+
 /// A unit vector in the XZ plane.
 struct Direction {
   float x, z;
@@ -220,28 +226,27 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
   return builder.finish();
 }
 
+glm::vec3 scale_of_box(const SceneGraph& scene, NodeId geometry) { return relative<SFVec3f>(scene, geometry, "size"); }
+
+glm::vec3 scale_of_cone(const SceneGraph& scene, NodeId geometry) {
+  const float radius = relative<SFFloat>(scene, geometry, "bottomRadius");
+  return {radius, relative<SFFloat>(scene, geometry, "height"), radius};
+}
+
+glm::vec3 scale_of_cylinder(const SceneGraph& scene, NodeId geometry) {
+  const float radius = relative<SFFloat>(scene, geometry, "radius");
+  return {radius, relative<SFFloat>(scene, geometry, "height"), radius};
+}
+
+glm::vec3 scale_of_sphere(const SceneGraph& scene, NodeId geometry) {
+  return glm::vec3(relative<SFFloat>(scene, geometry, "radius"));
+}
+
 std::optional<glm::vec3> scale_of_primitive(const SceneGraph& scene, NodeId geometry) {
   const NodeId id = scene.resolve(geometry);
-  if (!id) return std::nullopt;
-  // Which measure goes along which axis.
-  struct Row {
-    std::string_view type, x, y, z;
-  };
-  static constexpr Row kRows[] = {{"Sphere", "radius", "radius", "radius"},
-                                  {"Cylinder", "radius", "height", "radius"},
-                                  {"Cone", "bottomRadius", "height", "bottomRadius"}};
-  const std::string& type = scene.node(id).type->name;
-  if (scene.node(id).type->kind != NodeType::Kind::built_in) return std::nullopt;
-  glm::vec3 scale(0);
-  const MeshOptions standard{.default_measures = true};
-  if (type == "Box") scale = scene.get<SFVec3f>(id, "size") / measure<SFVec3f>(scene, id, "size", standard);
-  for (const Row& row : kRows) {
-    if (type != row.type) continue;
-    const auto part = [&](std::string_view field) {
-      return scene.get<SFFloat>(id, field) / measure<SFFloat>(scene, id, field, standard);
-    };
-    scale = {part(row.x), part(row.y), part(row.z)};
-  }
+  const MeasuredScale scale_of = id ? scene.node(id).type->tessellator.scale : nullptr;
+  if (!scale_of) return std::nullopt;
+  const glm::vec3 scale = scale_of(scene, id);
   if (!is_size(scale.x) || !is_size(scale.y) || !is_size(scale.z)) return std::nullopt;
   return scale;
 }

@@ -8,19 +8,19 @@ namespace gs::vrml {
 // stands in the field of that name of `geometry`. Shared with the node; empty where there is none.
 
 [[nodiscard]] inline MFVec3f coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), "Coordinate");
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), NodeKind::coordinate);
   return node ? scene.get<MFVec3f>(node, "point") : MFVec3f{};
 }
 [[nodiscard]] inline MFVec3f normals_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "normal"), "Normal");
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "normal"), NodeKind::normal);
   return node ? scene.get<MFVec3f>(node, "vector") : MFVec3f{};
 }
 [[nodiscard]] inline MFColor colors_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "color"), "Color");
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "color"), NodeKind::color);
   return node ? scene.get<MFColor>(node, "color") : MFColor{};
 }
 [[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "texCoord"), "TextureCoordinate");
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "texCoord"), NodeKind::texture_coordinate);
   return node ? scene.get<MFVec2f>(node, "point") : MFVec2f{};
 }
 

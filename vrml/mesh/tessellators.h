@@ -19,4 +19,10 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
+// Measures of such a node as parts of the default ones, along its axes.
+[[nodiscard]] glm::vec3 scale_of_box(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] glm::vec3 scale_of_cone(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] glm::vec3 scale_of_cylinder(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] glm::vec3 scale_of_sphere(const SceneGraph& scene, NodeId geometry);
+
 }  // namespace gs::vrml

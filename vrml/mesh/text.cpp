@@ -36,7 +36,7 @@ constexpr std::size_t kMostFamilies = 16, kMostName = 256;  // tried, bytes: USE
 
 FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   FontStyle style;
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "fontStyle"), "FontStyle");
+  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "fontStyle"), NodeKind::font_style);
   if (!node) return style;
   const MFString& families = scene.get<MFString>(node, "family");
   for (std::size_t i = 0; i < std::min(families.size(), kMostFamilies); ++i)

@@ -5,12 +5,12 @@ namespace {
 
 // Shape and what gives it its look (VRML97 4.6.3, 4.6.11).
 constexpr NodeRow kAppearanceRows[] = {
-    {"Appearance", "6.3", Role::appearance, R"(
+    {"Appearance", "6.3", Role::appearance, NodeKind::appearance, R"(
   exposedField SFNode     material         NULL
   exposedField SFNode     texture          NULL
   exposedField SFNode     textureTransform NULL
 )"},
-    {"FontStyle", "6.20", Role::font_style, R"(
+    {"FontStyle", "6.20", Role::font_style, NodeKind::font_style, R"(
   field        MFString   family           "SERIF"
   field        SFBool     horizontal       TRUE
   field        MFString   justify          "BEGIN"
@@ -21,13 +21,13 @@ constexpr NodeRow kAppearanceRows[] = {
   field        SFString   style            "PLAIN"
   field        SFBool     topToBottom      TRUE
 )"},
-    {"ImageTexture", "6.22", Role::texture, R"(
+    {"ImageTexture", "6.22", Role::texture, NodeKind::image_texture, R"(
   exposedField MFString   url              []
   field        SFBool     repeatS          TRUE
   field        SFBool     repeatT          TRUE
 )",
      nullptr, nullptr, UrlContent::image},
-    {"Material", "6.27", Role::material, R"(
+    {"Material", "6.27", Role::material, NodeKind::material, R"(
   exposedField SFFloat    ambientIntensity 0.2              # [0,1]
   exposedField SFColor    diffuseColor     0.8 0.8 0.8      # [0,1]
   exposedField SFColor    emissiveColor    0 0 0            # [0,1]
@@ -35,7 +35,7 @@ constexpr NodeRow kAppearanceRows[] = {
   exposedField SFColor    specularColor    0 0 0            # [0,1]
   exposedField SFFloat    transparency     0                # [0,1]
 )"},
-    {"MovieTexture", "6.28", Role::texture | Role::sound_source | Role::time_dependent, R"(
+    {"MovieTexture", "6.28", Role::texture | Role::sound_source | Role::time_dependent, NodeKind::movie_texture, R"(
   exposedField SFBool     loop             FALSE
   exposedField SFFloat    speed            1.0              # (-inf,inf)
   exposedField SFTime     startTime        0                # (-inf,inf)
@@ -47,16 +47,16 @@ constexpr NodeRow kAppearanceRows[] = {
   eventOut     SFBool     isActive
 )",
      nullptr, nullptr, UrlContent::image},
-    {"PixelTexture", "6.33", Role::texture, R"(
+    {"PixelTexture", "6.33", Role::texture, NodeKind::pixel_texture, R"(
   exposedField SFImage    image            0 0 0
   field        SFBool     repeatS          TRUE
   field        SFBool     repeatT          TRUE
 )"},
-    {"Shape", "6.41", Role::child, R"(
+    {"Shape", "6.41", Role::child, NodeKind::shape, R"(
   exposedField SFNode     appearance       NULL
   exposedField SFNode     geometry         NULL
 )"},
-    {"TextureTransform", "6.49", Role::texture_transform, R"(
+    {"TextureTransform", "6.49", Role::texture_transform, NodeKind::texture_transform, R"(
   exposedField SFVec2f    center           0 0              # (-inf,inf)
   exposedField SFFloat    rotation         0                # (-inf,inf)
   exposedField SFVec2f    scale            1 1              # (-inf,inf)

@@ -6,7 +6,7 @@ namespace {
 
 // Bindable nodes (VRML97 4.6.10).
 constexpr NodeRow kBindablesRows[] = {
-    {"Background", "6.5", Role::child | Role::bindable, R"(
+    {"Background", "6.5", Role::child | Role::bindable, NodeKind::background, R"(
   eventIn      SFBool     set_bind
   exposedField MFFloat    groundAngle      []               # [0,pi/2]
   exposedField MFColor    groundColor      []               # [0,1]
@@ -21,7 +21,7 @@ constexpr NodeRow kBindablesRows[] = {
   eventOut     SFBool     isBound
 )",
      nullptr, &kBindableBehaviour, UrlContent::image},
-    {"Fog", "6.19", Role::child | Role::bindable, R"(
+    {"Fog", "6.19", Role::child | Role::bindable, NodeKind::fog, R"(
   exposedField SFColor    color            1 1 1            # [0,1]
   exposedField SFString   fogType          "LINEAR"
   exposedField SFFloat    visibilityRange  0                # [0,inf)
@@ -29,7 +29,7 @@ constexpr NodeRow kBindablesRows[] = {
   eventOut     SFBool     isBound
 )",
      nullptr, &kBindableBehaviour},
-    {"NavigationInfo", "6.29", Role::child | Role::bindable, R"(
+    {"NavigationInfo", "6.29", Role::child | Role::bindable, NodeKind::navigation_info, R"(
   eventIn      SFBool     set_bind
   exposedField MFFloat    avatarSize       [0.25, 1.6, 0.75]  # [0,inf)
   exposedField SFBool     headlight        TRUE
@@ -39,7 +39,7 @@ constexpr NodeRow kBindablesRows[] = {
   eventOut     SFBool     isBound
 )",
      nullptr, &kBindableBehaviour},
-    {"Viewpoint", "6.53", Role::child | Role::bindable, R"(
+    {"Viewpoint", "6.53", Role::child | Role::bindable, NodeKind::viewpoint, R"(
   eventIn      SFBool     set_bind
   exposedField SFFloat    fieldOfView      0.785398         # (0,inf)
   exposedField SFBool     jump             TRUE

@@ -6,7 +6,7 @@ namespace {
 
 // Sound, Script and WorldInfo (VRML97 4.6.4).
 constexpr NodeRow kCommonRows[] = {
-    {"AudioClip", "6.4", Role::sound_source | Role::time_dependent, R"(
+    {"AudioClip", "6.4", Role::sound_source | Role::time_dependent, NodeKind::other, R"(
   exposedField SFString   description      ""
   exposedField SFBool     loop             FALSE
   exposedField SFFloat    pitch            1.0              # (0,inf)
@@ -16,13 +16,13 @@ constexpr NodeRow kCommonRows[] = {
   eventOut     SFTime     duration_changed
   eventOut     SFBool     isActive
 )"},
-    {"Script", "6.40", Role::child | Role::script, R"(
+    {"Script", "6.40", Role::child | Role::script, NodeKind::script, R"(
   exposedField MFString   url              []
   field        SFBool     directOutput     FALSE
   field        SFBool     mustEvaluate     FALSE
 )",
      nullptr, &kScriptBehaviour},
-    {"Sound", "6.42", Role::child, R"(
+    {"Sound", "6.42", Role::child, NodeKind::other, R"(
   exposedField SFVec3f    direction        0 0 1            # (-inf,inf)
   exposedField SFFloat    intensity        1                # [0,1]
   exposedField SFVec3f    location         0 0 0            # (-inf,inf)
@@ -34,7 +34,7 @@ constexpr NodeRow kCommonRows[] = {
   exposedField SFNode     source           NULL
   field        SFBool     spatialize       TRUE
 )"},
-    {"WorldInfo", "6.55", Role::child, R"(
+    {"WorldInfo", "6.55", Role::child, NodeKind::world_info, R"(
   field        MFString   info             []
   field        SFString   title            ""
 )"},

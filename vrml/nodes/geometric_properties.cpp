@@ -5,16 +5,16 @@ namespace {
 
 // Geometric property nodes (VRML97 4.6.3.2).
 constexpr NodeRow kGeometricPropertiesRows[] = {
-    {"Color", "6.9", Role::geometric_property, R"(
+    {"Color", "6.9", Role::geometric_property, NodeKind::color, R"(
   exposedField MFColor    color            []               # [0,1]
 )"},
-    {"Coordinate", "6.12", Role::geometric_property, R"(
+    {"Coordinate", "6.12", Role::geometric_property, NodeKind::coordinate, R"(
   exposedField MFVec3f    point            []               # (-inf,inf)
 )"},
-    {"Normal", "6.30", Role::geometric_property, R"(
+    {"Normal", "6.30", Role::geometric_property, NodeKind::normal, R"(
   exposedField MFVec3f    vector           []               # (-inf,inf)
 )"},
-    {"TextureCoordinate", "6.48", Role::geometric_property, R"(
+    {"TextureCoordinate", "6.48", Role::geometric_property, NodeKind::texture_coordinate, R"(
   exposedField MFVec2f    point            []               # (-inf,inf)
 )"},
 };

@@ -7,26 +7,38 @@ namespace {
 // Geometry nodes (VRML97 4.6.3) and the meshes they make. QNV and OutlineGroup are our own
 // (docs/formats.md): the renderer draws QNV from the vectors of its stream.
 constexpr NodeRow kGeometryRows[] = {
-    {"Box", "6.7", Role::geometry, R"(
+    {"Box",
+     "6.7",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   field        SFVec3f    size             2 2 2            # (0,inf)
 )",
-     tessellate_box},
-    {"Cone", "6.11", Role::geometry, R"(
+     {tessellate_box, scale_of_box}},
+    {"Cone",
+     "6.11",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   field        SFFloat    bottomRadius     1                # (0,inf)
   field        SFFloat    height           2                # (0,inf)
   field        SFBool     side             TRUE
   field        SFBool     bottom           TRUE
 )",
-     tessellate_cone},
-    {"Cylinder", "6.14", Role::geometry, R"(
+     {tessellate_cone, scale_of_cone}},
+    {"Cylinder",
+     "6.14",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   field        SFBool     bottom           TRUE
   field        SFFloat    height           2                # (0,inf)
   field        SFFloat    radius           1                # (0,inf)
   field        SFBool     side             TRUE
   field        SFBool     top              TRUE
 )",
-     tessellate_cylinder},
-    {"ElevationGrid", "6.17", Role::geometry, R"(
+     {tessellate_cylinder, scale_of_cylinder}},
+    {"ElevationGrid", "6.17", Role::geometry, NodeKind::other, R"(
   eventIn      MFFloat    set_height
   exposedField SFNode     color            NULL
   exposedField SFNode     normal           NULL
@@ -43,7 +55,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFFloat    zSpacing         1.0              # (0,inf)
 )",
      tessellate_elevation_grid},
-    {"Extrusion", "6.18", Role::geometry, R"(
+    {"Extrusion", "6.18", Role::geometry, NodeKind::other, R"(
   eventIn      MFVec2f    set_crossSection
   eventIn      MFRotation set_orientation
   eventIn      MFVec2f    set_scale
@@ -60,7 +72,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFVec3f    spine            [ 0 0 0, 0 1 0 ]  # (-inf,inf)
 )",
      tessellate_extrusion},
-    {"IndexedFaceSet", "6.23", Role::geometry, R"(
+    {"IndexedFaceSet", "6.23", Role::geometry, NodeKind::indexed_face_set, R"(
   eventIn      MFInt32    set_colorIndex
   eventIn      MFInt32    set_coordIndex
   eventIn      MFInt32    set_normalIndex
@@ -81,7 +93,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFInt32    texCoordIndex    []               # [-1,inf)
 )",
      tessellate_indexed_face_set},
-    {"IndexedLineSet", "6.24", Role::geometry, R"(
+    {"IndexedLineSet", "6.24", Role::geometry, NodeKind::indexed_line_set, R"(
   eventIn      MFInt32    set_colorIndex
   eventIn      MFInt32    set_coordIndex
   exposedField SFNode     color            NULL
@@ -91,7 +103,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFInt32    coordIndex       []               # [-1,inf)
 )",
      tessellate_indexed_line_set},
-    {"OutlineGroup", "GhostSpace", Role::geometry, R"(
+    {"OutlineGroup", "GhostSpace", Role::geometry, NodeKind::outline_group, R"(
   exposedField MFString   url              []
   exposedField SFBool     complete         FALSE
   exposedField SFNode     refines          NULL
@@ -108,12 +120,12 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFVec2f    texCoord         []               # (-inf,inf)
 )",
      tessellate_outline_group, nullptr, UrlContent::outlines},
-    {"PointSet", "6.36", Role::geometry, R"(
+    {"PointSet", "6.36", Role::geometry, NodeKind::point_set, R"(
   exposedField SFNode     color            NULL
   exposedField SFNode     coord            NULL
 )",
      tessellate_point_set},
-    {"QNV", "GhostSpace", Role::geometry, R"(
+    {"QNV", "GhostSpace", Role::geometry, NodeKind::qnv, R"(
   exposedField MFString   url              []
   exposedField SFFloat    detail           1                # (0,inf)
   exposedField SFString   profile          "SURFACE"
@@ -125,11 +137,15 @@ constexpr NodeRow kGeometryRows[] = {
   eventOut     SFTime     loadTime
 )",
      nullptr, nullptr, UrlContent::vectors},
-    {"Sphere", "6.43", Role::geometry, R"(
+    {"Sphere",
+     "6.43",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   field        SFFloat    radius           1                # (0,inf)
 )",
-     tessellate_sphere},
-    {"Text", "6.47", Role::geometry | Role::viewer_dependent, R"(
+     {tessellate_sphere, scale_of_sphere}},
+    {"Text", "6.47", Role::geometry | Role::viewer_dependent, NodeKind::other, R"(
   exposedField MFString   string           []
   exposedField SFNode     fontStyle        NULL
   exposedField MFFloat    length           []               # [0,inf)

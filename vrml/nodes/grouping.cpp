@@ -6,7 +6,7 @@ namespace {
 
 // Grouping and special group nodes (VRML97 4.6.5).
 constexpr NodeRow kGroupingRows[] = {
-    {"Anchor", "6.2", Role::child | Role::grouping, R"(
+    {"Anchor", "6.2", Role::child | Role::grouping, NodeKind::group, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField MFNode     children         []
@@ -17,7 +17,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
      nullptr, &kAnchorBehaviour},
-    {"Billboard", "6.6", Role::child | Role::grouping | Role::viewer_dependent, R"(
+    {"Billboard", "6.6", Role::child | Role::grouping | Role::viewer_dependent, NodeKind::billboard, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField SFVec3f    axisOfRotation   0 1 0            # (-inf,inf)
@@ -26,7 +26,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
      nullptr, &kBillboardBehaviour},
-    {"Collision", "6.8", Role::child | Role::grouping, R"(
+    {"Collision", "6.8", Role::child | Role::grouping, NodeKind::collision, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField MFNode     children         []
@@ -37,7 +37,7 @@ constexpr NodeRow kGroupingRows[] = {
   eventOut     SFTime     collideTime
 )",
      nullptr, &kCollisionBehaviour},
-    {"Group", "6.21", Role::child | Role::grouping, R"(
+    {"Group", "6.21", Role::child | Role::grouping, NodeKind::group, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField MFNode     children         []
@@ -45,22 +45,22 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
      nullptr, &kGroupBehaviour},
-    {"Inline", "6.25", Role::child | Role::grouping, R"(
+    {"Inline", "6.25", Role::child | Role::grouping, NodeKind::inline_node, R"(
   exposedField MFString   url              []
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
      nullptr, nullptr, UrlContent::scene},
-    {"LOD", "6.26", Role::child | Role::grouping | Role::viewer_dependent, R"(
+    {"LOD", "6.26", Role::child | Role::grouping | Role::viewer_dependent, NodeKind::lod, R"(
   exposedField MFNode     level            []
   field        SFVec3f    center           0 0 0            # (-inf,inf)
   field        MFFloat    range            []               # (0,inf)
 )"},
-    {"Switch", "6.46", Role::child | Role::grouping, R"(
+    {"Switch", "6.46", Role::child | Role::grouping, NodeKind::switch_node, R"(
   exposedField MFNode     choice           []
   exposedField SFInt32    whichChoice      -1               # [-1,inf)
 )"},
-    {"Transform", "6.52", Role::child | Role::grouping, R"(
+    {"Transform", "6.52", Role::child | Role::grouping, NodeKind::transform, R"(
   eventIn      MFNode     addChildren
   eventIn      MFNode     removeChildren
   exposedField SFVec3f    center           0 0 0            # (-inf,inf)

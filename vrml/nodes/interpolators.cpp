@@ -6,42 +6,42 @@ namespace {
 
 // Interpolators (VRML97 4.6.8).
 constexpr NodeRow kInterpolatorsRows[] = {
-    {"ColorInterpolator", "6.10", Role::child | Role::interpolator, R"(
+    {"ColorInterpolator", "6.10", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFColor    keyValue         []               # [0,1]
   eventOut     SFColor    value_changed
 )",
      nullptr, &kColorInterpolatorBehaviour},
-    {"CoordinateInterpolator", "6.13", Role::child | Role::interpolator, R"(
+    {"CoordinateInterpolator", "6.13", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     MFVec3f    value_changed
 )",
      nullptr, &kCoordinateInterpolatorBehaviour},
-    {"NormalInterpolator", "6.31", Role::child | Role::interpolator, R"(
+    {"NormalInterpolator", "6.31", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     MFVec3f    value_changed
 )",
      nullptr, &kNormalInterpolatorBehaviour},
-    {"OrientationInterpolator", "6.32", Role::child | Role::interpolator, R"(
+    {"OrientationInterpolator", "6.32", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFRotation keyValue         []               # [-1,1],(-inf,inf)
   eventOut     SFRotation value_changed
 )",
      nullptr, &kOrientationInterpolatorBehaviour},
-    {"PositionInterpolator", "6.37", Role::child | Role::interpolator, R"(
+    {"PositionInterpolator", "6.37", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFVec3f    keyValue         []               # (-inf,inf)
   eventOut     SFVec3f    value_changed
 )",
      nullptr, &kPositionInterpolatorBehaviour},
-    {"ScalarInterpolator", "6.39", Role::child | Role::interpolator, R"(
+    {"ScalarInterpolator", "6.39", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)
   exposedField MFFloat    keyValue         []               # (-inf,inf)

@@ -5,14 +5,14 @@ namespace {
 
 // Light sources (VRML97 4.6.6).
 constexpr NodeRow kLightsRows[] = {
-    {"DirectionalLight", "6.16", Role::child | Role::light, R"(
+    {"DirectionalLight", "6.16", Role::child | Role::light, NodeKind::directional_light, R"(
   exposedField SFFloat    ambientIntensity 0                # [0,1]
   exposedField SFColor    color            1 1 1            # [0,1]
   exposedField SFVec3f    direction        0 0 -1           # (-inf,inf)
   exposedField SFFloat    intensity        1                # [0,1]
   exposedField SFBool     on               TRUE
 )"},
-    {"PointLight", "6.35", Role::child | Role::light, R"(
+    {"PointLight", "6.35", Role::child | Role::light, NodeKind::point_light, R"(
   exposedField SFFloat    ambientIntensity 0                # [0,1]
   exposedField SFVec3f    attenuation      1 0 0            # [0,inf)
   exposedField SFColor    color            1 1 1            # [0,1]
@@ -21,7 +21,7 @@ constexpr NodeRow kLightsRows[] = {
   exposedField SFBool     on               TRUE
   exposedField SFFloat    radius           100              # [0,inf)
 )"},
-    {"SpotLight", "6.45", Role::child | Role::light, R"(
+    {"SpotLight", "6.45", Role::child | Role::light, NodeKind::spot_light, R"(
   exposedField SFFloat    ambientIntensity 0                # [0,1]
   exposedField SFVec3f    attenuation      1 0 0            # [0,inf)
   exposedField SFFloat    beamWidth        1.570796         # (0,pi/2]

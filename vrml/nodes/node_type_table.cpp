@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
 #include <string>
 #include <unordered_map>
 
@@ -35,7 +36,8 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   type->name = row.name;
   type->clause = row.clause;
   type->role = row.role;
-  type->tessellate = row.tessellate;
+  type->read_as = row.read_as;
+  type->tessellator = row.tessellator;
   type->behaviour = row.behaviour;
   type->url_content = row.url_content;
   const bool good = parse_interface(row.interface_text, *type);
@@ -49,13 +51,17 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
 struct Table {
   std::vector<std::unique_ptr<NodeType>> types;
   std::unordered_map<std::string_view, const NodeType*> by_name;
+  std::map<NodeKind, const NodeType*> by_kind;
 
   Table() {
     for (const auto rows : {appearance_rows, bindables_rows, common_rows, geometric_properties_rows, geometry_rows,
                             grouping_rows, interpolators_rows, lights_rows, sensors_rows})
       for (const NodeRow& row : rows()) types.push_back(type_of_row(row));
     std::sort(types.begin(), types.end(), [](const auto& a, const auto& b) { return a->name < b->name; });
-    for (const auto& type : types) by_name[type->name] = type.get();
+    for (const auto& type : types) {
+      by_name[type->name] = type.get();
+      by_kind.emplace(type->read_as, type.get());
+    }
   }
 };
 
@@ -70,7 +76,7 @@ std::span<const std::unique_ptr<NodeType>> built_in_node_types() { return table(
 
 const NodeType* stood_for(const NodeType& prototype) {
   const NodeType* native = built_in_node_type(prototype.name);
-  if (!native || native->clause != kOwnClause || !native->tessellate) return nullptr;
+  if (!native || native->clause != kOwnClause || !native->tessellator.tessellate) return nullptr;
   const bool same = std::all_of(prototype.interfaces.begin(), prototype.interfaces.end(), [&](const auto& declaration) {
     const InterfaceDeclaration* own = native->find(declaration.name);
     return own && own->type == declaration.type && own->access == declaration.access;
@@ -82,5 +88,7 @@ const NodeType* built_in_node_type(std::string_view name) {
   const auto found = table().by_name.find(name);
   return found == table().by_name.end() ? nullptr : found->second;
 }
+
+const NodeType& built_in_node_type(NodeKind kind) { return *table().by_kind.at(kind); }
 
 }  // namespace gs::vrml

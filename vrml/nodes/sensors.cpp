@@ -6,7 +6,7 @@ namespace {
 
 // Sensors (VRML97 4.6.7).
 constexpr NodeRow kSensorsRows[] = {
-    {"CylinderSensor", "6.15", Role::child | Role::sensor, R"(
+    {"CylinderSensor", "6.15", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFFloat    diskAngle        0.262            # (0,pi/2)
   exposedField SFBool     enabled          TRUE
@@ -18,7 +18,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFVec3f    trackPoint_changed
 )",
      nullptr, &kCylinderSensorBehaviour},
-    {"PlaneSensor", "6.34", Role::child | Role::sensor, R"(
+    {"PlaneSensor", "6.34", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFBool     enabled          TRUE
   exposedField SFVec2f    maxPosition      -1 -1            # (-inf,inf)
@@ -29,7 +29,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFVec3f    translation_changed
 )",
      nullptr, &kPlaneSensorBehaviour},
-    {"ProximitySensor", "6.38", Role::child | Role::sensor, R"(
+    {"ProximitySensor", "6.38", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFVec3f    center           0 0 0            # (-inf,inf)
   exposedField SFVec3f    size             0 0 0            # [0,inf)
   exposedField SFBool     enabled          TRUE
@@ -40,7 +40,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFTime     exitTime
 )",
      nullptr, &kProximitySensorBehaviour},
-    {"SphereSensor", "6.44", Role::child | Role::sensor, R"(
+    {"SphereSensor", "6.44", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFBool     autoOffset       TRUE
   exposedField SFBool     enabled          TRUE
   exposedField SFRotation offset           0 1 0 0          # [-1,1],(-inf,inf)
@@ -49,7 +49,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFVec3f    trackPoint_changed
 )",
      nullptr, &kSphereSensorBehaviour},
-    {"TimeSensor", "6.50", Role::child | Role::sensor | Role::time_dependent, R"(
+    {"TimeSensor", "6.50", Role::child | Role::sensor | Role::time_dependent, NodeKind::other, R"(
   exposedField SFTime     cycleInterval    1                # (0,inf)
   exposedField SFBool     enabled          TRUE
   exposedField SFBool     loop             FALSE
@@ -61,7 +61,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFTime     time
 )",
      nullptr, &kTimeSensorBehaviour},
-    {"TouchSensor", "6.51", Role::child | Role::sensor, R"(
+    {"TouchSensor", "6.51", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFBool     enabled          TRUE
   eventOut     SFVec3f    hitNormal_changed
   eventOut     SFVec3f    hitPoint_changed
@@ -71,7 +71,7 @@ constexpr NodeRow kSensorsRows[] = {
   eventOut     SFTime     touchTime
 )",
      nullptr, &kTouchSensorBehaviour},
-    {"VisibilitySensor", "6.54", Role::child | Role::sensor, R"(
+    {"VisibilitySensor", "6.54", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFVec3f    center           0 0 0            # (-inf,inf)
   exposedField SFBool     enabled          TRUE
   exposedField SFVec3f    size             0 0 0            # [0,inf)

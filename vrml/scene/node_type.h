@@ -61,11 +61,62 @@ enum class Role : std::uint32_t {
   return (static_cast<std::uint32_t>(set) & static_cast<std::uint32_t>(bit)) != 0;
 }
 
+/// How the program reads a node of this type where it does so field by field: the nodes of one kind have the fields
+/// that the kind is read by, of the same types. Of kinds that it makes nodes of, there is one type. `other`: the
+/// program knows of the node what the other columns say.
+enum class NodeKind : std::uint8_t {
+  other,
+  shape,
+  group,
+  collision,
+  transform,
+  billboard,
+  switch_node,
+  lod,
+  inline_node,
+  directional_light,
+  point_light,
+  spot_light,
+  viewpoint,
+  navigation_info,
+  background,
+  fog,
+  appearance,
+  material,
+  image_texture,
+  movie_texture,
+  pixel_texture,
+  texture_transform,
+  font_style,
+  coordinate,
+  normal,
+  color,
+  texture_coordinate,
+  indexed_face_set,
+  indexed_line_set,
+  point_set,
+  outline_group,
+  qnv,
+  script,
+  world_info,
+};
+
 /// What the file holds that a node's `url` names, and so what is fetched for it.
 enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines };
 
 /// Makes the mesh of a geometry node. `geometry` is a node of `scene` of the row's own type.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+
+/// How much larger the node is than one with the default measures of its type, along each axis.
+using MeasuredScale = glm::vec3 (*)(const SceneGraph& scene, NodeId geometry);
+/// What makes the mesh of a geometry node, and where all of its nodes are one mesh at different scales, the scale.
+struct Tessellator {
+  Tessellate tessellate = nullptr;
+  MeasuredScale scale = nullptr;
+
+  constexpr Tessellator(Tessellate function = nullptr, MeasuredScale measured = nullptr)
+      : tessellate(function), scale(measured) {}
+};
 
 /// The clause of the nodes that are our own (docs/formats.md).
 inline constexpr std::string_view kOwnClause = "GhostSpace";
@@ -76,8 +127,9 @@ struct NodeRow {
   std::string_view name;
   std::string_view clause;  // "6.7"; kOwnClause for our own nodes
   Role role;
+  NodeKind read_as;
   std::string_view interface_text;       // one declaration a line, the range in a comment behind it
-  Tessellate tessellate = nullptr;       // geometry only
+  Tessellator tessellator{};             // geometry only
   const Behaviour* behaviour = nullptr;  // where events and time do more than set fields (vrml/events/behaviour.h)
   UrlContent url_content = UrlContent::none;
 };
@@ -91,15 +143,17 @@ struct NodeType {
   std::string clause;  // built-in only
   Kind kind = Kind::built_in;
   Role role = Role::none;
+  NodeKind read_as = NodeKind::other;           // built in and Scripts; `other` of PROTOs
   std::deque<InterfaceDeclaration> interfaces;  // in declaration order; places never move
   std::vector<FieldValue> defaults;             // by slot
-  Tessellate tessellate = nullptr;
+  Tessellator tessellator;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
   bool stands_in = false;     // for a type of other browsers (vrml/syntax/stand_ins.h), of which it has a part
   std::vector<int> measures;  // slots of a built-in geometry's lengths: fields whose range is (0,inf)
   std::unique_ptr<Prototype> prototype;  // body of a PROTO
   MFString url;                          // of an EXTERNPROTO
+  bool asked_for = false;                // of an EXTERNPROTO of a text read at run time: the body is being fetched
   SourceLocation location;               // of the name in a PROTO or EXTERNPROTO
   std::vector<SourceLocation> url_places;  // of a Script: where the strings of its url begin in its text
 
@@ -130,6 +184,8 @@ struct NodeType {
 [[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types();
 /// The built-in type of this name, or null.
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
+/// The built-in type of this kind, the first one by name where there are several.
+[[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
 /// Our own node that a PROTO or EXTERNPROTO stands for in browsers that do not know it: of the same name, with no
 /// other interface than the node's, and drawn from its fields alone. Null for any other.
 [[nodiscard]] const NodeType* stood_for(const NodeType& prototype);

@@ -235,15 +235,15 @@ const InterfaceDeclaration* unlike_prototype(const NodeType& external, const Nod
   return nullptr;
 }
 
-const NodeType* find_prototype(const SceneGraph& scene, std::string_view name) {
-  for (const Statement& statement : scene.statements())
+const NodeType* find_prototype(const SourceText& text, std::string_view name) {
+  for (const Statement& statement : text.statements())
     if (statement.kind == Statement::Kind::prototype && (name.empty() || statement.type->name == name))
       return statement.type;
   return nullptr;
 }
 
-const NodeType* find_own_prototype(const SceneGraph& scene, std::string_view name) {
-  for (const Statement& statement : scene.statements())
+const NodeType* find_own_prototype(const SourceText& text, std::string_view name) {
+  for (const Statement& statement : text.statements())
     if (statement.kind == Statement::Kind::prototype && statement.type->kind == NodeType::Kind::prototype &&
         statement.type->prototype->complete && (name.empty() || statement.type->name == name))
       return statement.type;

@@ -31,13 +31,13 @@ void count_instance_nodes(const SceneGraph& scene, Prototype& prototype);
 /// Why an instance of this type has no content, or not all of it.
 [[nodiscard]] std::string why_not_expanded(const SceneGraph& scene, const NodeType& type);
 
-/// The PROTO of `scene` that `#name` of an EXTERNPROTO url means: the one of that name, or, without a
+/// The PROTO of `text` that `#name` of an EXTERNPROTO url means: the one of that name, or, without a
 /// name, the first (VRML97 4.9.2). Null where there is none.
-[[nodiscard]] const NodeType* find_prototype(const SceneGraph& scene, std::string_view name);
+[[nodiscard]] const NodeType* find_prototype(const SourceText& text, std::string_view name);
 
 /// The PROTO that a url list of an EXTERNPROTO means which names the file it stands in: the complete one of that name,
 /// or, without a name, the first that is no EXTERNPROTO itself. Null where there is none (yet).
-[[nodiscard]] const NodeType* find_own_prototype(const SceneGraph& scene, std::string_view name);
+[[nodiscard]] const NodeType* find_own_prototype(const SourceText& text, std::string_view name);
 
 /// Whether a node of `type` stands in the body of PROTO `source`, or in that of one whose instance does.
 [[nodiscard]] bool stands_inside(const NodeType& type, const NodeType& source);

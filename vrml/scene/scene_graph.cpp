@@ -227,6 +227,14 @@ std::uint32_t SceneGraph::owner_of(const NodeType& type) const {
   return 0;
 }
 
+std::optional<std::uint32_t> SceneGraph::text_declaring(const NodeType* type) const {
+  const auto is_it = [type](const auto& one) { return one.get() == type; };
+  for (std::uint32_t i = 0; i < texts_.size(); ++i)
+    if (i == 0 || texts_[i].text)
+      if (const auto& types = text_at(i).types(); std::any_of(types.begin(), types.end(), is_it)) return i;
+  return std::nullopt;
+}
+
 // ---- The budget
 
 bool SceneGraph::draw(std::size_t bytes) {
@@ -270,9 +278,9 @@ NodeId SceneGraph::resolve(NodeId id) const {
   return {};
 }
 
-NodeId SceneGraph::resolve_as(NodeId id, std::string_view type_name) const {
+NodeId SceneGraph::resolve_as(NodeId id, NodeKind kind) const {
   const NodeId resolved = resolve(id);
-  return resolved && nodes_[resolved.index].type->name == type_name ? resolved : NodeId{};
+  return resolved && nodes_[resolved.index].type->read_as == kind ? resolved : NodeId{};
 }
 
 const SourceText& SceneGraph::text_of(NodeId id, int slot) const {

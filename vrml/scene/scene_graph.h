@@ -129,8 +129,8 @@ class SceneGraph : public SourceText {
   /// The node that `id` stands for: a PROTO instance's first body node, through nested instances
   /// (VRML97 4.8.3); `id` itself for any other; null when the instance has no content (yet).
   [[nodiscard]] NodeId resolve(NodeId id) const;
-  /// `resolve(id)` if that node is of the built-in type `type_name`, else null.
-  [[nodiscard]] NodeId resolve_as(NodeId id, std::string_view type_name) const;
+  /// `resolve(id)` if that node is of a built-in type of this kind, else null.
+  [[nodiscard]] NodeId resolve_as(NodeId id, NodeKind kind) const;
 
   /// The text in which the value of a slot was written: that of the node, unless IS handed the value on
   /// (VRML97 4.8.2). It tells what a url is relative to, and what it may name.
@@ -148,6 +148,8 @@ class SceneGraph : public SourceText {
   }
   /// The number of the run-time text that declares the type; 0: none does.
   [[nodiscard]] std::uint32_t owner_of(const NodeType& type) const;
+  /// The same for one that may be gone: nothing where no text has it. 0: the file's.
+  [[nodiscard]] std::optional<std::uint32_t> text_declaring(const NodeType* type) const;
   [[nodiscard]] const SourceText& text_at(std::uint32_t owner) const {
     return owner == 0 ? static_cast<const SourceText&>(*this) : *texts_[owner].text;
   }

@@ -193,7 +193,7 @@ class Printer {
     out_ += " {\n";
     const std::string inner = deeper(indent);
     const auto mapped = mappings_.find(id.index);
-    const NodeType* plain = node.type->kind == NodeType::Kind::script ? built_in_node_type("Script") : nullptr;
+    const NodeType* plain = node.type->kind == NodeType::Kind::script ? &built_in_node_type(NodeKind::script) : nullptr;
     for (const InterfaceDeclaration& declaration : node.type->interfaces) {
       const IsMapping* mapping = nullptr;
       if (mapped != mappings_.end())

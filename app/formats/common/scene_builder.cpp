@@ -10,6 +10,7 @@ namespace gs::app {
 namespace {
 
 using vrml::NodeId;
+using vrml::NodeKind;
 
 constexpr std::size_t kMaxNameBytes = 200;
 
@@ -39,9 +40,8 @@ Look glowing(Look look) {
   return look;
 }
 
-NodeId SceneBuilder::make(std::string_view type) {
-  const vrml::NodeType* found = vrml::built_in_node_type(type);
-  const NodeId node = found ? scene_.create(*found) : NodeId{};
+NodeId SceneBuilder::make(vrml::NodeKind kind) {
+  const NodeId node = scene_.create(vrml::built_in_node_type(kind));
   if (!node && !full_) {
     full_ = true;
     fail("too many nodes: the rest is left out");
@@ -63,9 +63,9 @@ void SceneBuilder::name(NodeId node, std::string_view text) {
 }
 
 NodeId SceneBuilder::appearance(const Look& look) {
-  const NodeId appearance = make("Appearance");
+  const NodeId appearance = make(NodeKind::appearance);
   if (look.lit) {
-    const NodeId material = make("Material");
+    const NodeId material = make(NodeKind::material);
     set(material, "diffuseColor", look.diffuse);
     set(material, "specularColor", look.specular);
     set(material, "emissiveColor", look.emissive);
@@ -75,7 +75,7 @@ NodeId SceneBuilder::appearance(const Look& look) {
     set(appearance, "material", material);
   }
   if (!look.texture_url.empty()) {
-    const NodeId texture = make("ImageTexture");
+    const NodeId texture = make(NodeKind::image_texture);
     set(texture, "url", vrml::MFString{look.texture_url});
     set(texture, "repeatS", look.repeat_s);
     set(texture, "repeatT", look.repeat_t);
@@ -99,22 +99,24 @@ NodeId SceneBuilder::geometry(Geometry data) {
   if (data.positions.empty() || (has_index && data.coord_index.empty())) return {};
 
   const bool faces = data.kind == Geometry::Kind::faces;
-  const NodeId node = make(faces ? "IndexedFaceSet" : has_index ? "IndexedLineSet" : "PointSet");
-  const auto attach = [&](std::string_view field, std::string_view type, std::string_view inner, auto values) {
+  const NodeId node = make(faces       ? NodeKind::indexed_face_set
+                           : has_index ? NodeKind::indexed_line_set
+                                       : NodeKind::point_set);
+  const auto attach = [&](std::string_view field, NodeKind kind, std::string_view inner, auto values) {
     if (values.empty()) return;
-    const NodeId property = make(type);
+    const NodeId property = make(kind);
     set(property, inner, std::move(values));
     set(node, field, property);
   };
   const bool has_colors = !data.colors.empty();
-  attach("coord", "Coordinate", "point", std::move(data.positions));
-  attach("color", "Color", "color", std::move(data.colors));
+  attach("coord", NodeKind::coordinate, "point", std::move(data.positions));
+  attach("color", NodeKind::color, "color", std::move(data.colors));
   if (!has_index) return node;
   if (has_colors) set(node, "colorPerVertex", data.color_per_vertex);
   if (faces) {
     const bool has_normals = !data.normals.empty(), has_texture = !data.texture_coordinates.empty();
-    attach("normal", "Normal", "vector", std::move(data.normals));
-    attach("texCoord", "TextureCoordinate", "point", std::move(data.texture_coordinates));
+    attach("normal", NodeKind::normal, "vector", std::move(data.normals));
+    attach("texCoord", NodeKind::texture_coordinate, "point", std::move(data.texture_coordinates));
     if (has_normals) set(node, "normalIndex", std::move(data.normal_index));
     if (has_texture) set(node, "texCoordIndex", std::move(data.texture_index));
     set(node, "solid", data.solid);
@@ -127,7 +129,7 @@ NodeId SceneBuilder::geometry(Geometry data) {
 
 NodeId SceneBuilder::shape(NodeId geometry, NodeId appearance) {
   if (!geometry) return {};
-  const NodeId shape = make("Shape");
+  const NodeId shape = make(NodeKind::shape);
   set(shape, "geometry", geometry);
   set(shape, "appearance", appearance);
   return shape;

@@ -126,7 +126,7 @@ class SceneBuilder {
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 
   /// Null, with one diagnostic for all, when no more nodes are allowed.
-  vrml::NodeId make(std::string_view type);
+  vrml::NodeId make(vrml::NodeKind kind);
   template <class T>
   void set(vrml::NodeId node, std::string_view field, T value) {
     if (node) scene_.set<T>(node, field, std::move(value));

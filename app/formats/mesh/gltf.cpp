@@ -41,7 +41,7 @@ struct Placement {
 
 glm::vec3 vector_of(const std::vector<double>& values, glm::vec3 otherwise) {
   if (values.size() < 3) return otherwise;
-  return {finite(values[0]), finite(values[1]), finite(values[2])};
+  return {finite_float(values[0]), finite_float(values[1]), finite_float(values[2])};
 }
 
 glm::quat unit(const glm::quat& q) {
@@ -52,7 +52,7 @@ glm::quat unit(const glm::quat& q) {
 /// Translation, rotation and scale of a matrix, which glTF says it is made of.
 Placement decomposed(const std::vector<double>& values) {
   glm::mat4 m(1.0f);
-  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = finite(values[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = finite_float(values[static_cast<std::size_t>(i)]);
   Placement placement;
   placement.translation = glm::vec3(m[3]);
   glm::mat3 axes(m);
@@ -77,8 +77,8 @@ Placement placement_of(const tinygltf::Node& node) {
   placement.translation = vector_of(node.translation, placement.translation);
   placement.scale = vector_of(node.scale, placement.scale);
   if (node.rotation.size() == 4)
-    placement.rotation = unit(glm::quat(finite(node.rotation[3]), finite(node.rotation[0]), finite(node.rotation[1]),
-                                        finite(node.rotation[2])));
+    placement.rotation = unit(glm::quat(finite_float(node.rotation[3]), finite_float(node.rotation[0]),
+                                        finite_float(node.rotation[1]), finite_float(node.rotation[2])));
   return placement;
 }
 
@@ -201,7 +201,7 @@ class GltfImporter {
     const Placement placement = placement_of(n);
     if (placement.sheared)
       builder_.warn("node " + std::to_string(visit.node) + ": its matrix is no translation, rotation and scale");
-    visit.transform = builder_.make("Transform");
+    visit.transform = builder_.make(vrml::NodeKind::transform);
     builder_.set(visit.transform, "translation", placement.translation);
     builder_.set(visit.transform, "rotation", axis_and_angle(placement.rotation));
     builder_.set(visit.transform, "scale", placement.scale);
@@ -220,10 +220,10 @@ class GltfImporter {
       return;
     }
     // VRML97 6.53: the field of view is that of the smaller side of the window.
-    float field_of_view = finite(camera.perspective.yfov);
-    const float aspect = finite(camera.perspective.aspectRatio);
+    float field_of_view = finite_float(camera.perspective.yfov);
+    const float aspect = finite_float(camera.perspective.aspectRatio);
     if (aspect > 0 && aspect < 1) field_of_view = 2 * std::atan(std::tan(field_of_view / 2) * aspect);
-    const vrml::NodeId viewpoint = builder_.make("Viewpoint");
+    const vrml::NodeId viewpoint = builder_.make(vrml::NodeKind::viewpoint);
     builder_.set(viewpoint, "position", vrml::SFVec3f(0.0f));
     if (field_of_view > 0 && field_of_view < std::numbers::pi_v<float>)
       builder_.set(viewpoint, "fieldOfView", field_of_view);

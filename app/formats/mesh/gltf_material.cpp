@@ -13,7 +13,7 @@ namespace {
 constexpr float kDielectric = 0.04f;  // reflectance of what is no metal (glTF 2.0 3.9.2)
 
 float part(const std::vector<double>& factor, std::size_t i, double otherwise) {
-  return std::clamp(finite(i < factor.size() ? factor[i] : otherwise), 0.0f, 1.0f);
+  return std::clamp(finite_float(i < factor.size() ? factor[i] : otherwise), 0.0f, 1.0f);
 }
 
 vrml::Color display(const glm::vec3& linear) {
@@ -28,7 +28,7 @@ glm::vec3 base_color(const tinygltf::Material& material) {
 float transparency(const tinygltf::Material& material) {
   const float alpha = part(material.pbrMetallicRoughness.baseColorFactor, 3, 1);
   if (material.alphaMode == "BLEND") return 1 - alpha;
-  if (material.alphaMode == "MASK") return alpha < finite(material.alphaCutoff) ? 1.0f : 0.0f;
+  if (material.alphaMode == "MASK") return alpha < finite_float(material.alphaCutoff) ? 1.0f : 0.0f;
   return 0;
 }
 
@@ -43,7 +43,7 @@ glm::vec2 vector_of(const tinygltf::Value& object, const std::string& key, glm::
   const tinygltf::Value& value = object.Get(key);
   if (!value.IsArray() || value.ArrayLen() < 2 || !value.Get(0).IsNumber() || !value.Get(1).IsNumber())
     return otherwise;
-  return {finite(value.Get(0).GetNumberAsDouble()), finite(value.Get(1).GetNumberAsDouble())};
+  return {finite_float(value.Get(0).GetNumberAsDouble()), finite_float(value.Get(1).GetNumberAsDouble())};
 }
 
 /// RFC 4648 4.
@@ -72,7 +72,7 @@ std::string_view mime_type(std::span<const unsigned char> bytes) {
 
 }  // namespace
 
-float finite(double value) {
+float finite_float(double value) {
   constexpr double kMost = std::numeric_limits<float>::max();
   return std::isnan(value) ? 0.0f : static_cast<float>(std::clamp(value, -kMost, kMost));
 }
@@ -103,7 +103,7 @@ GltfSurface GltfMaterials::surface(int index) const {
     GltfTextureTransform transform;
     transform.offset = vector_of(value, "offset", transform.offset);
     transform.scale = vector_of(value, "scale", transform.scale);
-    transform.rotation = finite(number_of(value, "rotation", 0));
+    transform.rotation = finite_float(number_of(value, "rotation", 0));
     if (value.Has("texCoord") && value.Get("texCoord").IsInt()) surface.texture_set = value.Get("texCoord").Get<int>();
     surface.transform = transform;
   }
@@ -124,8 +124,8 @@ Look GltfMaterials::look(const tinygltf::Material& material, bool glows) {
   const auto& pbr = material.pbrMetallicRoughness;
   const bool measured = pbr.metallicRoughnessTexture.index >= 0;
   // Where a texture says how much metal there is, half is a guess.
-  const float metal = std::clamp(finite(pbr.metallicFactor), 0.0f, 1.0f) * (measured ? 0.5f : 1.0f);
-  const float rough = std::clamp(finite(pbr.roughnessFactor), 0.0f, 1.0f) * (measured ? 0.7f : 1.0f);
+  const float metal = std::clamp(finite_float(pbr.metallicFactor), 0.0f, 1.0f) * (measured ? 0.5f : 1.0f);
+  const float rough = std::clamp(finite_float(pbr.roughnessFactor), 0.0f, 1.0f) * (measured ? 0.7f : 1.0f);
   const glm::vec3 base = base_color(material);
   Look look;
   look.diffuse = display(base);

@@ -14,7 +14,7 @@
 namespace gs::app {
 
 /// A value of the file as a finite float.
-[[nodiscard]] float finite(double value);
+[[nodiscard]] float finite_float(double value);
 
 /// KHR_texture_transform, in the texture space of glTF (origin above).
 struct GltfTextureTransform {

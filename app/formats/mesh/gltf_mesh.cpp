@@ -79,7 +79,7 @@ vrml::NodeId GltfMeshes::node(int mesh) {
   if (shapes.size() == 1) {
     entry->second = shapes.front();
   } else if (!shapes.empty()) {
-    entry->second = builder_.make("Group");
+    entry->second = builder_.make(vrml::NodeKind::group);
     builder_.set(entry->second, "children", std::move(shapes));
   }
   return entry->second;

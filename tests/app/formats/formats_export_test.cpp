@@ -251,7 +251,7 @@ TEST_CASE("VRML97 points for any browser") {
   const auto shapes = world.all("Shape");
   REQUIRE(shapes.size() == 1);
   const auto instance = world.scene->get<gs::vrml::SFNode>(shapes[0], "geometry");
-  const auto points = world.scene->resolve_as(instance, "PointSet");
+  const auto points = world.scene->resolve_as(instance, gs::vrml::NodeKind::point_set);
   REQUIRE(points);
   CHECK(world.scene->get<gs::vrml::MFString>(instance, "url")[0] == "ball.qnv");
   CHECK(world.scene->get<gs::vrml::SFVec3f>(instance, "bboxSize").x == Approx(4).margin(0.02));
@@ -285,8 +285,8 @@ TEST_CASE("VRML97 patches have the areas and sides of the discs") {
   const Cloud cloud = model();
   const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
   CHECK(world.messages().empty());
-  const auto faces =
-      world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "IndexedFaceSet");
+  const auto faces = world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"),
+                                             gs::vrml::NodeKind::indexed_face_set);
   REQUIRE(faces);
   const auto& points = world.scene->get<gs::vrml::MFVec3f>(world.scene->get<gs::vrml::SFNode>(faces, "coord"), "point");
   const auto& index = world.scene->get<gs::vrml::MFInt32>(faces, "coordIndex");
@@ -344,7 +344,8 @@ TEST_CASE("the PROTO that stands in for the QNV node") {
   const Imported world =
       parsed(string_of(file) + "Shape { geometry QNV { url \"a.qnv\" detail 2 bboxSize 1 2 3 vectors [ 1, 2 ] } }\n");
   CHECK(world.messages().empty());
-  CHECK(world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"), "PointSet"));
+  CHECK(world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"),
+                                gs::vrml::NodeKind::point_set));
 }
 
 }  // namespace

@@ -170,8 +170,9 @@ TEST_CASE("Inlines, EXTERNPROTOs and textures are found beside the file, whateve
   REQUIRE(world.scene->inlined(world.scene->roots()[0]));
   CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
   const auto shape = world.scene->roots()[1];
-  const auto sphere = world.scene->resolve_as(world.scene->get<vrml::SFNode>(shape, "geometry"), "Sphere");
+  const auto sphere = world.scene->resolve(world.scene->get<vrml::SFNode>(shape, "geometry"));
   REQUIRE(sphere);
+  REQUIRE(world.scene->node(sphere).type->name == "Sphere");
   CHECK(world.scene->get<float>(sphere, "radius") == 5);
   REQUIRE(world.images.size() == 1);
   CHECK(world.images.begin()->second->width == 1);

@@ -4,7 +4,11 @@
 
 #include <catch2/catch.hpp>
 
+#include <functional>
+#include <iterator>
 #include <set>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::qnv {
@@ -35,6 +39,64 @@ TEST_CASE("the payload of a stream is told by its first twelve bytes") {
     other[11] = std::byte{99};
     CHECK(!payload_of(other));
   }
+}
+
+TEST_CASE("each payload is encoded from its sources and decoded again by its row") {
+  const std::vector<Triangle> square = [] {
+    std::vector<Triangle> made(2);
+    const glm::vec3 corners[4] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    for (int i = 0; i < 3; ++i) made[0].positions[i] = corners[i];
+    for (int i = 0; i < 3; ++i) made[1].positions[i] = corners[(i + 2) % 4];
+    return made;
+  }();
+  const TriangleSource triangles = [&](const TriangleSink& sink) { return sink(square); };
+  Cloud cloud;
+  for (int i = 0; i < 40; ++i) {
+    cloud.positions.emplace_back(i % 8, i / 8, 0);
+    cloud.normals.emplace_back(0, 0, 1);
+    cloud.weights.push_back(1);
+    cloud.description.box.add(cloud.positions.back());
+    cloud.description.total += 1;
+  }
+  PolygonModel model;
+  model.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  model.corners = {0, 1, 2, 0, 2, 3};
+  model.ends = {3, 6};
+  const auto grouped = group_outlines(model, {});
+  REQUIRE(std::holds_alternative<OutlineGroups>(grouped));
+  const OutlineEncodeOptions outline_options;
+  const EncodeSource sources[] = {std::cref(triangles), std::cref(cloud),
+                                  OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}};
+  // Which of them each payload is made of.
+  const std::set<std::pair<Payload, std::size_t>> made = {
+      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0}, {Payload::outlines, 2}};
+  for (const PayloadRow& row : payload_rows())
+    for (std::size_t i = 0; i < std::size(sources); ++i) {
+      INFO(row.name << " of source " << i);
+      const auto encoded = row.encode(sources[i], {}, nullptr);
+      const auto* stream = std::get_if<EncodedStream>(&encoded);
+      REQUIRE((stream != nullptr) == made.contains({row.payload, i}));
+      if (!stream) continue;
+      CHECK(payload_of(stream->bytes) == &row);
+      const DecodedStream decoded = row.decode(stream->bytes, 1 << 20);
+      REQUIRE(decoded.header);
+      CHECK(decoded.problems.empty());
+      CHECK(decoded.refused_chunks == 0);
+      if (row.reader == PayloadReader::polygons) {
+        CHECK(std::get<std::vector<OutlineBatch>>(decoded.content).size() >= 1);
+      } else {
+        const Cloud& vectors = std::get<Cloud>(decoded.content);
+        CHECK(vectors.size() > 0);
+        if (i == 1) CHECK(vectors.size() == cloud.size());
+        CHECK(vectors.description.total == Approx(i == 1 ? 40 : 1).epsilon(0.01));
+      }
+      // Of other payloads nothing is made.
+      for (const PayloadRow& other : payload_rows()) {
+        const DecodedStream foreign = other.decode(stream->bytes, 1 << 20);
+        if ((other.reader == PayloadReader::polygons) != (row.reader == PayloadReader::polygons))
+          CHECK((!foreign.problems.empty() || foreign.refused_chunks > 0));
+      }
+    }
 }
 
 TEST_CASE("chunks are cut so that what may be lost is of use in parts") {

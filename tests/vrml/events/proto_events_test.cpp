@@ -109,4 +109,14 @@ TEST_CASE("events for an EXTERNPROTO without a body are ignored, and its ROUTEs 
   CHECK(world.take() == Lines{"0 A.translation 1 1 1"});
 }
 
+TEST_CASE("an exposedField of an EXTERNPROTO without a body keeps its initial value, and sends nothing (4.9.1)") {
+  World world(
+      "EXTERNPROTO E [ exposedField SFVec3f place ] \"nowhere.wrl\" DEF I E { place 1 2 3 } DEF A Transform { } "
+      "DEF B Transform { } ROUTE A.translation TO I.place ROUTE I.place TO B.translation");
+  world.start();
+  world.send("A.translation", SFVec3f(4));
+  CHECK(world.take() == Lines{"0 A.translation 4 4 4"});
+  CHECK(world.scene().get<SFVec3f>(world.node("I"), "place") == SFVec3f(1, 2, 3));
+}
+
 }  // namespace gs::vrml::traces

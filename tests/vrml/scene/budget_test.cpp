@@ -102,7 +102,7 @@ TEST_CASE("Nodes, names and lists end at the limit, and what came before shows")
     CHECK(small.said("more than the limit for nodes and numbers, 4 MiB"));
     CHECK(small.said("the rest of the file is left out"));
     CHECK(small.scene.roots().size() >= 1);
-    CHECK(small.scene.resolve_as(small.scene.roots()[0], "Shape"));
+    CHECK(small.scene.resolve_as(small.scene.roots()[0], NodeKind::shape));
     CHECK(small.budget().used(Resource::nodes) <= small.budget().limit(Resource::nodes));
   };
   check(Small(box + repeated("Group { } ", 200'000)));
@@ -146,8 +146,8 @@ TEST_CASE("PROTOs inside each other that make too many nodes stay empty, and the
   CHECK(small.said("more than the limit for PROTO instances, 2 MiB of one world"));
   REQUIRE(small.scene.roots().size() == 4);
   CHECK_FALSE(small.scene.resolve(small.scene.roots()[1]));
-  CHECK(small.scene.resolve_as(small.scene.roots()[2], "Group"));
-  CHECK(small.scene.resolve_as(small.scene.roots()[3], "Shape"));
+  CHECK(small.scene.resolve_as(small.scene.roots()[2], NodeKind::group));
+  CHECK(small.scene.resolve_as(small.scene.roots()[3], NodeKind::shape));
   CHECK(small.scene.node_count() < 300);
 
   // Many that are small each are no better.

@@ -133,7 +133,7 @@ TEST_CASE("our own node QNV is parsed, printed and routed like any other") {
   REQUIRE(type);
   CHECK(type->clause == "GhostSpace");
   CHECK(has(type->role, Role::geometry));
-  CHECK_FALSE(type->tessellate);
+  CHECK_FALSE(type->tessellator.tessellate);
   CHECK(type->find_event_out("progress_changed")->type == FieldType::SFFloat);
   CHECK(type->find_event_out("loadTime")->type == FieldType::SFTime);
   CHECK(type->find_event_in("set_detail"));

@@ -33,7 +33,7 @@ TEST_CASE("names of a PROTO's body and of what is outside do not meet (4.6.2, 4.
 TEST_CASE("a PROTO does not stand inside its own body, nor outside of the one that declares it (4.8.3)") {
   const Reading own("PROTO P [ ] { Group { children P { } } } P { }");
   CHECK(own.said == "text.wrl:2:32: error: unknown node type 'P'; the node is skipped\n");
-  CHECK(own.scene.resolve_as(own.scene.roots()[0], "Group"));
+  CHECK(own.scene.resolve_as(own.scene.roots()[0], NodeKind::group));
   CHECK(Reading("PROTO P [ ] { PROTO Q [ ] { Group { } } Q { } } Q { }").said.find("unknown node type 'Q'") !=
         std::string::npos);
   CHECK(Reading("P { } PROTO P [ ] { Group { } }").said.find("unknown node type 'P'") != std::string::npos);

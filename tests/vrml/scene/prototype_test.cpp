@@ -37,8 +37,8 @@ NodeId child(const SceneGraph& scene, NodeId node, std::size_t i) { return scene
 
 TEST_CASE("each instance has nodes of its own, with the values IS hands over") {
   const auto scene = scene_of(std::string(kBall) + "Ball { size 5 } Ball { tint 1 0 0 extra [ ] at 7 8 9 }");
-  const NodeId first = scene->resolve_as(scene->roots()[0], "Transform");
-  const NodeId second = scene->resolve_as(scene->roots()[1], "Transform");
+  const NodeId first = scene->resolve_as(scene->roots()[0], NodeKind::transform);
+  const NodeId second = scene->resolve_as(scene->roots()[1], NodeKind::transform);
   REQUIRE(first);
   REQUIRE(second);
   CHECK(first != second);
@@ -61,10 +61,11 @@ TEST_CASE("the first node of an instance stands for it, through instances inside
                                  PROTO C [ ] { B { q 9 } } Shape { geometry C { } })");
   const NodeId geometry = scene->get<SFNode>(scene->roots()[0], "geometry");
   CHECK(scene->node(geometry).type->name == "C");
-  const NodeId sphere = scene->resolve_as(geometry, "Sphere");
+  const NodeId sphere = scene->resolve(geometry);
   REQUIRE(sphere);
+  REQUIRE(scene->node(sphere).type->name == "Sphere");
   CHECK(scene->get<SFFloat>(sphere, "radius") == 9);
-  CHECK_FALSE(scene->resolve_as(geometry, "Box"));
+  CHECK_FALSE(scene->resolve_as(geometry, NodeKind::point_set));
 }
 
 TEST_CASE("an EXTERNPROTO declares a part of its PROTO's interface, and nothing else (4.9.2)") {
@@ -102,7 +103,7 @@ TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scen
   REQUIRE(resolve_external(*scene, *external, *source));
 
   const auto radius = [&](NodeId ball) {
-    const NodeId transform = scene->resolve_as(ball, "Transform");
+    const NodeId transform = scene->resolve_as(ball, NodeKind::transform);
     REQUIRE(transform);
     CHECK(scene->get<SFVec3f>(transform, "translation") ==
           SFVec3f(1, 2, 3));  // not in the EXTERNPROTO: the PROTO's own
@@ -113,7 +114,7 @@ TEST_CASE("an EXTERNPROTO gets body and defaults of its PROTO, from another scen
   };
   CHECK(radius(scene->roots()[0]) == 3);
   CHECK(radius(scene->roots()[1]) == 8);
-  const NodeId two = scene->resolve_as(scene->roots()[2], "Group");
+  const NodeId two = scene->resolve_as(scene->roots()[2], NodeKind::group);
   CHECK(radius(child(*scene, two, 0)) == 4);
   CHECK(radius(child(*scene, two, 1)) == 3);
 }
@@ -123,7 +124,7 @@ TEST_CASE("ten thousand PROTOs inside each other need no stack") {
   for (int i = 1; i < 10000; ++i)
     text += "PROTO P" + std::to_string(i) + " [ ] { P" + std::to_string(i - 1) + " { } }\n";
   const auto scene = scene_of(text + "P9999 { }");
-  CHECK(scene->resolve_as(scene->roots()[0], "Group"));
+  CHECK(scene->resolve_as(scene->roots()[0], NodeKind::group));
 }
 
 TEST_CASE("nodes and urls know the file in which they were written, through EXTERNPROTO and IS") {

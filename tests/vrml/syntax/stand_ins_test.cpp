@@ -49,7 +49,7 @@ TEST_CASE("a HUD goes with the viewer, wherever it stands") {
   World world("Transform { translation 5 1 2 scale 2 2 2 children DEF Overlay HUD { children DEF Sign Group { } } }");
   world.start();
   SceneGraph& scene = world.scene();
-  const NodeId group = scene.resolve_as(world.node("Overlay"), "Group");
+  const NodeId group = scene.resolve_as(world.node("Overlay"), NodeKind::group);
   REQUIRE(group);
   const MFNode inside = scene.get<MFNode>(group, "children");
   REQUIRE(inside.size() == 2);
@@ -80,7 +80,7 @@ TEST_CASE("what a stand-in does not have is passed over, in nodes, ROUTEs and PR
       "PROTO Own [ field MFNode inside [ ] field SFBool on TRUE ] { Occlusion { children IS inside enabled IS on } } "
       "DEF O Own { inside DEF Inner Group { } }");
   CHECK(world.scene().routes().empty());
-  const NodeId group = world.scene().resolve_as(world.node("O"), "Group");
+  const NodeId group = world.scene().resolve_as(world.node("O"), NodeKind::group);
   REQUIRE(group);
   CHECK(world.scene().get<MFNode>(group, "children")[0] == world.node("Inner"));
 }

@@ -1,0 +1,76 @@
+#include "app/world/outline_handler.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+// Its polygons stand in lists that only the browser and the file set; that they are all there, in an exposedField.
+bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
+  return field.slot >= 0 && (field.access == vrml::AccessType::field ? vrml::is_multiple(field.type)
+                                                                     : field.type == vrml::FieldType::SFBool);
+}
+
+}  // namespace
+
+OutlineHandler::OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file,
+                               vrml::SourceLocation location, vrml::MFString urls, const vrml::Node* begin_with)
+    : world_(world),
+      group_(group),
+      file_(std::move(file)),
+      location_(location),
+      urls_(std::move(urls)),
+      own_(std::make_shared<vrml::SceneGraph>(file_, world.budget)),
+      node_(own_->create(vrml::built_in_node_type(vrml::NodeKind::outline_group))),
+      reader_(world, *own_, node_) {
+  if (!begin_with || !node_) return;
+  for (const vrml::InterfaceDeclaration& field : begin_with->type->interfaces)
+    if (is_of_polygons(field)) own_->node(node_).values[field.slot] = begin_with->values[field.slot];
+}
+
+bool OutlineHandler::begin(const Found& found) {
+  name_ = found.path;
+  return static_cast<bool>(node_);
+}
+
+void OutlineHandler::receive(std::span<const std::byte> bytes) {
+  reader_.receive(bytes);
+  has_come();
+}
+
+void OutlineHandler::receive_cells(const net::CellEvent& event) {
+  reader_.receive_cells(event);
+  has_come();
+}
+
+void OutlineHandler::end(const std::optional<std::string>& problem) {
+  if (problem)
+    world_.report(vrml::Severity::warning, file_, location_, "OutlineGroup: " + *problem + "; shown is what has come");
+  reader_.end(name_, !problem && !cut);
+  has_come();
+}
+
+void OutlineHandler::missing(const std::string& why) {
+  if (!told) world_.report(vrml::Severity::warning, file_, location_, "OutlineGroup: " + why_missing(urls_, why));
+  if (group_.request > 0) give();  // none, in the place of what the former url named
+}
+
+// Given on when somebody looks: each time the lists are copied as soon as more comes.
+void OutlineHandler::has_come() {
+  if (reader_.take_changed().empty()) return;
+  auto& waiting = world_.outlines;
+  if (std::find(waiting.begin(), waiting.end(), shared_from_this()) == waiting.end())
+    waiting.push_back(shared_from_this());
+}
+
+void OutlineHandler::give() {
+  if (!node_) return;
+  Arrivals::Outlines arrival{group_, {}, own_};
+  const vrml::Node& from = own_->node(node_);
+  for (const vrml::InterfaceDeclaration& field : from.type->interfaces)
+    if (is_of_polygons(field)) arrival.fields.emplace_back(&field, from.values[field.slot]);
+  world_.outlines_arrived(std::move(arrival));
+}
+
+}  // namespace gs::app

@@ -1,0 +1,300 @@
+#include "app/session/living_world.h"
+#include "app/session/world_reader.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "vrml/syntax/parser.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gs::app::late_nodes_test {
+namespace {
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+
+struct Site {
+  void put(const std::string& name, const std::string& text, std::uint64_t rate = 0) {
+    options.memory->put("memory://a/" + name, [text, rate](const net::TransferRequest&, unsigned) {
+      net::MemoryAnswer answer;
+      answer.head.content_length = text.size();
+      const auto bytes = std::as_bytes(std::span(text));
+      answer.body = {bytes.begin(), bytes.end()};
+      if (rate > 0) {
+        answer.bytes_per_second = rate;
+        answer.block = 1;
+      }
+      return answer;
+    });
+  }
+  void never(const std::string& name) {
+    options.memory->put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
+      net::MemoryAnswer answer;
+      answer.answers = false;
+      return answer;
+    });
+  }
+  LoadOptions options = [] {
+    LoadOptions made;
+    made.memory = std::make_shared<net::MemoryNetwork>();
+    return made;
+  }();
+};
+
+/// A world that began as soon as its own file was there.
+struct World {
+  explicit World(const Site& site) : loading("memory://a/world.wrl", site.options) {
+    while (!loading.root_is_read()) (void)loading.step(std::chrono::milliseconds(10));
+    opened = loading.take();
+    REQUIRE(opened.scene);
+    living = std::make_unique<LivingWorld>(opened, meshes);
+    living->start(1000);
+    seen = living->look({0, 0, 10}, true);
+  }
+  vrml::SceneGraph& scene() { return *opened.scene; }
+  vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
+  /// All that comes, with what that asks for.
+  void load() {
+    do {
+      loading.request(living->take_url_requests());
+      while (!loading.done()) {
+        (void)loading.step(std::chrono::milliseconds(1000));
+        living->arrive(loading.take_arrivals());
+      }
+      living->arrive(loading.take_arrivals());
+      living->step(time += 1);
+    } while (requests_wait());
+  }
+  /// So long.
+  void step_for(std::chrono::milliseconds span) {
+    const auto end = std::chrono::steady_clock::now() + span;
+    while (std::chrono::steady_clock::now() < end) (void)loading.step(std::chrono::milliseconds(5));
+    living->arrive(loading.take_arrivals());
+    living->step(time += 1);
+  }
+  bool requests_wait() {
+    auto requests = living->take_url_requests();
+    const bool any = !requests.empty();
+    loading.request(std::move(requests));
+    return any && !loading.done();
+  }
+  const render::RenderList& list() {
+    (void)living->show(*seen, {0, 0, 10});
+    return seen->scene.list();
+  }
+  std::size_t items() { return list().items.size(); }
+
+  WorldLoading loading;
+  OpenedWorld opened;
+  render::MeshCache meshes;
+  std::unique_ptr<LivingWorld> living;
+  std::shared_ptr<LivingScene> seen;
+  double time = 1000;
+};
+
+}  // namespace
+
+TEST_CASE("an Inline and an EXTERNPROTO that never come delay no event of the rest (4.5.3, 4.9.1)") {
+  Site site;
+  site.put("world.wrl", kHeader +
+                            "DEF T TimeSensor { loop TRUE cycleInterval 2 } DEF I PositionInterpolator { key [ 0 1 ] "
+                            "keyValue [ 0 0 0, 8 0 0 ] } DEF M Transform { children Shape { geometry Box { } } } "
+                            "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.translation "
+                            "Inline { url \"never.wrl\" } EXTERNPROTO E [ exposedField SFVec3f at ] \"lib.wrl\" "
+                            "E { at 1 1 1 } ROUTE I.value_changed TO M.translation");
+  site.never("never.wrl");
+  site.never("lib.wrl");
+  WorldReader reader("memory://a/world.wrl", site.options, {});
+  std::shared_ptr<Document> document;
+  while (!document || document->is_preview) {
+    WorldReader::News news = reader.take();
+    if (news.document) document = news.document;
+    CHECK_FALSE(news.over);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  REQUIRE(document->living);
+  CHECK(document->list->items.size() == 1);
+  const double start = document->living->execution().now();
+  CHECK(document->living->step(start + 1));
+  const vrml::SceneGraph& scene = *document->world.scene;
+  CHECK(scene.get<vrml::SFVec3f>(scene.roots()[2], "translation").x > 0);
+  const auto behind = document->living->next_time();
+  CHECK(behind.has_value());
+  reader.retire();
+}
+
+TEST_CASE("Inlines are attached to the living world as they come, those inside them, too (4.5.3)") {
+  Site site;
+  site.put("world.wrl",
+           kHeader + "Inline { url \"slow.wrl\" } Shape { geometry Box { } } Inline { url \"outer.wrl\" }");
+  site.put("slow.wrl", kHeader + std::string(30, ' ') + "Shape { geometry Sphere { } }", 2000);
+  site.put("outer.wrl", kHeader +
+                            "DEF S TimeSensor { loop TRUE } Shape { geometry Cone { } appearance Appearance { texture "
+                            "ImageTexture { url \"grey.pgm\" } } } Inline { url \"inner.wrl\" } Inline { url "
+                            "\"never.wrl\" }");
+  site.put("inner.wrl", kHeader + "Shape { geometry Cylinder { } } Inline { url \"slow.wrl\" }", 4000);
+  site.put("grey.pgm", std::string("P5 1 1 255\n") + static_cast<char>(9));
+  site.never("never.wrl");
+  World world(site);
+  const auto pictures = [&] {
+    int count = 0;
+    for (const render::DrawItem& item : world.list().items) count += item.texture.image ? 1 : 0;
+    return count;
+  };
+  for (int i = 0; i < 200 && (world.items() < 5 || pictures() < 1); ++i) world.step_for(std::chrono::milliseconds(20));
+  CHECK(world.items() == 5);  // box, cone, cylinder, and twice the sphere
+  CHECK(pictures() == 1);
+  CHECK(world.loading.state().waiting >= 1);
+  const vrml::SceneGraph* outer = world.scene().inlined(world.root(2));
+  REQUIRE(outer);
+  CHECK(world.living->execution().has_scene(outer));
+  CHECK(world.living->next_time().has_value());  // its TimeSensor runs
+}
+
+TEST_CASE("an Inline of which a part shows already is taken back until all of it is read") {
+  Site site;
+  site.put("world.wrl", kHeader + "Shape { geometry Box { } } Inline { url \"long.wrl\" }");
+  std::string text = kHeader + "DEF First Shape { geometry Box { } }\n";
+  for (int i = 0; i < 400; ++i) text += "Shape { geometry Sphere { } }\n";  // of the first 4 KiB the type is told
+  site.put("long.wrl", text, 16000);
+  WorldLoading loading("memory://a/world.wrl", site.options);
+  // So far that a preview has some of it.
+  while (loading.collect({0, 0, 10}).items.size() < 5) (void)loading.step(std::chrono::milliseconds(5));
+  REQUIRE(loading.root_is_read());
+  OpenedWorld opened = loading.take();
+  render::MeshCache meshes;
+  LivingWorld living(opened, meshes);
+  living.start(1000);
+  const auto seen = living.look({0, 0, 10}, true);
+  CHECK(seen->scene.list().items.size() == 1);
+  CHECK(opened.scene->inlined(opened.scene->roots()[1]) == nullptr);
+  while (!loading.done()) (void)loading.step(std::chrono::milliseconds(100));
+  living.arrive(loading.take_arrivals());
+  (void)living.show(*seen, {0, 0, 10});
+  CHECK(seen->scene.list().items.size() == 402);
+}
+
+TEST_CASE("set_url goes before an Inline of the file that has not come yet (6.25)") {
+  Site site;
+  site.put("world.wrl", kHeader + "Inline { url \"slow.wrl\" }");
+  site.put("slow.wrl", kHeader + std::string(4000, ' ') + "Shape { geometry Cone { } } Shape { geometry Cone { } }",
+           40);
+  site.put("fast.wrl", kHeader + "Shape { geometry Box { } }");
+  World world(site);
+  CHECK(world.items() == 0);
+  CHECK(world.living->send(world.scene(), world.root(0), "set_url",
+                           vrml::FieldValue(vrml::MFString{vrml::SFString("fast.wrl")})));
+  world.living->step(world.time += 1);
+  world.load();
+  CHECK(world.items() == 1);
+}
+
+TEST_CASE("instances get the body of their EXTERNPROTO when it comes, and events from then on (4.9.1)") {
+  Site site;
+  site.put("world.wrl",
+           kHeader +
+               "EXTERNPROTO Ball [ exposedField SFVec3f at field MFString picture ] \"lib.wrl#Ball\" "
+               "DEF A Ball { at 1 0 0 picture \"grey.pgm\" } DEF B Ball { } "
+               "EXTERNPROTO None [ field MFNode children ] \"none.wrl\" None { children Shape { geometry Box { } } } ");
+  site.put(
+      "lib.wrl",
+      kHeader +
+          "PROTO Ball [ exposedField SFVec3f at 5 5 5 field MFString picture [ ] ] { Transform { translation IS at "
+          "children Shape { geometry Sphere { } appearance Appearance { texture ImageTexture { url IS picture } "
+          "} } } }",
+      600);
+  site.put("grey.pgm", std::string("P5 1 1 255\n") + static_cast<char>(9));
+  World world(site);
+  CHECK(world.items() == 0);
+  const vrml::NodeId a = world.root(0), b = world.root(1);
+  // Ignored until it is there.
+  CHECK(world.living->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
+  world.load();
+  REQUIRE(world.items() == 3);  // two balls, and the Group in the place of the one that is missing
+  const auto moved = [&](vrml::NodeId ball) {
+    return world.scene().get<vrml::SFVec3f>(world.scene().resolve(ball), "translation");
+  };
+  CHECK(moved(a) == vrml::SFVec3f(1, 0, 0));
+  CHECK(moved(b) == vrml::SFVec3f(5, 5, 5));
+  CHECK(world.living->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(2, 0, 0))));
+  CHECK(moved(a) == vrml::SFVec3f(2, 0, 0));
+  int pictures = 0;
+  for (const render::DrawItem& item : world.list().items) pictures += item.texture.image ? 1 : 0;
+  CHECK(pictures == 1);
+  CHECK(world.opened.diagnostics.warnings() == 1);
+}
+
+TEST_CASE("a Viewpoint that comes with the body of an EXTERNPROTO is bound where none was (4.6.10)") {
+  Site site;
+  site.put("world.wrl", kHeader + "EXTERNPROTO View [ ] \"lib.wrl\" View { } NavigationInfo { } ");
+  site.put("lib.wrl",
+           kHeader + "PROTO View [ ] { Group { children [ Viewpoint { position 0 0 77 } NavigationInfo { } ] } }", 600);
+  World world(site);
+  CHECK(world.living->bound().viewpoint == nullptr);
+  const vrml::Node* navigation = world.living->bound().navigation_info;
+  CHECK(navigation);
+  world.load();
+  REQUIRE(world.living->bound().viewpoint);
+  CHECK(world.list().viewpoints.size() == 1);
+  CHECK(world.living->bound().navigation_info == navigation);
+}
+
+TEST_CASE("an Inline's own EXTERNPROTOs come when they come") {
+  Site site;
+  site.put("world.wrl", kHeader + "Inline { url \"inner.wrl\" }");
+  site.put("inner.wrl", kHeader + "Shape { geometry Box { } } EXTERNPROTO P [ ] \"lib.wrl\" P { } P { }");
+  site.put("lib.wrl", kHeader + "PROTO P [ ] { Shape { geometry Cone { } } }" + std::string(200, ' '), 1000);
+  World world(site);
+  for (int i = 0; i < 100 && world.items() < 1; ++i) world.step_for(std::chrono::milliseconds(5));
+  CHECK(world.items() == 1);
+  world.load();
+  CHECK(world.items() == 3);
+}
+
+TEST_CASE("an EXTERNPROTO in a text that is read at run time gets its body like that of a file (4.12.10, 4.9)") {
+  Site site;
+  site.put("world.wrl", kHeader + "Group { } PROTO Own [ ] { Shape { geometry Sphere { } } }");
+  site.put("lib.wrl", kHeader + "PROTO P [ ] { Shape { geometry Cone { } } }");
+  World world(site);
+  world.load();
+  const auto read = [&](const std::string& text) {
+    vrml::Diagnostics diagnostics;
+    const vrml::RunTimeNodes made = vrml::read_into(world.scene(), "script", text, diagnostics);
+    CHECK(diagnostics.errors() == 0);
+    world.living->execution().attach(world.scene());
+    CHECK(world.living->send(world.scene(), world.root(0), "set_children", vrml::FieldValue(made.roots)));
+    world.living->step(world.time += 1);
+    return made.roots;
+  };
+  for (int round = 0; round < 5; ++round) {
+    const std::size_t nodes = world.scene().node_count();
+    read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { } Q { } Shape { geometry Box { } }");
+    CHECK(world.items() == 1);
+    world.load();
+    CHECK(world.items() == 3);
+    // One of the world's file, and one that nobody has.
+    read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
+    world.load();
+    CHECK(world.items() == 1);
+    (void)world.living->execution().remove_unheld();
+    CHECK(world.scene().run_time_texts() == 1);
+    if (round > 1) CHECK(world.scene().node_count() == nodes);
+  }
+  // Nobody waits any more.
+  read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { }");
+  auto requests = world.living->take_url_requests();
+  CHECK(requests.size() == 1);
+  read("Shape { geometry Box { } }");
+  (void)world.living->execution().remove_unheld();
+  world.loading.request(std::move(requests));
+  world.load();
+  CHECK(world.items() == 1);
+}
+
+}  // namespace gs::app::late_nodes_test

@@ -1,0 +1,217 @@
+#include "app/encode/outline_model.h"
+#include "app/session/living_world.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "qnv/codec/payloads.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/outline/outline_groups.h"
+#include "qnv/outline/outline_stream.h"
+#include "vrml/syntax/parser.h"
+
+#include "tests/app/clouds.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::app::set_streams_test {
+namespace {
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+
+using Bytes = std::vector<std::byte>;
+
+void put(const LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0) {
+  options.memory->put("memory://a/" + name, [bytes = std::move(bytes), rate](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.head.content_length = bytes.size();
+    answer.body = bytes;
+    answer.bytes_per_second = rate;
+    if (rate > 0) answer.block = 64;
+    return answer;
+  });
+}
+
+Bytes text(const std::string& body) {
+  const std::string whole = kHeader + body;
+  const auto bytes = std::as_bytes(std::span(whole));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// A ball of so many vectors.
+Bytes ball(std::size_t vectors) {
+  qnv::EncodeOptions options;
+  options.payload = qnv::Payload::records;
+  auto encoded = qnv::encode_cloud(test::sphere(vectors), options);
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
+}
+
+std::size_t size_of(const Bytes& stream) {
+  constexpr std::size_t kMost = 1 << 20;
+  const auto decoded = qnv::row_of(qnv::Payload::records).decode(stream, kMost);
+  return std::get<qnv::Cloud>(decoded.content).size();
+}
+
+/// Outlines of shapes.
+Bytes outlines(const std::string& shapes) {
+  vrml::Diagnostics diagnostics;
+  vrml::SceneGraph scene("model.wrl");
+  (void)vrml::parse(kHeader + shapes, scene, diagnostics);
+  render::MeshCache meshes;
+  const OutlineModel model = outline_model(render::collect(scene, {}, meshes), {});
+  const auto groups = qnv::group_outlines(model.model, {});
+  REQUIRE(std::holds_alternative<qnv::OutlineGroups>(groups));
+  auto encoded = qnv::encode_outlines(std::get<qnv::OutlineGroups>(groups), model.appearances, {});
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
+}
+
+struct World {
+  explicit World(const LoadOptions& options) : loading("memory://a/world.wrl", options) {
+    while (!loading.root_is_read()) (void)loading.step(std::chrono::milliseconds(10));
+    opened = loading.take();
+    REQUIRE(opened.scene);
+    living = std::make_unique<LivingWorld>(opened, meshes);
+    living->start(1000);
+    seen = living->look({0, 0, 10}, true);
+  }
+  vrml::NodeId geometry() { return opened.scene->get<vrml::SFNode>(opened.scene->roots()[0], "geometry"); }
+  void set_url(const std::string& url) {
+    vrml::MFString list;
+    if (!url.empty()) list.push_back(url);
+    CHECK(living->send(*opened.scene, geometry(), "set_url", vrml::FieldValue(list)));
+    living->step(time += 1);
+    loading.request(living->take_url_requests());
+  }
+  Arrivals come() {
+    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
+    return loading.take_arrivals();
+  }
+  void arrive() {
+    living->arrive(come());
+    living->step(time += 1);
+  }
+  const render::RenderList& list() {
+    (void)living->show(*seen, {0, 0, 10});
+    return seen->scene.list();
+  }
+  std::size_t vectors() {
+    const auto& splats = list().splats;
+    return splats.empty() || !splats[0].cloud ? 0 : splats[0].cloud->size();
+  }
+  std::size_t triangles() {
+    const auto& items = list().items;
+    return items.empty() ? 0 : items[0].mesh->indices.size() / 3;
+  }
+
+  WorldLoading loading;
+  OpenedWorld opened;
+  render::MeshCache meshes;
+  std::unique_ptr<LivingWorld> living;
+  std::shared_ptr<LivingScene> seen;
+  double time = 1000;
+};
+
+LoadOptions memory() {
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("set_url of a QNV node shows the vectors that it names then, and former ones are dropped") {
+  const LoadOptions options = memory();
+  put(options, "world.wrl", text("Shape { geometry QNV { url \"small.qnv\" } }"));
+  put(options, "small.qnv", ball(300));
+  put(options, "large.qnv", ball(2000));
+  const std::size_t small = size_of(ball(300)), large = size_of(ball(2000));
+  REQUIRE(0 < small);
+  REQUIRE(small < large);
+  World world(options);
+  world.arrive();
+  CHECK(world.vectors() == small);
+  world.set_url("large.qnv");
+  CHECK(world.vectors() == small);  // until there is something else
+  world.arrive();
+  CHECK(world.vectors() == large);
+  world.set_url("small.qnv");
+  Arrivals former = world.come();
+  REQUIRE(former.clouds.size() == 1);
+  world.set_url("large.qnv");
+  Arrivals present = world.come();
+  world.living->arrive(std::move(former));
+  CHECK(world.vectors() == large);
+  world.living->arrive(std::move(present));
+  CHECK(world.vectors() == large);
+  world.set_url("");
+  world.arrive();
+  CHECK(world.vectors() == 0);
+}
+
+TEST_CASE("set_url of an OutlineGroup shows the polygons that it names then, and former ones are dropped") {
+  const LoadOptions options = memory();
+  put(options, "world.wrl", text("Shape { geometry OutlineGroup { url \"box.qnv\" } }"));
+  put(options, "box.qnv", outlines("Shape { geometry Box { } }"));
+  put(options, "tetrahedron.qnv",
+      outlines("Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ] } "
+               "coordIndex [ 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1 ] } }"));
+  World world(options);
+  CHECK(world.triangles() == 0);
+  world.arrive();
+  CHECK(world.triangles() == 12);
+  const auto complete = [&] { return world.opened.scene->get<vrml::SFBool>(world.geometry(), "complete"); };
+  CHECK(complete());
+  for (int round = 0; round < 3; ++round) {
+    world.set_url("tetrahedron.qnv");
+    CHECK(world.triangles() == 12);
+    world.arrive();
+    CHECK(world.triangles() == 4);
+    CHECK(world.opened.outlines.size() == 1);
+    world.set_url("box.qnv");
+    world.arrive();
+    CHECK(world.triangles() == 12);
+  }
+  world.set_url("tetrahedron.qnv");
+  Arrivals former = world.come();
+  REQUIRE(former.outlines.size() == 1);
+  world.set_url("box.qnv");
+  Arrivals present = world.come();
+  world.living->arrive(std::move(former));
+  CHECK(world.triangles() == 12);
+  world.living->arrive(std::move(present));
+  CHECK(world.triangles() == 12);
+  // One that nobody has, none.
+  world.set_url("none.qnv");
+  world.arrive();
+  CHECK(world.triangles() == 0);
+  CHECK_FALSE(complete());
+  CHECK(world.opened.diagnostics.warnings() == 1);
+  world.set_url("box.qnv");
+  world.arrive();
+  CHECK(world.triangles() == 12);
+  world.set_url("");
+  world.arrive();
+  CHECK(world.triangles() == 0);
+}
+
+TEST_CASE("polygons of a file's OutlineGroup that come late are added to its own, and delay nothing") {
+  const LoadOptions options = memory();
+  put(options, "world.wrl",
+      text("Shape { geometry OutlineGroup { url \"box.qnv\" point [ 5 0 0, 6 0 0, 5 1 0 ] coordIndex [ 0 1 2 -1 ] } } "
+           "DEF T TimeSensor { loop TRUE }"));
+  put(options, "box.qnv", outlines("Shape { geometry Box { } }"), 4000);
+  World world(options);
+  CHECK(world.triangles() == 1);
+  CHECK(world.living->next_time().has_value());
+  world.arrive();
+  CHECK(world.triangles() == 13);
+}
+
+}  // namespace gs::app::set_streams_test
