@@ -33,7 +33,7 @@ for ((begin = first; begin < end; begin += columns * rows)); do
     echo '#VRML V2.0 utf8'
     echo 'NavigationInfo { headlight FALSE } Background { skyColor 0.25 0.25 0.25 }'
     # 2 * atan(half the height / distance) over rows of 1.2.
-    echo "Viewpoint { position $(awk "BEGIN { print $columns * 0.7, -$rows * 0.6 }") 40 fieldOfView $(awk "BEGIN { print 2 * atan2($rows * 0.6, 40) }") }"
+    echo "Viewpoint { position $(awk "BEGIN { print $columns * 0.7, -$rows * 0.6 - 0.02 }") 40 fieldOfView $(awk "BEGIN { print 2 * atan2($rows * 0.61, 40) }") }"
     echo 'PROTO Picture [ field SFVec3f at 0 0 0 field MFString url [] field MFString name [] ] {'
     echo '  Transform { translation IS at children ['
     echo '    Shape { appearance Appearance { texture ImageTexture { url IS url } } geometry IndexedFaceSet { coord Coordinate { point [ 0.02 0 0, 1.355 0 0, 1.355 1 0, 0.02 1 0 ] } coordIndex [ 0 1 2 3 ] } }'
