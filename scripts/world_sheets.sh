@@ -33,10 +33,10 @@ for ((begin = first; begin < end; begin += columns * rows)); do
     echo '#VRML V2.0 utf8'
     echo 'NavigationInfo { headlight FALSE } Background { skyColor 0.25 0.25 0.25 }'
     # 2 * atan(half the height / distance) over rows of 1.2.
-    echo "Viewpoint { position $(awk "BEGIN { print $columns * 0.7, -$rows * 0.6 }") 40 fieldOfView $(awk "BEGIN { print 2 * atan2($rows * 0.6, 40) }") }"
+    echo "Viewpoint { position $(awk "BEGIN { print $columns * 0.7, -$rows * 0.6 - 0.02 }") 40 fieldOfView $(awk "BEGIN { print 2 * atan2($rows * 0.61, 40) }") }"
     echo 'PROTO Picture [ field SFVec3f at 0 0 0 field MFString url [] field MFString name [] ] {'
     echo '  Transform { translation IS at children ['
-    echo '    Shape { appearance Appearance { texture ImageTexture { url IS url } } geometry IndexedFaceSet { coord Coordinate { point [ 0.02 0 0, 1.355 0 0, 1.355 1 0, 0.02 1 0 ] } coordIndex [ 0 1 2 3 ] } }'
+    echo '    Shape { appearance Appearance { texture ImageTexture { url IS url } } geometry IndexedFaceSet { coord Coordinate { point [ 0.02 0 0, 1.355 0 0, 1.355 1 0, 0.02 1 0 ] } coordIndex [ 0 1 2 3 ] texCoord TextureCoordinate { point [ 0 0, 1 0, 1 1, 0 1 ] } } }'
     echo '    Transform { translation 0 -0.1 0 children Shape { geometry Text { string IS name maxExtent 1.33 fontStyle FontStyle { size 0.09 family "SANS" } } } }'
     echo '  ] }'
     echo '}'
@@ -44,7 +44,7 @@ for ((begin = first; begin < end; begin += columns * rows)); do
       place=$((i - begin))
       picture=$folder/$place.png
       rm -f "$picture"
-      timeout 60 "$ghostspace" --offline --backend osmesa --size "${width}x$height" --timeout 20 --snapshot "$picture" "${files[i]}" \
+      timeout 60 "$ghostspace" --offline --allow "$worlds" --backend osmesa --size "${width}x$height" --timeout 20 --snapshot "$picture" "${files[i]}" \
         >"$folder/$place.txt" 2>&1 || true
       x=$(awk "BEGIN { print ($place % $columns) * 1.4 }") y=$(awk "BEGIN { print -int($place / $columns) * 1.2 - 1.05 }")
       echo "Picture { at $x $y 0 url \"$([ -s "$picture" ] && echo "$place.png")\" name \"$place $(name_of "${files[i]}")\" }"

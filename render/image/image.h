@@ -55,9 +55,9 @@ struct ImageLimits {
   std::function<bool()> stopped = {};                // asked for every row: true ends it. Null: nobody does
 };
 
-/// Decodes PNG, JPEG, GIF and movies (first picture), BMP, binary PPM and PGM, and Targa, told apart by their first bytes. JPEG
-/// grey is intensity; a PNG or GIF palette follows VRML97 4.6.11.2. Safe for untrusted input: memory is bounded by
-/// `limits`. A truncated JPEG or PNG gives the rows that were there.
+/// Decodes PNG, JPEG, GIF and movies (first picture), BMP, binary PPM and PGM, and Targa, told apart by their first
+/// bytes. JPEG grey is intensity; a PNG or GIF palette follows VRML97 4.6.11.2. Safe for untrusted input: memory is
+/// bounded by `limits`. A truncated JPEG or PNG gives the rows that were there.
 [[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
                                                            const ImageLimits& limits = {});
 
