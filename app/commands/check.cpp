@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/script/script_runner.h"
 #include "app/world/world_loader.h"
 
 #include <nlohmann/json.hpp>
@@ -12,7 +13,8 @@ int run_check(const Options& options) {
   for (const std::string& file : options.files) {
     LoadOptions load = load_options(options);
     load.references = false;
-    const OpenedWorld world = load_world(file, load);
+    OpenedWorld world = load_world(file, load);
+    if (options.scripts && world.scene) check_programs(*world.scene, world.diagnostics);
     for (const vrml::Diagnostic& diagnostic : world.diagnostics.entries()) print_line("%s", diagnostic.text().c_str());
     if (world.diagnostics.dropped() > 0)
       print_line("%s: note: %zu more diagnostics", file.c_str(), world.diagnostics.dropped());

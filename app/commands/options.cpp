@@ -423,6 +423,12 @@ constexpr OptionRow kOptions[] = {
        o.log = v;
        return Problem{};
      }},
+    {"--scripts", "", "", "compile the programs of Scripts as well", "check ",
+     [](Options& o, const std::string&) {
+       o.scripts = true;
+       return Problem{};
+     }},
+    {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
     {"--stats", "FILE.json", "", "write measurements of the run: seconds of its phases, bytes, triangles, memory",
      "open check ",
      [](Options& o, const std::string& v) {

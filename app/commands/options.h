@@ -51,7 +51,7 @@ struct Options {
   bool offline = false;
   std::vector<std::string> allowed;  // files and folders that worlds may read besides their own folders
   std::string confine;               // folder beneath which is all that may be read; empty: as the system allows
-  bool markdown = false, wrl = false, json = false, vrml97 = false;
+  bool markdown = false, wrl = false, json = false, vrml97 = false, scripts = false;
   std::size_t vectors = 0;       // 0: not asked for
   double fraction = 0;           // 0: not asked for
   bool max_bytes_given = false;  // `max_bytes` bounds what is written, too

@@ -73,6 +73,27 @@ void keep(ListBox& box, JSObject* object) {
   box.counted = bytes;
 }
 
+struct ListKind {
+  FieldType type, element;
+  const char* name;
+};
+constexpr ListKind kKinds[] = {
+    {FieldType::MFColor, FieldType::SFColor, "MFColor"},
+    {FieldType::MFFloat, FieldType::SFFloat, "MFFloat"},
+    {FieldType::MFInt32, FieldType::SFInt32, "MFInt32"},
+    {FieldType::MFNode, FieldType::SFNode, "MFNode"},
+    {FieldType::MFRotation, FieldType::SFRotation, "MFRotation"},
+    {FieldType::MFString, FieldType::SFString, "MFString"},
+    {FieldType::MFTime, FieldType::SFTime, "MFTime"},
+    {FieldType::MFVec2f, FieldType::SFVec2f, "MFVec2f"},
+    {FieldType::MFVec3f, FieldType::SFVec3f, "MFVec3f"},
+};
+
+FieldType element_of(FieldType type) {
+  return std::find_if(std::begin(kKinds), std::end(kKinds), [&](const ListKind& one) { return one.type == type; })
+      ->element;
+}
+
 class ListHandler final : public js::BaseProxyHandler {
  public:
   constexpr ListHandler() : BaseProxyHandler(&kFamily) {}
@@ -210,6 +231,11 @@ class ListHandler final : public js::BaseProxyHandler {
   bool element(JSContext* context, JS::HandleObject proxy, const ListBox& box, const FieldValue* value,
                std::uint32_t index, JS::MutableHandleValue result) const {
     if (!value || index >= count_of(*value)) {
+      // A number of it may be assigned, which makes the list longer (C.6.10.1).
+      const FieldType of = value ? element_of(vrml::type_of(*value)) : FieldType::SFNode;
+      if (of == FieldType::SFColor || of == FieldType::SFVec2f || of == FieldType::SFVec3f ||
+          of == FieldType::SFRotation)
+        return to_value(context, box.scene, vrml::initial_value(of), {proxy, index}, result);
       result.setUndefined();
       return true;
     }
@@ -236,27 +262,6 @@ class ListHandler final : public js::BaseProxyHandler {
 
 constexpr char ListHandler::kFamily;
 const ListHandler kListHandler;
-
-struct ListKind {
-  FieldType type, element;
-  const char* name;
-};
-constexpr ListKind kKinds[] = {
-    {FieldType::MFColor, FieldType::SFColor, "MFColor"},
-    {FieldType::MFFloat, FieldType::SFFloat, "MFFloat"},
-    {FieldType::MFInt32, FieldType::SFInt32, "MFInt32"},
-    {FieldType::MFNode, FieldType::SFNode, "MFNode"},
-    {FieldType::MFRotation, FieldType::SFRotation, "MFRotation"},
-    {FieldType::MFString, FieldType::SFString, "MFString"},
-    {FieldType::MFTime, FieldType::SFTime, "MFTime"},
-    {FieldType::MFVec2f, FieldType::SFVec2f, "MFVec2f"},
-    {FieldType::MFVec3f, FieldType::SFVec3f, "MFVec3f"},
-};
-
-FieldType element_of(FieldType type) {
-  return std::find_if(std::begin(kKinds), std::end(kKinds), [&](const ListKind& one) { return one.type == type; })
-      ->element;
-}
 
 vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).running().scene; }
 

@@ -69,6 +69,7 @@ TEST_CASE("MF objects grow by assignment, and their length can be set (C.6.10 to
   CHECK(value("m", "var m = new MFRotation(); m.length = 1;") == "[ 0 0 1 0 ]");
   CHECK(value("m.length + m[1]", "var m = new MFString('a', 'b');") == "2b");
   CHECK(value("m[1] + m[0]", "var m = new MFTime(0.25); m[1] = 1;") == "1.25");
+  CHECK(value("m", "var m = new MFVec3f(); m[1].y = 2;") == "[ 0 0 0, 0 2 0 ]");
   CHECK(value("m[0] == null && m[1] == n", "var n = new SFNode('Group {}'); var m = new MFNode(); m[1] = n;") ==
         "true");
 }
