@@ -428,7 +428,6 @@ constexpr OptionRow kOptions[] = {
        o.scripts = true;
        return Problem{};
      }},
-    {"--stats", "FILE.json", "", "write measurements of the run", "open check ",
     {"--stats", "FILE.json", "", "write measurements of the run: seconds of its phases, bytes, triangles, memory",
      "open check ",
      [](Options& o, const std::string& v) {

@@ -52,10 +52,13 @@ int run_trace(const Options& options) {
     print_text(line);
   });
   simulation.observe_scripts([&](const ScriptMessage& message) {
-    if (message.printed)
-      print_line("print %s", message.diagnostic.message.c_str());
-    else
+    if (message.printed) {
+      char digits[64];
+      *std::to_chars(digits, digits + sizeof digits - 1, simulation.execution().now()).ptr = '\0';
+      print_line("%s print %s", digits, message.diagnostic.message.c_str());
+    } else {
       complain("%s", message.diagnostic.text().c_str());
+    }
   });
   simulation.run(*options.until, [] { return !output_failed(); });
   if (const std::string& problem = simulation.execution().problem(); !problem.empty())

@@ -112,7 +112,12 @@ void World::run(Program& program, const Do& what) {
   send_all(program);
   running_ = outer;
   engine_.rest();
-  spent_ += std::chrono::steady_clock::now() - began;
+  const auto took = std::chrono::steady_clock::now() - began;
+  spent_ += took;
+  if (took > longest_) {
+    longest_ = took;
+    slowest_ = program.node;
+  }
 }
 
 // Events of what was assigned, at the completion of the function (C.5.2, C.5.3).
@@ -275,7 +280,10 @@ bool World::has_time() {
 }
 
 void World::begin_step() {
-  spent_ = {};
+  if (const Program* const slowest = late_ ? program_of(slowest_) : nullptr)
+    report(vrml::Severity::warning, *slowest,
+           "takes most of the time that there is for programs in a step; events wait for the next one");
+  spent_ = longest_ = {};
   late_ = false;
 }
 

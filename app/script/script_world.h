@@ -166,7 +166,8 @@ class World final : public ScriptRunner {
   std::vector<ScriptRequest> requests_;
   std::unordered_set<std::string> said_;
   BrowserState browser_;
-  std::chrono::steady_clock::duration spent_{};  // in this step
+  std::chrono::steady_clock::duration spent_{}, longest_{};  // in this step: of all, of one call
+  vrml::EventNode slowest_ = 0;                              // whose that was
   bool late_ = false, ends_ = false;
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
 };

@@ -3,6 +3,7 @@
 #include "app/base/local_file.h"
 #include "app/formats/content_types.h"
 #include "app/formats/volume/volume_common.h"
+#include "app/script/script_runner.h"
 #include "app/world/cloud_reader.h"
 #include "qnv/encode/encode_volume.h"
 #include "qnv/lod/lod.h"
@@ -206,11 +207,46 @@ bool run_gzip(std::span<const std::byte> bytes) {
   return !problem && !whole.empty();
 }
 
+// Any text as the program of a Script, which knows all types. True where the engine takes it.
+bool run_program(std::span<const std::byte> bytes) {
+  vrml::Limits limits = small_limits();
+  limits.script_seconds = 0.1;
+  limits.script_heap = std::size_t{32} << 20;
+  vrml::SceneGraph scene("fuzz.wrl", limits);
+  vrml::Diagnostics diagnostics;
+  (void)vrml::parse(
+      "#VRML V2.0 utf8\nDEF T Transform {} DEF S Script { directOutput TRUE field SFNode node USE T field SFNode me "
+      "USE S "
+      "field SFVec3f v 1 2 3 field MFVec3f list [] field MFString text [] field SFImage image 1 2 1 3 4 field SFInt32 "
+      "count 0 "
+      "eventIn SFFloat go eventOut SFVec3f out }",
+      scene, diagnostics);
+  vrml::MFString& url = std::get<vrml::MFString>(
+      scene.node(scene.roots()[1]).values[scene.node(scene.roots()[1]).type->find_field("url")->slot]);
+  url.push_back(vrml::SFString("javascript:" + std::string(text_of(bytes))));
+  vrml::Diagnostics wrong;
+  check_programs(scene, wrong);
+  vrml::Execution execution(scene);
+  const auto runner = ScriptRunner::make(execution, {0, true});
+  require(runner != nullptr);
+  execution.set_script_host(runner.get());
+  execution.start(1000);
+  const vrml::InterfaceDeclaration* const go = scene.node(scene.roots()[1]).type->find_event_in("go");
+  for (int i = 1; i <= 3; ++i) {
+    runner->begin_step();
+    execution.step(1000 + i);
+    if (scene.contains(scene.roots()[1])) (void)execution.send(scene, scene.roots()[1], *go, vrml::SFFloat(2));
+    (void)runner->take_messages();
+    (void)runner->take_requests();
+  }
+  return wrong.errors() == 0;
+}
+
 }  // namespace
 
 std::vector<FuzzTarget> fuzz_targets() {
   constexpr std::size_t kMostBytes = 8192;
-  std::vector<FuzzTarget> targets = {{"gzip", run_gzip}};
+  std::vector<FuzzTarget> targets = {{"gzip", run_gzip}, {"programs", run_program}};
   using Bytes = std::span<const std::byte>;
   for (const ContentType& type : content_types()) {
     const std::string name = target_name(type.name);

@@ -43,14 +43,72 @@ constexpr std::string_view kLayers = R"( [
 // Shared worlds, devices: nothing is seen of them.
 constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
+// An Inline that can be left unloaded: here it always is loaded.
+constexpr std::string_view kInline = R"( [
+  exposedField MFString url []
+  field SFVec3f bboxCenter 0 0 0
+  field SFVec3f bboxSize -1 -1 -1
+] {
+  Inline { url IS url bboxCenter IS bboxCenter bboxSize IS bboxSize }
+})";
+constexpr std::string_view kNavigationInfo = R"( [
+  eventIn SFBool set_bind
+  exposedField MFFloat avatarSize [ 0.25 1.6 0.75 ]
+  exposedField SFBool headlight TRUE
+  exposedField SFFloat speed 1
+  exposedField MFString type [ "WALK" "ANY" ]
+  exposedField SFFloat visibilityLimit 0
+  eventOut SFBool isBound
+] {
+  NavigationInfo {
+    set_bind IS set_bind avatarSize IS avatarSize headlight IS headlight speed IS speed type IS type
+    visibilityLimit IS visibilityLimit isBound IS isBound
+  }
+})";
+// The front of it on both sides.
+constexpr std::string_view kMaterial = R"( [
+  exposedField SFFloat ambientIntensity 0.2
+  exposedField SFColor diffuseColor 0.8 0.8 0.8
+  exposedField SFColor emissiveColor 0 0 0
+  exposedField SFFloat shininess 0.2
+  exposedField SFColor specularColor 0 0 0
+  exposedField SFFloat transparency 0
+] {
+  Material {
+    ambientIntensity IS ambientIntensity diffuseColor IS diffuseColor emissiveColor IS emissiveColor
+    shininess IS shininess specularColor IS specularColor transparency IS transparency
+  }
+})";
+
 struct Row {
   std::string_view name, text;
   bool overlay = false;
 };
 constexpr Row kRows[] = {
-    {"BlaxxunZone", kNothing}, {"BspGroup", kGroup},    {"DeviceSensor", kNothing}, {"HUD", kOverlay, true},
-    {"Layer", kGroup},         {"Layer2D", kGroup},     {"Layer3D", kGroup},        {"LayerSet", kLayers},
-    {"Occlusion", kGroup},     {"Particles", kNothing}, {"SharedEvent", kNothing},  {"SharedObject", kNothing},
+    {"BlaxxunZone", kNothing},
+    {"BspGroup", kGroup},
+    {"CullGroup", kGroup},
+    {"DeviceSensor", kNothing},
+    {"HUD", kOverlay, true},
+    {"InlineLoadControl", kInline},
+    {"KambiNavigationInfo", kNavigationInfo},
+    {"KeySensor", kNothing},
+    {"Layer", kGroup},
+    {"Layer2D", kGroup},
+    {"Layer3D", kGroup},
+    {"LayerSet", kLayers},
+    {"LoadSensor", kNothing},
+    {"MenuSensor", kNothing},
+    {"MouseSensor", kNothing},
+    {"Occlusion", kGroup},
+    {"Particles", kNothing},
+    {"ParticleSystem", kNothing},
+    {"RefractiveMaterial", kMaterial},
+    {"SharedEvent", kNothing},
+    {"SharedObject", kNothing},
+    {"SpaceSensor", kNothing},
+    {"StringSensor", kNothing},
+    {"TwoSidedMaterial", kMaterial},
 };
 
 const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view text) {

@@ -160,5 +160,8 @@ TEST_CASE("What has no time left in a step is run in the next one") {
   CHECK(world.runner().is_late());
   world.step(2);
   CHECK(world.printed() == Lines{"b2 1001"});
+  CHECK(world.problems() ==
+        Lines{"text.wrl:2:7: warning: Script A: takes most of the time that there is for programs in a "
+              "step; events wait for the next one"});
   CHECK_FALSE(world.runner().is_late());
 }

@@ -10,7 +10,9 @@ namespace gs::vrml::traces {
 
 TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
   for (const std::string name : {"BlaxxunZone", "BspGroup", "DeviceSensor", "HUD", "Layer", "Layer2D", "Layer3D",
-                                 "LayerSet", "Occlusion", "Particles", "SharedEvent", "SharedObject"}) {
+                                 "LayerSet", "Occlusion", "Particles", "SharedEvent", "SharedObject", "CullGroup",
+                                 "InlineLoadControl", "KambiNavigationInfo", "KeySensor", "LoadSensor", "MenuSensor",
+                                 "MouseSensor", "ParticleSystem", "SpaceSensor", "StringSensor"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
@@ -22,6 +24,11 @@ TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
     CHECK(built_in_node_type(name) == nullptr);
   }
   SceneGraph scene("text.wrl");
+  for (const std::string name : {"RefractiveMaterial", "TwoSidedMaterial"}) {
+    INFO(name);
+    REQUIRE(stand_in(scene, name));
+    CHECK(has(stand_in(scene, name)->role, Role::material));
+  }
   CHECK(stand_in(scene, "Nobody") == nullptr);
   CHECK(stand_in(scene, "") == nullptr);
 }
