@@ -67,13 +67,15 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
   const OutlineEncodeOptions outline_options;
   const EncodeSource sources[] = {std::cref(triangles), std::cref(cloud),
                                   OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}};
+  EncodeOptions few;
+  few.vectors = 500;
   // Which of them each payload is made of.
   const std::set<std::pair<Payload, std::size_t>> made = {
       {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0}, {Payload::outlines, 2}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);
-      const auto encoded = row.encode(sources[i], {}, nullptr);
+      const auto encoded = row.encode(sources[i], few, nullptr);
       const auto* stream = std::get_if<EncodedStream>(&encoded);
       REQUIRE((stream != nullptr) == made.contains({row.payload, i}));
       if (!stream) continue;

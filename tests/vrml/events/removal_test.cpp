@@ -324,10 +324,10 @@ TEST_CASE("replaceWorld: nodes of an Inline's scene are the world, and the one t
   const auto outer = read_part("outer.wrl", "Inline { } DEF Gone TimeSensor { loop TRUE }");
   std::weak_ptr<SceneGraph> watched, watched_outer = outer;
   {
-    auto part =
-        read_part("part.wrl",
-                  "DEF Kept Group { children [ DEF P Viewpoint { } DEF T TimeSensor { loop TRUE } ] } Shape { } "
-                  "ROUTE T.isActive TO P.set_bind");
+    auto part = read_part("part.wrl",
+                          "DEF Kept Group { children [ DEF P Viewpoint { } DEF T TimeSensor { loop TRUE } DEF L "
+                          "PointLight { } ] } Shape { } "
+                          "ROUTE T.isActive TO L.on");
     watched = part;
     outer->attach_inline(outer->roots()[0], std::move(part));
   }
