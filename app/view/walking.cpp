@@ -19,9 +19,9 @@ constexpr double kTerminal = 40;         // heights a second
 constexpr double kLagTime = 0.08;        // seconds until a step is seen by 63 %
 constexpr double kLeastLag = 1e-4;       // heights
 constexpr double kTolerance = 1e-3;      // radii, that a place may be too near to something
-constexpr double kSteepest = 0.5;        // cosine of the slope that one can stand on
+constexpr double kSteepestGround = 0.5;        // cosine of the slope that one can stand on
 constexpr int kRounds = 8;               // of pushing the body out of what it met
-constexpr double kLongestStep = 0.25;    // seconds
+constexpr double kLongestWalk = 0.25;    // seconds
 
 /// Of the line from `a` to `b`.
 dvec3 nearest_on_line(const dvec3& a, const dvec3& b, const dvec3& p) {
@@ -167,7 +167,7 @@ class Body {
   [[nodiscard]] std::optional<double> below(const dvec3& p, const std::array<dvec3, 3>& t) const {
     const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const double rise = glm::dot(normal, avatar_.up);
-    if (!(std::abs(rise) >= kSteepest * glm::length(normal)) || rise == 0) return std::nullopt;
+    if (!(std::abs(rise) >= kSteepestGround * glm::length(normal)) || rise == 0) return std::nullopt;
     const double depth = glm::dot(p - t[0], normal) / rise;
     const dvec3 foot = p - avatar_.up * depth;
     for (std::size_t i = 0; i < 3; ++i)
@@ -187,7 +187,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
   Walk next = from;
   next.item.reset();
   if (!qnv::finite(from.eye) || !qnv::finite(way) || !(seconds >= 0) || !(avatar.radius > 0)) return next;
-  seconds = std::min(seconds, kLongestStep);
+  seconds = std::min(seconds, kLongestWalk);
   const dvec3 flat = avatar.gravity ? way - avatar.up * glm::dot(way, avatar.up) : way;
   const double piece = avatar.radius * 0.5, length = glm::length(flat);
   const int pieces =

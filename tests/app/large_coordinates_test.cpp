@@ -12,8 +12,8 @@
 namespace gs::app::large_coordinates_test {
 namespace {
 
-using test::number;
-using test::Studio;
+using pairs::number;
+using pairs::Studio;
 
 std::string vector(const glm::dvec3& v) { return number(v.x) + number(v.y) + number(v.z); }
 
@@ -57,7 +57,7 @@ TEST_CASE("Ten thousand kilometres from the origin a world of centimetres looks 
     const glm::dvec3 viewer(0.0003 * i, 0.0002 * i, 0.3 - 0.0003 * i);
     const render::Image here = studio.picture(boards({0, 0, 0}, viewer, boards_of(0.01))),
                         there = studio.picture(boards(kFar, viewer, boards_of(0.01)));
-    const auto difference = test::compare_pictures(here, there);
+    const auto difference = pairs::compare_pictures(here, there);
     INFO("step " << i << ": " << difference.pixels << " pixels differ, by " << difference.most << " at the most");
     CHECK(difference.pixels == 0);
     CHECK(lit_pixels(here) > 100);
@@ -88,7 +88,7 @@ TEST_CASE("A mesh whose own coordinates are large does not shake while the viewe
     const glm::dvec3 viewer(0.3 + 0.001 * i, 0.2, 0.9);
     const render::Image here = studio.picture(squares({0, 0, 0}, viewer)),
                         there = studio.picture(squares({1 << 20, 1 << 19, 1 << 20}, viewer));
-    const auto difference = test::compare_pictures(here, there);
+    const auto difference = pairs::compare_pictures(here, there);
     INFO("step " << i << ": " << difference.pixels << " pixels differ, by " << difference.most << " at the most");
     CHECK(difference.pixels == 0);
     CHECK(lit_pixels(here) > 100);

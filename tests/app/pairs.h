@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace gs::app::test {
+namespace gs::app::pairs {
 
 /// A number as the text of a world has it, exactly.
 inline std::string number(double value) {
@@ -122,4 +122,4 @@ inline void check_alike(Studio& studio, const std::string& what, const std::stri
   check_alike(studio, what, Files{{"main.wrl", a}}, Files{{"main.wrl", b}}, edge_pixels);
 }
 
-}  // namespace gs::app::test
+}  // namespace gs::app::pairs

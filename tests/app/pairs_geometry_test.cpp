@@ -8,7 +8,7 @@
 
 namespace gs::app::pairs_geometry_test {
 
-using namespace test;
+using namespace pairs;
 
 namespace {
 

@@ -7,7 +7,7 @@
 
 namespace gs::app::pairs_look_test {
 
-using namespace test;
+using namespace pairs;
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 namespace gs::app::pairs_structure_test {
 
-using namespace test;
+using namespace pairs;
 
 namespace {
 

@@ -1,11 +1,11 @@
 #include "scripts.h"
 
-using namespace gs;
-using gs::app::BrowserState;
-using gs::app::ScriptRequest;
-using gs::app::scripts::Lines;
-using gs::app::scripts::run;
-using gs::app::scripts::World;
+namespace gs::app::script_browser_test {
+
+using scripts::Lines;
+using scripts::run;
+using scripts::value;
+using scripts::World;
 
 TEST_CASE("Browser: its name and version, the viewer's speed, the frame rate and the world's URL (4.12.10)") {
   World world(
@@ -112,3 +112,5 @@ TEST_CASE("What createVrmlFromString cannot read is an exception, and told with 
   CHECK(world.printed() == Lines{"caught", "2"});
   CHECK(world.problems().size() == 1);
 }
+
+}  // namespace gs::app::script_browser_test

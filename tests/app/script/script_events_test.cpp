@@ -1,8 +1,11 @@
 #include "scripts.h"
 
-using namespace gs;
-using gs::app::scripts::Lines;
-using gs::app::scripts::World;
+namespace gs::app::script_events_test {
+
+using scripts::Lines;
+using scripts::run;
+using scripts::value;
+using scripts::World;
 
 TEST_CASE("A function of an eventIn's name gets its value and its timestamp (4.12.8, C.4.2)") {
   World world("DEF S Script { eventIn SFVec3f move url \"javascript: function move(v, t) { print(v + ' ' + t); }\" }");
@@ -220,3 +223,5 @@ TEST_CASE("An exception is told with file, line and column, and the program goes
   first.start();
   CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
 }
+
+}  // namespace gs::app::script_events_test

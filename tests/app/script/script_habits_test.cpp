@@ -1,10 +1,11 @@
 #include "scripts.h"
 
-using namespace gs;
-using gs::app::scripts::Lines;
-using gs::app::scripts::run;
-using gs::app::scripts::value;
-using gs::app::scripts::World;
+namespace gs::app::script_habits_test {
+
+using scripts::Lines;
+using scripts::run;
+using scripts::value;
+using scripts::World;
 
 // What programs of the time when VRML97 was new do, and no standard has.
 
@@ -100,3 +101,5 @@ TEST_CASE("A Java program is told of once, and the world goes on") {
   CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a Java program, which is not run"});
   CHECK(world.printed() == Lines{"on"});
 }
+
+}  // namespace gs::app::script_habits_test

@@ -1,8 +1,11 @@
 #include "scripts.h"
 
-using namespace gs;
-using gs::app::scripts::Lines;
-using gs::app::scripts::World;
+namespace gs::app::script_limits_test {
+
+using scripts::Lines;
+using scripts::run;
+using scripts::value;
+using scripts::World;
 
 namespace {
 
@@ -165,3 +168,5 @@ TEST_CASE("What has no time left in a step is run in the next one") {
               "step; events wait for the next one"});
   CHECK_FALSE(world.runner().is_late());
 }
+
+}  // namespace gs::app::script_limits_test

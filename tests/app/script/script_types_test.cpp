@@ -1,8 +1,11 @@
 #include "scripts.h"
 
-using gs::app::scripts::Lines;
-using gs::app::scripts::run;
-using gs::app::scripts::value;
+namespace gs::app::script_types_test {
+
+using scripts::Lines;
+using scripts::run;
+using scripts::value;
+using scripts::World;
 
 TEST_CASE("SFColor has r, g, b and their places, and HSV (C.6.4)") {
   CHECK(value("c.r + ' ' + c.g + ' ' + c.b + ' ' + c[0] + ' ' + c[1] + ' ' + c[2]",
@@ -115,3 +118,5 @@ TEST_CASE("Numbers, truth values and texts are what ECMAScript has, TRUE and FAL
             "field SFBool b TRUE field SFInt32 i 1 field SFFloat f 1 field SFTime t 1 field SFString s \"a\" "
             "field SFNode n NULL") == Lines{"boolean number number number string", "true", "true", "2", "51"});
 }
+
+}  // namespace gs::app::script_types_test

@@ -9,7 +9,9 @@
 #include <string>
 #include <utility>
 
-namespace gs::app::test {
+namespace gs::app::seen_by_viewer_test {
+using namespace pairs;
+
 namespace {
 
 render::Image seen(const std::string& text) {
@@ -85,4 +87,4 @@ TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
 }
 
 }  // namespace
-}  // namespace gs::app::test
+}  // namespace gs::app::seen_by_viewer_test

@@ -47,7 +47,7 @@ Bytes text(const std::string& body) {
 Bytes ball(std::size_t vectors) {
   qnv::EncodeOptions options;
   options.payload = qnv::Payload::records;
-  auto encoded = qnv::encode_cloud(test::sphere(vectors), options);
+  auto encoded = qnv::encode_cloud(gs::test::sphere(vectors), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
 }

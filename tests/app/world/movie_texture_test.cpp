@@ -7,7 +7,8 @@
 #include <iterator>
 #include <string>
 
-namespace gs::app::test {
+namespace gs::app::movie_texture_test {
+
 namespace {
 
 std::string corpus(const std::string& name) {
@@ -52,4 +53,4 @@ TEST_CASE("a MovieTexture shows the first picture of its movie (VRML97 6.28)") {
 }
 
 }  // namespace
-}  // namespace gs::app::test
+}  // namespace gs::app::movie_texture_test
