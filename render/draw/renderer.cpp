@@ -201,9 +201,10 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   FrameStatistics statistics;
   const Gl& gl = state_->gl;
   const bool reversed = gl.ClipControl != nullptr;
-  Camera camera = fit_depth(given, list.bounds, reversed);
+  Camera camera = given;
   if (options.visibility_limit && list.navigation.visibility_limit > 0)
-    camera.far_plane = std::max(list.navigation.visibility_limit * options.unit, camera.near_plane * 2);
+    camera.far_plane = list.navigation.visibility_limit * options.unit;
+  camera = fit_depth(camera, list.bounds, reversed);
   const Projection lens =
       projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
 

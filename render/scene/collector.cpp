@@ -225,11 +225,12 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
     enter_node(inside, id, children);
     return;
   }
-  inside.presence.met = false;
-  enter_node(inside, id, children);
-  inside.presence = parent.presence;
+  // The children come first: what is entered last.
   inside.presence.seen = false;
   enter_one(inside, id, *proxy);
+  inside.presence = parent.presence;
+  inside.presence.met = false;
+  enter_node(inside, id, children);
 }
 
 void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {

@@ -158,9 +158,14 @@ TEST_CASE("USE shares meshes, Anchor, Collision and Group show their children, p
   World world("Group { children [ Anchor { children DEF B " + kBox +
               "} Collision { children USE B proxy Shape { geometry Sphere { } } } USE B ] }");
   const RenderList list = world.collect();
-  REQUIRE(list.items.size() == 3);
+  REQUIRE(list.items.size() == 4);
   CHECK(list.items[0].mesh == list.items[1].mesh);
-  CHECK(list.items[0].mesh == list.items[2].mesh);
+  CHECK_FALSE(list.items[2].seen);  // the proxy, which is met in place of the box before it
+  CHECK(list.items[2].met);
+  CHECK(list.items[0].met);
+  CHECK_FALSE(list.items[1].met);
+  CHECK(list.items[0].mesh == list.items[3].mesh);
+  CHECK(list.items[3].seen);
   CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and from frame to frame
   world.meshes.clear();
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
