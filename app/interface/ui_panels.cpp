@@ -18,7 +18,7 @@ struct KeyHelp {
   const char* what;
 };
 constexpr KeyHelp kPointerHelp[] = {
-    {"Left drag", "Examine: turn about the centre.  Fly, Walk: move and turn, the farther the faster"},
+    {"Left drag", "Examine: turn about what is under it.  Fly, Walk: move and turn, the farther the faster"},
     {"Right drag", "Examine: slide.  Fly, Walk: look around"},
     {"Middle drag", "Examine: closer and farther.  Fly, Walk: slide"},
     {"Shift or Ctrl + left drag", "Slide"},

@@ -134,7 +134,7 @@ bool Session::run_in(View& seen, Action action) {
 }
 
 void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
-  if (!gesture.needs_target && !gesture.double_click) return;
+  if (!gesture.needs_target && !gesture.turns && !gesture.double_click) return;
   InputTracker& input = panes_.at(pane).input;
   View& seen = *panes_.at(pane).view();
   const Viewport place = place_of(pane);
@@ -142,6 +142,7 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
   const std::optional<float> hit = distance_under(seen, ray, place.size());
   if (gesture.needs_target) input.set_target(target_of(navigation, ray, hit));
+  if (gesture.turns && hit) navigation.center = ray.at(*hit);
   const bool turns = navigation.mode == NavigationMode::examine || navigation.mode == NavigationMode::pan;
   if (!gesture.double_click || !turns || !hit) return;
   navigation = look_at_point(navigation, ray.at(*hit));

@@ -59,6 +59,7 @@ InputTracker::Gesture InputTracker::take(const WindowEvent& event, NavigationMod
       press_ = event.pointer;
       target_.reset();
       gesture.needs_target = drag_ == Drag::pan || drag_ == Drag::zoom;
+      gesture.turns = drag_ == Drag::rotate;
       if (event.button == MouseButton::left) {
         gesture.double_click = last_click_ >= 0 && event.time - last_click_ < kDoubleClickTime &&
                                glm::distance(event.pointer, last_click_place_) < kDoubleClickRange;

@@ -17,6 +17,7 @@ class InputTracker {
   /// What an event asks of the viewer besides.
   struct Gesture {
     bool needs_target = false;  // call `set_target` with what lies under the pointer
+    bool turns = false;  // a drag begins that turns about what lies under the pointer
     bool double_click = false;
   };
 

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 namespace gs::app::session_test {
@@ -99,6 +100,26 @@ TEST_CASE("The pointer is in the world where no panel is over it") {
   CHECK(world.number_of_events("touchTime") == 1);
   (void)world.session.step(kStart + 0.5, input_of({pointer(Kind::pointer, 100, 50)}, true));
   CHECK(world.number_of_events("isOver") == 2);  // it left
+}
+
+TEST_CASE("EXAMINE turns about what the pointer was on when the drag began (6.29)") {
+  const auto dragged = [](const glm::vec2& from) {
+    OneWorld world(
+        "NavigationInfo { type \"EXAMINE\" } Viewpoint { } Transform { translation 2 0 0 children Shape { geometry Box "
+        "{ size 1 "
+        "1 1 } } } Transform { translation -30 0 0 children Shape { geometry Box { size 1 1 1 } } }");
+    (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::button_down, from.x, from.y)}));
+    const glm::dvec3 center = world.session.view()->navigation.center;
+    (void)world.session.step(kStart + 0.2, input_of({pointer(Kind::pointer, from.x + 30, from.y + 5)}));
+    const Navigation& after = world.session.view()->navigation;
+    CHECK(glm::distance(after.pose.position, center) ==
+          Approx(glm::distance(glm::dvec3(0, 0, 10), center)).epsilon(1e-4));
+    return center;
+  };
+  // 50 pixels are 10 tan(pi / 8) units at 10 units; the box reaches half a unit nearer.
+  const glm::dvec3 on_box = dragged({100 + 2.0f / 9.5f * 50 / std::tan(0.392699f), 50});
+  CHECK(glm::distance(on_box, glm::dvec3(2, 0, 0.5)) < 0.02);
+  CHECK(dragged({100, 20}).x < -5);  // the sky: the middle of the world
 }
 
 TEST_CASE("Nobody looks, and time goes on all the same") {
