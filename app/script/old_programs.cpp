@@ -214,6 +214,15 @@ ProgramPlace program_place(std::string_view url) {
   if (ends_with(".class") || ends_with(".jar") || (url.size() > 5 && url.substr(0, 5) == "java:"))
     return {ProgramPlace::Kind::java, {}};
   if (url.empty()) return {};
+  // A language that is not known here, rather than a place.
+  constexpr std::string_view kPlaces[] = {"http", "https", "file", "ftp", "data", "memory", "cells", "urn"};
+  const std::string_view scheme = url.substr(0, url.find_first_of(":/.?#\n\\ "));
+  if (scheme.size() > 1 && scheme.size() < url.size() && url[scheme.size()] == ':' &&
+      std::none_of(std::begin(kPlaces), std::end(kPlaces), [&](std::string_view place) {
+        return place.size() == scheme.size() &&
+               std::equal(place.begin(), place.end(), scheme.begin(), [&](char a, char b) { return same(b, a); });
+      }))
+    return {ProgramPlace::Kind::unknown, scheme};
   return {ProgramPlace::Kind::file, {}};
 }
 

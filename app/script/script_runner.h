@@ -84,7 +84,7 @@ class ScriptRunner : public vrml::ScriptHost {
 struct ProgramPlace {
   enum class Kind : std::uint8_t { held, file, java, unknown };
   Kind kind = Kind::unknown;
-  std::string_view text;  // of `held`
+  std::string_view text;  // of `held`; the language of one that is `unknown`
 };
 [[nodiscard]] ProgramPlace program_place(std::string_view url);
 

@@ -209,6 +209,9 @@ bool World::go_on(vrml::EventNode node) {
       requests_.push_back(std::move(wanted));
       return false;
     } else {
+      if (!held.text.empty())
+        report(vrml::Severity::warning, program,
+               "a program in '" + std::string(held.text.substr(0, 40)) + "', which is not run");
       ++program.next_url;
     }
   }

@@ -1,0 +1,113 @@
+#include "app/base/gunzip.h"
+#include "app/session/session.h"
+#include "app/session/simulation.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace gs::app::session_scripts_test {
+namespace {
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+
+void put(LoadOptions& options, const std::string& name, const std::string& text) {
+  options.memory->put("memory://a/" + name, [text](const net::TransferRequest&, unsigned) {
+    net::MemoryAnswer answer;
+    answer.head.content_length = text.size();
+    const auto bytes = std::as_bytes(std::span(text));
+    answer.body = {bytes.begin(), bytes.end()};
+    return answer;
+  });
+}
+
+std::string packed(const std::string& text) {
+  const std::vector<std::byte> bytes = gzip(std::as_bytes(std::span(text)));
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// What the programs of memory://a/world.wrl print in a second of simulated time.
+std::vector<std::string> run(const LoadOptions& options, double seconds = 1) {
+  WorldLoading loading("memory://a/world.wrl", options);
+  OpenedWorld world = load_world(loading, "memory://a/world.wrl");
+  for (const vrml::Diagnostic& one : world.diagnostics.entries()) UNSCOPED_INFO(one.text());
+  REQUIRE(world.scene);
+  Simulation simulation(std::move(world), {64, 64});
+  simulation.fetch_with(loading);
+  std::vector<std::string> printed;
+  simulation.observe_scripts([&](const ScriptMessage& message) {
+    printed.push_back(message.printed ? message.diagnostic.message : message.diagnostic.text());
+  });
+  simulation.run(seconds);
+  return printed;
+}
+
+LoadOptions site() {
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("A program in a file, packed or not, is there before the first event (4.12.1)") {
+  LoadOptions options = site();
+  put(options, "world.wrl",
+      kHeader +
+          "DEF C TimeSensor { loop TRUE cycleInterval 5 } DEF S Script { eventIn SFTime t url [ \"none.js\" \"a.js\" "
+          "\"javascript: print('held');\" ] } ROUTE C.cycleTime TO S.t Inline { url \"part.wrl\" }");
+  put(options, "a.js", packed("function initialize() { print('a'); } function t() { print('t'); }"));
+  put(options, "part.wrl", kHeader + "Script { url \"b.js\" }");
+  put(options, "b.js", "print('b');");
+  CHECK(run(options) == std::vector<std::string>{"a", "b", "t"});
+}
+
+TEST_CASE("createVrmlFromURL reads a file in the name of the Script's, whose Scripts run, too (4.12.10)") {
+  LoadOptions options = site();
+  put(options, "world.wrl",
+      kHeader +
+          "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G field SFNode me USE S eventIn MFNode "
+          "loaded url \"javascript: function initialize() { Browser.createVrmlFromURL(new MFString('none.wrl', "
+          "'sub/part.wrl'), me, 'loaded'); } function loaded(n) { print(n.length); g.children = n; }\" }");
+  put(options, "sub/part.wrl", kHeader + "Shape {} Script { url \"javascript: print('inside');\" }");
+  CHECK(run(options) == std::vector<std::string>{"2", "inside"});
+}
+
+TEST_CASE("A session: what programs print is in the log, descriptions are told, pages do not open by themselves") {
+  LoadOptions options = site();
+  put(options, "world.wrl",
+      kHeader +
+          "DEF V Viewpoint { description \"there\" position 0 0 3 } Shape { geometry Box {} } Script { url "
+          "\"javascript: function initialize() { print('hello'); Browser.setDescription('text'); Browser.loadURL("
+          "'http://127.0.0.1:9/page.html'); }\" }");
+  SessionOptions session_options;
+  session_options.files = {"memory://a/world.wrl"};
+  Session session(session_options, options, [] {});
+  SessionInput input;
+  input.area = Viewport{0, 0, 64, 64};
+  std::vector<std::string> told;
+  bool has_printed = false, opened = false;
+  for (int i = 0; i < 500 && told.size() < 2; ++i) {
+    const Frame frame = session.step(1000 + i / 60.0, input);
+    for (const Notice& notice : frame.notices) told.push_back(notice.text);
+    opened = opened || !frame.web_pages.empty();
+    if (const View* seen = session.view())
+      for (const vrml::Diagnostic& one : seen->document->world.diagnostics.entries())
+        has_printed = has_printed || (one.file == "print" && one.message == "hello");
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  CHECK(has_printed);
+  CHECK_FALSE(opened);
+  CHECK(told == std::vector<std::string>{"text", "The world wants to open http://127.0.0.1:9/page.html: not opened"});
+}
+
+}  // namespace gs::app::session_scripts_test
