@@ -102,11 +102,11 @@ TEST_CASE("A Java program is told of once, and the world goes on") {
   CHECK(world.printed() == Lines{"on"});
 }
 
-
 TEST_CASE("A program in a language of another browser is told of, and the next url counts") {
   World world("DEF S Script { url [ \"castlescript: x\" \"javascript: print('on');\" ] }");
   world.start();
   CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a program in 'castlescript', which is not run"});
   CHECK(world.printed() == Lines{"on"});
 }
+
 }  // namespace gs::app::script_habits_test
