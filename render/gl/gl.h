@@ -79,6 +79,7 @@
   X(PIXELSTOREI, PixelStorei)                                                 \
   X(POINTSIZE, PointSize)                                                     \
   X(POLYGONMODE, PolygonMode)                                                 \
+  X(POLYGONOFFSET, PolygonOffset)                                             \
   X(READBUFFER, ReadBuffer)                                                   \
   X(READPIXELS, ReadPixels)                                                   \
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample)           \

@@ -461,9 +461,17 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
     return std::tie(a.layer, a.state, a.page, a.depth, a.first) < std::tie(b.layer, b.state, b.page, b.depth, b.first);
   });
+  // Lines and points on faces and along their edges are seen whole: faces lie behind them by what depth changes in two
+  // pixels.
+  const bool marked = std::any_of(batches_.begin(), batches_.end(), [&](const Batch& one) {
+    return prepared_[one.prepared].slice->primitive != GL_TRIANGLES;
+  });
+  gl_.PolygonOffset(projection.reversed ? -2 : 2, projection.reversed ? -2 : 2);
+  if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
+  gl_.Disable(GL_POLYGON_OFFSET_FILL);
   if (!pacer.given_up()) between();
   anything_applied_ = false;
   meshes_.forget_binding();
@@ -473,11 +481,13 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     gl_.Enable(GL_BLEND);
     gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     gl_.DepthMask(GL_FALSE);
+    if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
     batch(transparent_, opaque_.size());
     draw_batches(projection, statistics, pacer);
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }
+  gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
   gl_.LineWidth(1);

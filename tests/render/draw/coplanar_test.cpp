@@ -65,6 +65,44 @@ TEST_CASE("Faces of one mesh in the same place: the last one is seen") {
   CHECK(blue > 20);
 }
 
+TEST_CASE("Lines and points on faces and along their edges are seen whole") {
+  Drawing drawing;
+  drawing.options.width = drawing.options.height = 128;
+  auto line = std::make_shared<vrml::Mesh>(), point = std::make_shared<vrml::Mesh>();
+  line->primitive = vrml::Mesh::Primitive::lines;
+  line->lit = point->lit = false;
+  point->primitive = vrml::Mesh::Primitive::points;
+  // A diagonal, an edge, one across; the corners of the last.
+  line->positions = {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {1, 1, 0}, {-0.9f, 0.3f, 0}, {0.8f, -0.7f, 0}};
+  point->positions = {line->positions[4], line->positions[5]};
+  line->indices = {0, 1, 2, 3, 4, 5};
+  point->indices = {0, 1};
+  for (const glm::vec3& p : line->positions) line->bounds.add(p), point->bounds.add(p);
+  for (const float angle : {0.0f, 0.4f, 0.9f, 1.1f, -1.2f}) {
+    glm::mat4 slanted = glm::rotate(translation({0.3f, 0, 0}), angle, glm::normalize(glm::vec3(0.3f, 1, 0.2f)));
+    slanted = glm::scale(slanted, glm::vec3(3, 2.3f, 1));
+    for (const auto& marks : {line, point}) {
+      RenderList alone, both;
+      add(alone, unlit(marks, slanted));
+      add(both, unlit(marks, slanted));
+      add(both, glowing(square(), {1, 0, 0}, slanted));
+      // A face behind that another face hides stays hidden.
+      add(both, glowing(square(), {0, 0, 1}, glm::translate(slanted, {0, 0, -0.05f})));
+      const Image wanted = drawing.draw(alone), image = drawing.draw(both);
+      std::size_t marked = 0, hidden = 0;
+      for (std::uint32_t y = 0; y < image.height; ++y)
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+          if (pixel(wanted, x, y) == glm::vec3(0)) continue;
+          ++marked;
+          hidden += pixel(image, x, y) != pixel(wanted, x, y);
+        }
+      INFO("angle " << angle << ", " << marked << " pixels");
+      CHECK(marked > (marks == line ? 100 : 1));
+      CHECK(hidden == 0);
+    }
+  }
+}
+
 TEST_CASE("A fine checker on a slanted plane is as grey as its mean, without moire") {
   // 128 x 128 cells on a plane that recedes to where a pixel has some twenty of them.
   constexpr std::uint32_t kCells = 128;

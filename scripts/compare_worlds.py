@@ -1,0 +1,182 @@
+#!/usr/bin/python3
+"""compare_worlds.py [LIST [OUT]]: our pictures of worlds beside those of two other browsers, in numbers and on sheets.
+
+LIST names worlds below --worlds, a line each (default: scripts/compare_worlds.txt). OUT (default: build/compare) gets
+figures.tsv, the pictures and sheet-N.png. Every browser gets the same file: a world without a Viewpoint or a Background
+is copied, among links to its neighbours, with one that frames it, and a black one. Needs python3-numpy and python3-pil of Debian, and for the other
+browsers the script peer-snapshot.sh beside the worlds (or --peer-snapshot) with what it asks for.
+"""
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+
+import numpy
+from PIL import Image, ImageDraw, ImageOps
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+SHARED = os.environ.get("GHOSTSPACE_SHARED", os.path.join(os.path.dirname(ROOT), "shared"))
+WIDTH, HEIGHT = 1024, 768
+FIELD_OF_VIEW = 0.785398  # VRML97 6.53: the default
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("list", nargs="?", default=os.path.join(ROOT, "scripts", "compare_worlds.txt"))
+    parser.add_argument("out", nargs="?", default=os.path.join(ROOT, "build", "compare"))
+    parser.add_argument("--worlds", default=os.path.join(SHARED, "worlds"))
+    parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "ghostspace"))
+    parser.add_argument("--peers", default="view3dscene,x_ite")
+    parser.add_argument("--peer-snapshot", default=os.path.join(SHARED, "peers", "peer-snapshot.sh"))
+    parser.add_argument("--limit", default="90", help="seconds for a picture")
+    parser.add_argument("--rows", type=int, default=6, help="worlds on a sheet")
+    parser.add_argument("--keep", action="store_true", help="draw only what has no picture yet")
+    return parser.parse_args()
+
+
+def framing(box):
+    """Position and orientation of a Viewpoint that sees all of a box, from above and from the right."""
+    lower, upper = numpy.array(box["lower"]), numpy.array(box["upper"])
+    centre, radius = (lower + upper) / 2, max(float(numpy.linalg.norm(upper - lower)) / 2, 1e-6)
+    back = numpy.array([0.5, 0.4, 1.0])
+    back /= numpy.linalg.norm(back)
+    right = numpy.cross([0, 1, 0], back)
+    right /= numpy.linalg.norm(right)
+    matrix = numpy.column_stack([right, numpy.cross(back, right), back])
+    angle = math.acos((numpy.trace(matrix) - 1) / 2)
+    axis = numpy.array([matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]])
+    axis /= numpy.linalg.norm(axis)
+    position = centre + back * (radius / math.sin(FIELD_OF_VIEW / 2) * 1.02)
+    return " ".join(f"{v:.9g}" for v in position), " ".join(f"{v:.9g}" for v in [*axis, angle])
+
+
+def links_to(folder, to):
+    """A tree of links to all files of a folder."""
+    if not os.path.isdir(to):
+        os.makedirs(os.path.dirname(to), exist_ok=True)
+        subprocess.run(["cp", "-rs", folder, to], check=True)
+
+
+def completed(options, world):
+    """The path of a world that binds a Viewpoint and a Background: browsers agree on neither where there is none."""
+    source = os.path.join(options.worlds, world)
+    with open(source, "rb") as file:
+        text = file.read()
+    bare = re.sub(rb"#[^\n]*", b"", text)
+    added = b""
+    if not re.search(rb"\bViewpoint\s*\{", bare):
+        facts = subprocess.run([options.program, "info", "--json", source], capture_output=True, check=False).stdout
+        box = json.loads(facts).get("box")
+        position, orientation = framing(box) if box else ("0 0 10", "0 0 1 0")
+        added += f"Viewpoint {{ position {position} orientation {orientation} }}\n".encode()
+    if not re.search(rb"\bBackground\s*\{", bare):
+        added += b"Background { skyColor 0 0 0 }\n"
+    if not added:
+        return source
+    tree = os.path.join(options.out, "worlds")
+    links_to(os.path.join(options.worlds, world.split("/")[0]), os.path.join(tree, world.split("/")[0]))
+    changed = os.path.join(tree, world)[:-4] + "-completed.wrl"
+    header, _, rest = text.partition(b"\n")
+    with open(changed, "wb") as file:
+        file.write(header + b"\n" + added + rest)
+    return changed
+
+
+def draw(options, path, world, name):
+    """All pictures of a world, by browser; what could not be drawn is missing."""
+    pictures = {}
+    for browser in ["ghostspace", *options.peers.split(",")]:
+        out = os.path.join(options.out, "pictures", f"{name}-{browser}.png")
+        if not (options.keep and os.path.exists(out)):
+            if browser == "ghostspace":
+                allowed = os.path.join(options.worlds, world.split("/")[0])
+                command = [options.program, "--backend", "osmesa", "--allow", allowed, "--offline", "--snapshot", out, path]
+            else:
+                command = [options.peer_snapshot, browser, path, out]
+            try:
+                subprocess.run(command, env={**os.environ, "LIMIT": options.limit}, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL, timeout=float(options.limit) + 60, check=False)
+            except subprocess.TimeoutExpired:
+                pass
+        if os.path.exists(out):
+            with Image.open(out) as image:
+                pictures[browser] = image.convert("RGB").resize((WIDTH, HEIGHT))
+    return pictures
+
+
+def half(image):
+    """Half as large: what smooths edges and what does not come closer."""
+    return numpy.asarray(image.resize((WIDTH // 2, HEIGHT // 2), Image.Resampling.BOX), dtype=numpy.int16)
+
+
+def silhouette(pixels):
+    """What is not of the colour that its row has at the picture's borders: all of what is drawn, before most skies."""
+    sides = numpy.stack([numpy.abs(pixels - pixels[:, column : column + 1]).max(axis=2) > 8 for column in (2, -3)])
+    return sides.all(axis=0)
+
+
+def figures(ours, theirs):
+    """Mean difference (of 255), share of pixels that differ by more than 24 in a channel, overlap of silhouettes."""
+    difference = numpy.abs(ours - theirs)
+    a, b = silhouette(ours), silhouette(theirs)
+    union = (a | b).sum()
+    return {"mean": float(difference.mean()), "share": float((difference.max(axis=2) > 24).mean()),
+            "overlap": float((a & b).sum() / union) if union else 1.0}
+
+
+def sheet(rows, browsers, path):
+    """A row a world: the pictures, and where each differs from ours."""
+    width, height, label = 256, 192, 14
+    page = Image.new("RGB", (width * (2 * len(browsers) - 1), (height + label) * len(rows)), (40, 40, 40))
+    pen = ImageDraw.Draw(page)
+    for row, (number, world, pictures, numbers) in enumerate(rows):
+        top = row * (height + label)
+        text = f"{number} {world}"
+        for browser, one in numbers.items():
+            text += f"   {browser}: {one['mean']:.1f} {100 * one['share']:.1f}% {one['overlap']:.2f}"
+        pen.text((3, top + 1), text, fill=(255, 255, 255))
+        for column, browser in enumerate(browsers):
+            if browser not in pictures:
+                continue
+            page.paste(pictures[browser].resize((width, height), Image.Resampling.BOX), (column * width, top + label))
+            if browser in numbers:
+                difference = numpy.abs(half(pictures[browsers[0]]) - half(pictures[browser])).max(axis=2)
+                grey = ImageOps.invert(Image.fromarray(numpy.clip(difference * 3, 0, 255).astype(numpy.uint8)))
+                page.paste(grey.resize((width, height), Image.Resampling.BOX).convert("RGB"),
+                           ((len(browsers) + column - 1) * width, top + label))
+    page.save(path)
+
+
+def main():
+    options = arguments()
+    options.out = os.path.abspath(options.out)
+    os.makedirs(os.path.join(options.out, "pictures"), exist_ok=True)
+    with open(options.list, encoding="utf-8") as file:
+        worlds = [line.strip() for line in file if line.strip() and not line.startswith("#")]
+    browsers = ["ghostspace", *options.peers.split(",")]
+    rows = []
+    with open(os.path.join(options.out, "figures.tsv"), "w", encoding="utf-8") as table:
+        print("number", "world", *(f"{peer} {what}" for peer in browsers[1:] for what in ("mean", "share", "overlap")),
+              sep="\t", file=table)
+        for number, world in enumerate(worlds, 1):
+            pictures = draw(options, completed(options, world), world, f"{number:02}")
+            numbers = {}
+            if browsers[0] in pictures:
+                ours = half(pictures[browsers[0]])
+                numbers = {peer: figures(ours, half(pictures[peer])) for peer in browsers[1:] if peer in pictures}
+            cells = [f"{numbers[peer][what]:.3f}" if peer in numbers else "-" for peer in browsers[1:]
+                     for what in ("mean", "share", "overlap")]
+            print(number, world, *cells, sep="\t", file=table, flush=True)
+            print(number, world, *cells, flush=True)
+            rows.append((number, world, pictures, numbers))
+            if len(rows) == options.rows or number == len(worlds):
+                sheet(rows, browsers, os.path.join(options.out, f"sheet-{(number - 1) // options.rows + 1:02}.png"))
+                rows = []
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
