@@ -185,6 +185,11 @@ class CurlTransport final : public HttpTransport {
   void set_options(Transfer& transfer, const TransferRequest& request);
   bool on_header(Transfer& transfer, std::string_view line);
   std::size_t on_body(Transfer& transfer, std::string_view bytes);
+  /// Nothing is held back before its head has come: until curl knows from the first answer of a host whether others can
+  /// share its connection, it lets them all wait (CURLOPT_PIPEWAIT). What follows the head is held back by on_body.
+  static bool pause_is_due(const Transfer& transfer) {
+    return transfer.wants_pause != transfer.paused && (transfer.head_done || !transfer.wants_pause);
+  }
   void apply_pauses();
   void end_refused();
   void collect();
@@ -344,7 +349,7 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
 
 void CurlTransport::apply_pauses() {
   for (auto& [id, transfer] : transfers_) {
-    if (transfer->over || transfer->wants_pause == transfer->paused) continue;
+    if (transfer->over || !pause_is_due(*transfer)) continue;
     transfer->paused = transfer->wants_pause;
     transfer->progress = now_;
     // Going on may hand over what curl has held back, and that may pause again.
@@ -398,8 +403,8 @@ void CurlTransport::collect() {
 
 void CurlTransport::watch_the_clock() {
   for (auto& [id, transfer] : transfers_) {
-    if (transfer->over || transfer->paused || transfer->wants_pause || now_ - transfer->progress < patience(*transfer))
-      continue;
+    const bool held_back = transfer->paused || (transfer->wants_pause && transfer->head_done);
+    if (transfer->over || held_back || now_ - transfer->progress < patience(*transfer)) continue;
     const std::string what =
         transfer->head_done ? "no byte of the body came within " : "no complete head of an answer came within ";
     end(*transfer, {LoadError{LoadErrorKind::timed_out, what + milliseconds(patience(*transfer)), 0}, true});
@@ -416,7 +421,7 @@ void CurlTransport::remove_over() {
 std::optional<TimePoint> CurlTransport::deadline(TimePoint now) const {
   std::optional<TimePoint> first;
   for (const auto& [id, transfer] : transfers_) {
-    if (transfer->over || transfer->wants_pause != transfer->paused) return now;
+    if (transfer->over || pause_is_due(*transfer)) return now;
     const TimePoint time = transfer->progress + patience(*transfer);
     if (!transfer->paused && (!first || time < *first)) first = time;
   }
