@@ -5,7 +5,7 @@
 // around it and towards it, 1920x1080, with a budget of B million discs (2). For each setting a process of its own:
 // what a cut takes, how much it decodes, how many pieces it has, how much is kept. A Markdown table.
 
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 #include "net/base/file.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/lod/lod.h"

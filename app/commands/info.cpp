@@ -3,7 +3,7 @@
 #include "app/commands/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 #include "net/base/file.h"
 #include "net/base/url.h"
 #include "qnv/codec/payloads.h"

@@ -6,7 +6,7 @@
 #include "app/commands/commands.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
 #include "net/base/file.h"

@@ -1,3 +1,4 @@
+#include "app/script/live_proxy.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 
@@ -94,30 +95,16 @@ FieldType element_of(FieldType type) {
       ->element;
 }
 
-class ListHandler final : public js::BaseProxyHandler {
+class ListHandler final : public LiveProxyHandler {
  public:
-  constexpr ListHandler() : BaseProxyHandler(&kFamily) {}
+  constexpr ListHandler() : LiveProxyHandler(&kFamily) {}
   static constexpr char kFamily = 'L';
 
-  bool finalizeInBackground(const JS::Value&) const override { return false; }
   void finalize(JS::GCContext*, JSObject* proxy) const override {
     auto* const box = static_cast<ListBox*>(js::GetProxyPrivate(proxy).toPrivate());
     release(*box);
     if (box->engine) box->engine->add_bytes(-static_cast<std::ptrdiff_t>(box->counted));
     delete box;
-  }
-  bool getPrototypeIfOrdinary(JSContext*, JS::HandleObject proxy, bool* is_ordinary,
-                              JS::MutableHandleObject prototype) const override {
-    *is_ordinary = true;
-    prototype.set(js::GetStaticPrototype(proxy));
-    return true;
-  }
-  bool preventExtensions(JSContext*, JS::HandleObject, JS::ObjectOpResult& result) const override {
-    return result.failCantPreventExtensions();
-  }
-  bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
-    *extensible = true;
-    return true;
   }
   bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
     const FieldValue* const value = list_value(*list_of(proxy));

@@ -1,3 +1,4 @@
+#include "app/script/live_proxy.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -60,12 +61,11 @@ const InterfaceDeclaration* readable(const vrml::NodeType& type, const std::stri
   return found && found->access == AccessType::eventOut ? found : nullptr;
 }
 
-class NodeHandler final : public js::BaseProxyHandler {
+class NodeHandler final : public LiveProxyHandler {
  public:
-  constexpr NodeHandler() : BaseProxyHandler(&kFamily) {}
+  constexpr NodeHandler() : LiveProxyHandler(&kFamily) {}
   static constexpr char kFamily = 'N';
 
-  bool finalizeInBackground(const JS::Value&) const override { return false; }
   void finalize(JS::GCContext*, JSObject* proxy) const override {
     auto* const box = static_cast<NodeBox*>(js::GetProxyPrivate(proxy).toPrivate());
     if (const auto own = box->link->objects.find(key_of(box->id));
@@ -74,19 +74,6 @@ class NodeHandler final : public js::BaseProxyHandler {
     if (box->link->execution && box->link->execution->has_scene(box->scene))
       box->link->execution->release(*box->scene, box->id);
     delete box;
-  }
-  bool getPrototypeIfOrdinary(JSContext*, JS::HandleObject proxy, bool* is_ordinary,
-                              JS::MutableHandleObject prototype) const override {
-    *is_ordinary = true;
-    prototype.set(js::GetStaticPrototype(proxy));
-    return true;
-  }
-  bool preventExtensions(JSContext*, JS::HandleObject, JS::ObjectOpResult& result) const override {
-    return result.failCantPreventExtensions();
-  }
-  bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
-    *extensible = true;
-    return true;
   }
   bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
     const vrml::Node* const node = node_in_world(context, *node_of(proxy));

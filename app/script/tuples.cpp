@@ -423,27 +423,17 @@ const JSFunctionSpec kRotationMethods[] = {JS_FN("getAxis", get_axis, 0, 0),    
                                            JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
                                            JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
                                            JS_FN("toString", to_text, 0, 0),           JS_FS_END};
-const JSFunctionSpec kVec2fMethods[] = {JS_FN("add", add, 1, 0),
-                                        JS_FN("divide", divide, 1, 0),
-                                        JS_FN("dot", dot, 1, 0),
-                                        JS_FN("length", length, 0, 0),
-                                        JS_FN("multiply", multiply, 1, 0),
-                                        JS_FN("negate", negate, 0, 0),
-                                        JS_FN("normalize", normalize, 0, 0),
-                                        JS_FN("subtract", subtract, 1, 0),
-                                        JS_FN("toString", to_text, 0, 0),
-                                        JS_FS_END};
-const JSFunctionSpec kVec3fMethods[] = {JS_FN("add", add, 1, 0),
-                                        JS_FN("cross", cross, 1, 0),
-                                        JS_FN("divide", divide, 1, 0),
-                                        JS_FN("dot", dot, 1, 0),
-                                        JS_FN("length", length, 0, 0),
-                                        JS_FN("multiply", multiply, 1, 0),
-                                        JS_FN("negate", negate, 0, 0),
-                                        JS_FN("normalize", normalize, 0, 0),
-                                        JS_FN("subtract", subtract, 1, 0),
-                                        JS_FN("toString", to_text, 0, 0),
-                                        JS_FS_END};
+const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
+                                         JS_FN("divide", divide, 1, 0),
+                                         JS_FN("dot", dot, 1, 0),
+                                         JS_FN("length", length, 0, 0),
+                                         JS_FN("multiply", multiply, 1, 0),
+                                         JS_FN("negate", negate, 0, 0),
+                                         JS_FN("normalize", normalize, 0, 0),
+                                         JS_FN("subtract", subtract, 1, 0),
+                                         JS_FN("toString", to_text, 0, 0),
+                                         JS_FS_END};
+const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", cross, 1, 0), JS_FS_END};  // and those of all vectors
 
 template <int kIndex>
 bool define_index(JSContext* context, JS::HandleObject prototype) {
@@ -456,12 +446,13 @@ bool define_index(JSContext* context, JS::HandleObject prototype) {
 
 template <int kIndexOfKind>
 bool define(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes,
-            const JSPropertySpec* numbers, const JSFunctionSpec* methods) {
+            const JSPropertySpec* numbers, const JSFunctionSpec* methods, const JSFunctionSpec* more = nullptr) {
   const TupleKind& kind = kKinds[kIndexOfKind];
   JS::RootedObject prototype(context,
                              JS_InitClass(context, library, nullptr, &kind.of, construct<kIndexOfKind>,
                                           static_cast<unsigned>(kind.count), numbers, methods, nullptr, nullptr));
-  if (!prototype || !define_index<0>(context, prototype) || !define_index<1>(context, prototype)) return false;
+  if (!prototype || (more && !JS_DefineFunctions(context, prototype, more))) return false;
+  if (!define_index<0>(context, prototype) || !define_index<1>(context, prototype)) return false;
   if (kind.count > 2 && !define_index<2>(context, prototype)) return false;
   if (kind.count > 3 && !define_index<3>(context, prototype)) return false;
   for (std::uint32_t i = 0; i < 4; ++i) JS::SetReservedSlot(prototype, i, JS::DoubleValue(0));
@@ -496,8 +487,8 @@ bool is_tuple(JSObject* object, FieldType& type, double* components) {
 bool define_tuples(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
   return define<0>(context, library, prototypes, kColorNumbers, kColorMethods) &&
          define<1>(context, library, prototypes, kRotationNumbers, kRotationMethods) &&
-         define<2>(context, library, prototypes, kVec2fNumbers, kVec2fMethods) &&
-         define<3>(context, library, prototypes, kVec3fNumbers, kVec3fMethods);
+         define<2>(context, library, prototypes, kVec2fNumbers, kVectorMethods) &&
+         define<3>(context, library, prototypes, kVec3fNumbers, kVectorMethods, kVec3fMethods);
 }
 
 }  // namespace gs::app::script

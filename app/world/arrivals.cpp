@@ -1,6 +1,6 @@
 #include "app/world/arrivals.h"
 
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 
 #include <iterator>
 #include <utility>

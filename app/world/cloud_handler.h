@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 #include "app/world/world_loading_state.h"
 #include "qnv/decode/decoder.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/world/outline_scene.h"
+#include "app/formats/qnv/outline_scene.h"
 #include "app/world/world_loading_state.h"
 #include "qnv/outline/outline_stream.h"
 

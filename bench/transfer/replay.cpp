@@ -1,5 +1,5 @@
 #include "app/formats/content_types.h"
-#include "app/world/outline_scene.h"
+#include "app/formats/qnv/outline_scene.h"
 #include "bench/studio.h"
 #include "bench/transfer/run.h"
 #include "net/base/range_set.h"

@@ -1,6 +1,6 @@
 #include "app/base/load_limit.h"
 
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 #include "app/world/world_loader.h"
 #include "tests/app/scratch_folder.h"
 

@@ -1,7 +1,7 @@
 // Models as outline groups, from the model to the picture.
 #include "app/encode/outline_model.h"
 #include "app/formats/export/outline_text.h"
-#include "app/world/outline_scene.h"
+#include "app/formats/qnv/outline_scene.h"
 #include "app/world/world_loading.h"
 #include "qnv/outline/outline_stream.h"
 #include "render/draw/renderer.h"

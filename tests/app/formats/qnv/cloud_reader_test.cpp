@@ -1,5 +1,5 @@
 // Large packed streams are read where they lie.
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 
 #include "app/world/world_loader.h"
 #include "qnv/encode/encode_surface.h"

@@ -1,4 +1,4 @@
-#include "app/world/outline_scene.h"
+#include "app/formats/qnv/outline_scene.h"
 
 #include "app/formats/common/scene_builder.h"
 

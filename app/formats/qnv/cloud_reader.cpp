@@ -1,4 +1,4 @@
-#include "app/world/cloud_reader.h"
+#include "app/formats/qnv/cloud_reader.h"
 
 #include "app/base/gunzip.h"
 #include "app/formats/volume/volume.h"
