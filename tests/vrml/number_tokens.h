@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-/// Random texts of numbers, for the tests of their readers.
+/// RandomBits texts of numbers, for the tests of their readers.
 namespace gs::test {
 
-using Random = std::mt19937_64;
-inline unsigned below(Random& random, unsigned bound) { return static_cast<unsigned>(random() % bound); }
+using RandomBits = std::mt19937_64;
+inline unsigned below(RandomBits& random, unsigned bound) { return static_cast<unsigned>(random() % bound); }
 
-inline std::string digits(Random& random, unsigned count) {
+inline std::string digits(RandomBits& random, unsigned count) {
   std::string text;
   for (unsigned i = 0; i < count; ++i) text += static_cast<char>('0' + below(random, 10));
   return text;
@@ -27,7 +27,7 @@ inline std::string format(const char* pattern, double value) {
 }
 
 /// All digits of a number that lies exactly between two floats, or very near to that.
-inline std::string midpoint(Random& random) {
+inline std::string midpoint(RandomBits& random) {
   const auto f =
       std::bit_cast<float>(static_cast<std::uint32_t>(random() & 0x7fffffu) | (97 + below(random, 80)) << 23);
   const double middle = (static_cast<double>(f) + static_cast<double>(std::nextafter(f, 1e38f))) / 2;
@@ -39,7 +39,7 @@ inline std::string midpoint(Random& random) {
   return text;
 }
 
-inline std::string float_token(Random& random) {
+inline std::string float_token(RandomBits& random) {
   static const char* const signs[] = {"", "", "-", "+"};
   std::string text = signs[below(random, 4)];
   const double number = std::uniform_real_distribution<double>(0, 1000)(random);
@@ -73,7 +73,7 @@ inline std::string float_token(Random& random) {
   return text;
 }
 
-inline std::string integer_token(Random& random) {
+inline std::string integer_token(RandomBits& random) {
   static const char* const signs[] = {"", "", "-", "+"};
   std::string text = signs[below(random, 4)];
   switch (below(random, 8)) {
@@ -92,12 +92,12 @@ inline std::string integer_token(Random& random) {
   }
 }
 
-inline std::string separator(Random& random) {
+inline std::string separator(RandomBits& random) {
   static const char* const all[] = {" ", ",", "\n", "\t", ", ", "  ", ",\n", "\r\n", " ,\r\n\t "};
   return below(random, 40) == 0 ? std::string(below(random, 150), ' ') + "\n" : all[below(random, 9)];
 }
 
-inline std::string joined(Random& random, const std::vector<std::string>& tokens) {
+inline std::string joined(RandomBits& random, const std::vector<std::string>& tokens) {
   std::string text;
   for (const std::string& token : tokens) text += token + separator(random);
   return text;

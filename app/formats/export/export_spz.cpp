@@ -83,8 +83,8 @@ void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t c
 
 std::optional<std::vector<std::byte>> gzipped(const std::vector<std::byte>& data) {
   z_stream stream{};
-  constexpr int kGzipWindow = 15 + 16, kMemory = 8;
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+  constexpr int kGzip = 15 + 16, kMemory = 8;
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
     return std::nullopt;
   std::vector<std::byte> result, piece(std::size_t{256} << 10);
   std::size_t next = 0;

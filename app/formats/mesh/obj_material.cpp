@@ -28,24 +28,25 @@ bool read_number(TextCursor words, float& value) { return words.skip_space() && 
 
 /// The file name behind the options of a texture statement; it may hold blanks.
 std::string texture_name(TextCursor words) {
-  constexpr std::array<std::pair<std::string_view, int>, 13> kOptions = {{{"-blendu", 1},
-                                                                          {"-blendv", 1},
-                                                                          {"-boost", 1},
-                                                                          {"-cc", 1},
-                                                                          {"-clamp", 1},
-                                                                          {"-imfchan", 1},
-                                                                          {"-mm", 2},
-                                                                          {"-o", 3},
-                                                                          {"-s", 3},
-                                                                          {"-t", 3},
-                                                                          {"-texres", 1},
-                                                                          {"-bm", 1},
-                                                                          {"-type", 1}}};
+  constexpr std::array<std::pair<std::string_view, int>, 13> kTextureOptions = {{{"-blendu", 1},
+                                                                                 {"-blendv", 1},
+                                                                                 {"-boost", 1},
+                                                                                 {"-cc", 1},
+                                                                                 {"-clamp", 1},
+                                                                                 {"-imfchan", 1},
+                                                                                 {"-mm", 2},
+                                                                                 {"-o", 3},
+                                                                                 {"-s", 3},
+                                                                                 {"-t", 3},
+                                                                                 {"-texres", 1},
+                                                                                 {"-bm", 1},
+                                                                                 {"-type", 1}}};
   while (words.skip_space()) {
     const char* start = words.next;
     const std::string_view word = words.word();
-    const auto option = std::find_if(kOptions.begin(), kOptions.end(), [&](const auto& o) { return o.first == word; });
-    if (option == kOptions.end()) {
+    const auto option =
+        std::find_if(kTextureOptions.begin(), kTextureOptions.end(), [&](const auto& o) { return o.first == word; });
+    if (option == kTextureOptions.end()) {
       words.next = start;
       break;
     }

@@ -108,7 +108,7 @@ TEST_CASE("What is lost is rebuilt without asking", "[cell_parity][optimised]") 
   }
 }
 
-TEST_CASE("Losses in runs are met with more parity", "[cell_parity]") {
+TEST_CASE("Losses in runs are met with more parity", "[cell_parity][optimised]") {
   const auto source = parity_records(600);
   for (const double loss : {0.1, 0.3}) {
     ParityTrial trial;
@@ -165,7 +165,7 @@ TEST_CASE("A scene of a few datagrams is protected, too", "[cell_parity]") {
   CHECK(static_cast<double>(lacking) < 0.02 * static_cast<double>(total));
 }
 
-TEST_CASE("A loss that begins later is met, one that ends is forgotten", "[cell_parity]") {
+TEST_CASE("A loss that begins later is met, one that ends is forgotten", "[cell_parity][optimised]") {
   const auto source = std::make_shared<PatternSource>(2000, Streams{{true, 2000, 8000}});
   auto library = std::make_shared<PatternLibrary>();
   library->sources["a"] = source;

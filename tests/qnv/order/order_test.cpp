@@ -138,7 +138,7 @@ void check_holes(const Vectors& v, double limit) {
 
 TEST_CASE("every prefix of a sphere covers it evenly") { check_holes(sphere_vectors(40'000), 1.7); }
 
-TEST_CASE("every prefix of the bunny covers it evenly") {
+TEST_CASE("every prefix of the bunny covers it evenly", "[optimised]") {
   const char* path = GHOSTSPACE_TESTS "/../../shared/data/meshes/scans/bun_zipper.ply";
   if (!std::ifstream(path)) {
     WARN("no bunny at " << path);
@@ -147,7 +147,7 @@ TEST_CASE("every prefix of the bunny covers it evenly") {
   check_holes(triangles_of(path), 2);
 }
 
-TEST_CASE("holes stay small between the tested prefixes") {
+TEST_CASE("holes stay small between the tested prefixes", "[optimised]") {
   const Vectors v = sphere_vectors(8000);
   const std::vector<std::uint32_t> order = order_of(v);
   for (std::size_t count = 8; count < 3000; count += 1 + count / 4) {

@@ -154,7 +154,7 @@ TEST_CASE("The lights of a volume: its directional ones, the strongest others, t
   CHECK(none[0].color == glm::vec3(0));
 }
 
-TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vector by vector") {
+TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vector by vector", "[optimised]") {
   const auto first = std::make_shared<const qnv::Cloud>(random_volume(900, 5, 0.12f)),
              second = std::make_shared<const qnv::Cloud>(random_volume(700, 6, 0.12f));
   const glm::mat4 place = testing::translation({0.3f, 0.1f, 0.2f}) * testing::scale({1.2f, 0.8f, 1});
@@ -186,7 +186,7 @@ TEST_CASE("Vectors of volumes that stand in one another are mixed by depth, vect
   CHECK(layered.decibels() < 35);
 }
 
-TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what lies before it") {
+TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what lies before it", "[optimised]") {
   const auto cloud = std::make_shared<const qnv::Cloud>(random_volume(1500, 5, 0.1f));
   const VolumeModel model = volume_model(*cloud);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
@@ -219,7 +219,7 @@ TEST_CASE("A polygon in a volume hides what lies behind it and is veiled by what
   }
 }
 
-TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay smooth with several samples") {
+TEST_CASE("The edges of polygons in front of a volume, inside and behind it stay smooth with several samples", "[optimised]") {
   auto cloud = std::make_shared<qnv::Cloud>(random_volume(6000, 5, 0.08f));
   cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   for (const float depth : {1.0f, 3.0f, 6.0f}) {

@@ -153,7 +153,7 @@ std::int32_t reference(const std::string& token, std::int32_t) {
 
 template <class T, class Token>
 void check_random_texts(unsigned seed, unsigned texts, unsigned numbers, Token token) {
-  Random random(seed);
+  RandomBits random(seed);
   for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // not 3: see the shapes below
     // Also texts of one shape only, and of few: the paths treat crowds of special numbers in their own way.
     const unsigned shapes = i % 3 == 0 ? 1 + below(random, 20) : numbers;
@@ -239,7 +239,7 @@ void check_capacities(const std::string& text) {
 
 template <class T>
 void check_garbage(unsigned seed, const std::string& alphabet) {
-  Random random(seed);
+  RandomBits random(seed);
   GuardedText guarded(400);
   std::vector<T> out(500);
   for (unsigned i = 0; i < 8000; i += gs::watched_step(3)) {
@@ -315,7 +315,7 @@ TEST_CASE("A number of VRML97 5.5 and 5.6 is parsed as a whole") {
 TEST_CASE("Runs of floats are correctly rounded") { check_random_texts<float>(1, 300, 3000, float_token); }
 
 TEST_CASE("Runs of the commonest floats are correctly rounded") {
-  check_random_texts<float>(2, 100, 5000, [](Random& random) {
+  check_random_texts<float>(2, 100, 5000, [](RandomBits& random) {
     static const char* const patterns[] = {"%.6f", "%g", "%.3f", "%.8f", "%.0f", "%.1f"};
     return format(patterns[below(random, 6)], std::uniform_real_distribution<double>(-1e5, 1e5)(random));
   });
@@ -323,7 +323,7 @@ TEST_CASE("Runs of the commonest floats are correctly rounded") {
 
 TEST_CASE("Runs of floats between two floats are rounded to the even one") {
   check_random_texts<float>(3, 100, 2000, midpoint);
-  check_random_texts<float>(4, 30, 2000, [](Random& random) {
+  check_random_texts<float>(4, 30, 2000, [](RandomBits& random) {
     return std::to_string(16777216 + (random() >> (12 + below(random, 28))) * 2 + 1);
   });
 }
@@ -377,7 +377,7 @@ TEST_CASE("A run stops in front of what it does not read") {
 }
 
 TEST_CASE("Every prefix of a text gives the same run on every path, and nothing outside of it is read") {
-  Random random(6);
+  RandomBits random(6);
   for (int i = 0; i < 6; ++i) {
     std::vector<std::string> floats;
     std::vector<std::string> integers;
@@ -395,7 +395,7 @@ TEST_CASE("Every prefix of a text gives the same run on every path, and nothing 
 }
 
 TEST_CASE("A text in two windows reads as in one") {
-  Random random(7);
+  RandomBits random(7);
   std::vector<std::string> floats;
   std::vector<std::string> integers;
   for (int n = 0; n < 120; ++n) {
@@ -407,7 +407,7 @@ TEST_CASE("A text in two windows reads as in one") {
 }
 
 TEST_CASE("A run writes no more than its capacity") {
-  Random random(8);
+  RandomBits random(8);
   std::string floats;
   std::string integers;
   for (int n = 0; n < 60; ++n) {

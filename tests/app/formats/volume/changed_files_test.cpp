@@ -3,6 +3,7 @@
 #include "app/world/world_loading.h"
 #include "net/base/file.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 
@@ -34,7 +35,7 @@ TEST_CASE("a volume that is truncated after it was opened gives no more slices")
 TEST_CASE("a world that is truncated while it is read says so, and shows what came before") {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
-  while (text.size() < std::size_t{12} << 20) text += "Group { children Group { } }\n";
+  while (text.size() < (std::size_t{12} << 20) / watched_step(3)) text += "Group { children Group { } }\n";
   const std::string path = folder.write("w.wrl", text);
   WorldLoading loading(path, {});
   (void)loading.step(std::chrono::milliseconds(0));
