@@ -3,6 +3,7 @@
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
 
 #include <algorithm>
 #include <iterator>
@@ -120,6 +121,21 @@ const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view 
   return find_prototype(scene.writing().attach_library(std::move(library)), name);
 }
 
+// A PROTO that is the built-in node under another name.
+const NodeType* make_built_in(SceneGraph& scene, const NodeType& type) {
+  std::string text = " [\n" + print_interface(type) + "] {\n  " + type.name + " {";
+  for (const InterfaceDeclaration& one : type.interfaces) text += ' ' + one.name + " IS " + one.name;
+  return make(scene, type.name, text + " }\n}");
+}
+
+// What stands behind `:node:` in the name of a node type; empty: the url is no such name.
+std::string_view node_of_urn(std::string_view url) {
+  constexpr std::string_view kScheme = "urn:", kNode = ":node:";
+  const std::size_t at = url.rfind(kNode);
+  if (at == url.npos || !url.starts_with(kScheme)) return {};
+  return url.substr(at + kNode.size());
+}
+
 }  // namespace
 
 const NodeType* stand_in(SceneGraph& scene, std::string_view name) {
@@ -133,8 +149,18 @@ bool is_overlay(const NodeType& type) {
                                        [&](const Row& row) { return row.overlay && row.name == type.name; });
 }
 
+const NodeType* built_in_node_of_urn(const MFString& urls) {
+  for (const String& url : urls)
+    if (const NodeType* type = built_in_node_type(node_of_urn(url.view())); type && type->kind == NodeType::Kind::built_in)
+      return type;
+  return nullptr;
+}
+
 const NodeType* stand_in_for(SceneGraph& scene, const NodeType& external) {
   if (const NodeType* of_table = stand_in(scene, external.name)) return of_table;
+  if (const NodeType* named = built_in_node_of_urn(external.url)) return make_built_in(scene, *named);
+  for (const String& url : external.url)
+    if (const NodeType* of_table = stand_in(scene, node_of_urn(url.view()))) return of_table;
   const InterfaceDeclaration* children = external.find_field("children");
   return children && children->type == FieldType::MFNode ? make(scene, "Group", kGroup) : nullptr;
 }

@@ -136,6 +136,30 @@ TEST_CASE("an EXTERNPROTO that cannot be had shows its children, with one warnin
   CHECK(count("error: ") == 0);
 }
 
+TEST_CASE("an EXTERNPROTO may name a node of the standard, or one that has a stand-in, by a urn") {
+  const ScratchFolder folder;
+  const std::string material = "appearance Appearance { material Material { emissiveColor 1 0 0 } } ";
+  const Shown shown = show(
+      folder.write("a.wrl", kHeader +
+                                "EXTERNPROTO Fruit [ field SFNode appearance exposedField SFNode geometry ] "
+                                "[ \"gone.wrl\" \"urn:web3d:vrml97:node:Shape\" ]\n"
+                                "EXTERNPROTO Place [ exposedField MFNode children eventIn SFVec3f set_translation ] "
+                                "\"urn:web3d:vrml97:node:Transform\"\n"
+                                "EXTERNPROTO Hider [ field MFNode children field SFBool enabled ] "
+                                "\"urn:inet:blaxxun.com:node:Occlusion\"\n"
+                                "EXTERNPROTO Unknown [ field SFFloat a ] \"urn:inet:blaxxun.com:node:Nobody\"\n"
+                                "Place { children Fruit { " +
+                                material + "geometry Box { } } }\nHider { children Shape { " + material +
+                                "geometry Box { } } }\n" + "Unknown { }\n"));
+  INFO(shown.messages);
+  CHECK(shown.colors == std::vector<glm::vec3>{kRed, kRed});
+  CHECK(shown.messages.find("Fruit") == std::string::npos);
+  CHECK(shown.messages.find("Place") == std::string::npos);
+  CHECK(shown.messages.find("EXTERNPROTO Hider: cannot find") != std::string::npos);
+  CHECK(shown.messages.find("EXTERNPROTO Unknown: cannot find") != std::string::npos);
+  CHECK(shown.messages.find("error: ") == std::string::npos);
+}
+
 TEST_CASE("nodes of Blaxxun and Cosmo worlds have stand-ins, by EXTERNPROTO and without") {
   const ScratchFolder folder;
   const std::string box =
