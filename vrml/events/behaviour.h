@@ -63,6 +63,7 @@ inline constexpr int kFieldOfView = 3;      // of those of Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kScriptBehaviour;  // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
-    kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour;
+    kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
+    kNurbsPositionInterpolatorBehaviour;
 
 }  // namespace gs::vrml

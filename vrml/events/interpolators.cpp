@@ -1,6 +1,7 @@
 #include "vrml/events/execution.h"
 #include "vrml/events/interpolation.h"
 #include "vrml/events/states.h"
+#include "vrml/mesh/nurbs.h"
 
 #include <algorithm>
 #include <utility>
@@ -58,6 +59,26 @@ void list_is_removed(Execution& execution, EventNode node) {
   execution.states().spares.give_back(execution.state_of(node));
 }
 
+// A place on a curve (Amendment 1). The first `dimension` values are its control points; all are where it says nothing.
+struct NurbsEvents {
+  enum : int { set_fraction, key_value, value_changed, key_weight, knot, order, dimension };
+};
+bool set_fraction_of_curve(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event != NurbsEvents::set_fraction) return true;
+  const MFVec3f& points = execution.get<MFVec3f>(node, NurbsEvents::key_value);
+  const MFFloat& knots = execution.get<MFFloat>(node, NurbsEvents::knot);
+  const SFInt32 dimension = execution.get<SFInt32>(node, NurbsEvents::dimension);
+  const std::size_t count =
+      dimension > 0 ? std::min(static_cast<std::size_t>(dimension), points.size()) : points.size();
+  if (!execution.spend(knots.size())) return false;
+  const auto axis = NurbsAxis::make(count, execution.get<SFInt32>(node, NurbsEvents::order), knots.span());
+  if (!axis) return false;
+  execution.send(
+      node, NurbsEvents::value_changed,
+      nurbs_point(*axis, points, execution.get<MFFloat>(node, NurbsEvents::key_weight), std::get<SFFloat>(value)));
+  return false;
+}
+
 constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEvents = {"set_fraction", "keyValue",
                                                                                       "value_changed", "key"};
 
@@ -75,5 +96,10 @@ const Behaviour kPositionInterpolatorBehaviour = {kInterpolatorEvents, nullptr, 
                                                   nullptr};
 const Behaviour kScalarInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFFloat, between_numbers>,
                                                 nullptr};
+const Behaviour kNurbsPositionInterpolatorBehaviour = {
+    {"set_fraction", "keyValue", "value_changed", "keyWeight", "knot", "order", "dimension"},
+    nullptr,
+    set_fraction_of_curve,
+    nullptr};
 
 }  // namespace gs::vrml

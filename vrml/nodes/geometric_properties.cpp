@@ -14,6 +14,16 @@ constexpr NodeRow kGeometricPropertiesRows[] = {
     {"Normal", "6.30", Role::geometric_property, NodeKind::normal, R"(
   exposedField MFVec3f    vector           []               # (-inf,inf)
 )"},
+    {"NurbsTextureSurface", kAmendmentClause, Role::geometric_property, NodeKind::nurbs_texture_surface, R"(
+  exposedField MFVec2f    controlPoint     []               # (-inf,inf)
+  exposedField MFFloat    weight           []               # (0,inf)
+  field        SFInt32    uDimension       0                # [0,inf)
+  field        MFFloat    uKnot            []               # (-inf,inf)
+  field        SFInt32    uOrder           3                # [2,inf)
+  field        SFInt32    vDimension       0                # [0,inf)
+  field        MFFloat    vKnot            []               # (-inf,inf)
+  field        SFInt32    vOrder           3                # [2,inf)
+)"},
     {"TextureCoordinate", "6.48", Role::geometric_property, NodeKind::texture_coordinate, R"(
   exposedField MFVec2f    point            []               # (-inf,inf)
 )"},

@@ -103,6 +103,30 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFInt32    coordIndex       []               # [-1,inf)
 )",
      tessellate_indexed_line_set},
+    {"NurbsCurve", kAmendmentClause, Role::geometry, NodeKind::other, R"(
+  exposedField MFVec3f    controlPoint     []               # (-inf,inf)
+  exposedField SFInt32    tessellation     0                # (-inf,inf)
+  exposedField MFFloat    weight           []               # (0,inf)
+  field        MFFloat    knot             []               # (-inf,inf)
+  field        SFInt32    order            3                # [2,inf)
+)",
+     tessellate_nurbs_curve},
+    {"NurbsSurface", kAmendmentClause, Role::geometry, NodeKind::other, R"(
+  exposedField MFVec3f    controlPoint     []               # (-inf,inf)
+  exposedField SFNode     texCoord         NULL
+  exposedField SFInt32    uTessellation    0                # (-inf,inf)
+  exposedField SFInt32    vTessellation    0                # (-inf,inf)
+  exposedField MFFloat    weight           []               # (0,inf)
+  field        SFBool     ccw              TRUE
+  field        SFBool     solid            TRUE
+  field        SFInt32    uDimension       0                # [0,inf)
+  field        MFFloat    uKnot            []               # (-inf,inf)
+  field        SFInt32    uOrder           3                # [2,inf)
+  field        SFInt32    vDimension       0                # [0,inf)
+  field        MFFloat    vKnot            []               # (-inf,inf)
+  field        SFInt32    vOrder           3                # [2,inf)
+)",
+     tessellate_nurbs_surface},
     {"OutlineGroup", "GhostSpace", Role::geometry, NodeKind::outline_group, R"(
   exposedField MFString   url              []
   exposedField SFBool     complete         FALSE

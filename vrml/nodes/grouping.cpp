@@ -56,6 +56,15 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    center           0 0 0            # (-inf,inf)
   field        MFFloat    range            []               # (0,inf)
 )"},
+    {"NurbsGroup", kAmendmentClause, Role::child | Role::grouping, NodeKind::group, R"(
+  eventIn      MFNode     addChildren
+  eventIn      MFNode     removeChildren
+  exposedField MFNode     children         []
+  exposedField SFFloat    tessellationScale 1.0             # (0,inf)
+  field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
+  field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
+)",
+     nullptr, &kGroupBehaviour},
     {"Switch", "6.46", Role::child | Role::grouping, NodeKind::switch_node, R"(
   exposedField MFNode     choice           []
   exposedField SFInt32    whichChoice      -1               # [-1,inf)

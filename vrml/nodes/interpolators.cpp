@@ -27,6 +27,16 @@ constexpr NodeRow kInterpolatorsRows[] = {
   eventOut     MFVec3f    value_changed
 )",
      nullptr, &kNormalInterpolatorBehaviour},
+    {"NurbsPositionInterpolator", kAmendmentClause, Role::child | Role::interpolator, NodeKind::other, R"(
+  eventIn      SFFloat    set_fraction                      # (-inf,inf)
+  exposedField SFInt32    dimension        0                # [0,inf)
+  exposedField MFVec3f    keyValue         []               # (-inf,inf)
+  exposedField MFFloat    keyWeight        []               # (0,inf)
+  exposedField MFFloat    knot             []               # (-inf,inf)
+  exposedField SFInt32    order            4                # [2,inf)
+  eventOut     SFVec3f    value_changed
+)",
+     nullptr, &kNurbsPositionInterpolatorBehaviour},
     {"OrientationInterpolator", "6.32", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)
   exposedField MFFloat    key              []               # (-inf,inf)

@@ -76,7 +76,7 @@ std::span<const std::unique_ptr<NodeType>> built_in_node_types() { return table(
 
 const NodeType* stood_for(const NodeType& prototype) {
   const NodeType* native = built_in_node_type(prototype.name);
-  if (!native || native->clause != kOwnClause || !native->tessellator.tessellate) return nullptr;
+  if (!native || !is_extension(native->clause) || native->url_content == UrlContent::vectors) return nullptr;
   const bool same = std::all_of(prototype.interfaces.begin(), prototype.interfaces.end(), [&](const auto& declaration) {
     const InterfaceDeclaration* own = native->find(declaration.name);
     return own && own->type == declaration.type && own->access == declaration.access;

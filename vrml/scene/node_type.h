@@ -92,6 +92,7 @@ enum class NodeKind : std::uint8_t {
   normal,
   color,
   texture_coordinate,
+  nurbs_texture_surface,
   indexed_face_set,
   indexed_line_set,
   point_set,
@@ -118,8 +119,12 @@ struct Tessellator {
       : tessellate(function), scale(measured) {}
 };
 
-/// The clause of the nodes that are our own (docs/formats.md).
-inline constexpr std::string_view kOwnClause = "GhostSpace";
+/// The clause of the nodes that are our own (docs/formats.md), and of those of the standard's amendment.
+inline constexpr std::string_view kOwnClause = "GhostSpace", kAmendmentClause = "VRML97 Amendment 1";
+/// Whether browsers need not know the node: files may bring a PROTO or EXTERNPROTO of its name along.
+[[nodiscard]] constexpr bool is_extension(std::string_view clause) {
+  return clause == kOwnClause || clause == kAmendmentClause;
+}
 
 /// One built-in node type, as the standard prints it: the row from which everything else (parsing,
 /// defaults, IS and ROUTE checks, printing, documentation) is derived.
@@ -186,8 +191,8 @@ struct NodeType {
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
 /// The built-in type of this kind, the first one by name where there are several.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
-/// Our own node that a PROTO or EXTERNPROTO stands for in browsers that do not know it: of the same name, with no
-/// other interface than the node's, and drawn from its fields alone. Null for any other.
+/// The extension that a PROTO or EXTERNPROTO stands for in browsers that do not know it: of the same name, with no
+/// other interface than the node's, and made of its fields alone. Null for any other.
 [[nodiscard]] const NodeType* stood_for(const NodeType& prototype);
 
 }  // namespace gs::vrml

@@ -148,11 +148,11 @@ void Parser::State::end_scope() {
 }
 
 // The declaration is complete: nodes of its name are of this type from here on. Names of types are one of a kind (4.8);
-// our own nodes have fallbacks of their names for other browsers.
+// extensions have fallbacks of their names for other browsers.
 void Parser::State::add_type(NodeType& type) {
   const NodeType* built_in = built_in_node_type(type.name);
   const NodeType*& known = scopes.back().types[type.name];
-  const bool taken = known || (built_in && built_in->clause != kOwnClause);
+  const bool taken = known || (built_in && !is_extension(built_in->clause));
   if (taken && said_types.insert(type.name).second)
     warn(type.location,
          (known ? "a second declaration of '" + type.name + '\'' : '\'' + type.name + "' is a built-in node") +

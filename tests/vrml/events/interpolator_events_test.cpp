@@ -119,4 +119,27 @@ TEST_CASE("ColorInterpolator takes hues the shorter way round, also through 0 (6
   CHECK(value_sent(world, 1, 0.5F) == "1 0 0");
 }
 
+TEST_CASE("NurbsPositionInterpolator sends the place on its curve (Amendment 1)") {
+  const std::string curve =
+      "DEF I NurbsPositionInterpolator { order 3 knot [ 0 0 0 2 2 2 ] keyValue [ 0 0 0, 2 0 0, 2 2 0 ] } ";
+  World alone(curve);
+  alone.start();
+  CHECK(value_sent(alone, 1, 0) == "0 0 0");
+  CHECK(value_sent(alone, 2, 0.5F) == "1.5 0.5 0");
+  CHECK(value_sent(alone, 3, 1) == "2 2 0");
+  CHECK(value_sent(alone, 4, -7) == "0 0 0");
+  CHECK(value_sent(alone, 5, 1e30F) == "2 2 0");
+  World world(curve + "DEF T Transform { } ROUTE I.value_changed TO T.translation");
+  world.start();
+  world.send("I.keyWeight", MFFloat{1, 0.5F, 1});  // the middle one counts half
+  world.step(1);
+  world.send("I.set_fraction", SFFloat{0.5F});
+  CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation").x == Approx(4.0 / 3));
+  world.send("I.set_dimension", SFInt32{2});  // fewer than the order: no curve
+  (void)world.take();
+  world.step(2);
+  world.send("I.set_fraction", SFFloat{0.25F});
+  CHECK(world.take().empty());
+}
+
 }  // namespace gs::vrml::traces
