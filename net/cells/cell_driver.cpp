@@ -1,5 +1,6 @@
 #include "net/cells/cell_driver.h"
 
+#include "net/base/bell.h"
 #include "net/base/clock.h"
 
 #include <algorithm>
@@ -11,33 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 namespace gs::net {
-
-/// Wakes a thread that waits for a socket.
-class DriverBell {
- public:
-  DriverBell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
-  DriverBell(const DriverBell&) = delete;
-  DriverBell& operator=(const DriverBell&) = delete;
-  ~DriverBell() {
-    if (event_ >= 0) ::close(event_);
-  }
-  void ring() const {
-    const std::uint64_t one = 1;
-    if (event_ >= 0) (void)!::write(event_, &one, sizeof one);
-  }
-  void still() const {
-    std::uint64_t count = 0;
-    if (event_ >= 0) (void)!::read(event_, &count, sizeof count);
-  }
-  [[nodiscard]] int descriptor() const { return event_; }
-
- private:
-  int event_;
-};
 
 namespace {
 
@@ -93,7 +68,7 @@ struct CellServerDriver::State {
 
   CellServer server;
   UdpSocket socket;
-  DriverBell bell;
+  Bell bell;
   std::atomic<bool> stopping = false;
   mutable std::mutex mutex;
   CellServerStatistics statistics;
@@ -218,7 +193,7 @@ struct CellClientDriver::State {
   std::function<void()> wake;
   UdpSocket socket;
   Endpoint server;
-  DriverBell bell;
+  Bell bell;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> waiting = 0;  // bytes of events
   mutable std::mutex mutex;              // of what follows

@@ -177,7 +177,8 @@ std::vector<FuzzTarget> fuzz_targets() {
           {"cache_entry", run_cache_entry, 4096},
           {"log_line", run_log_line, 512},
           {"cell_line", run_cell_line, 8192},
-          {"cell_datagrams", run_cell_datagrams, 16384}};
+          {"cell_datagrams", run_cell_datagrams, 16384},
+          {"control_client", run_control_client, 4096}};
 }
 
 }  // namespace gs::fuzz

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "net/base/descriptor.h"
+
+#include <cstdint>
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+namespace gs::net {
+
+/// Wakes a thread that waits for sockets: its descriptor can be read from when somebody has rung. `ring`: any thread.
+class Bell {
+ public:
+  Bell() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+
+  void ring() const {
+    const std::uint64_t one = 1;
+    if (event_) (void)!::write(event_.get(), &one, sizeof one);
+  }
+  void still() const {
+    std::uint64_t count = 0;
+    if (event_) (void)!::read(event_.get(), &count, sizeof count);
+  }
+  /// Negative: there is none.
+  [[nodiscard]] int descriptor() const { return event_.get(); }
+
+ private:
+  Descriptor event_;
+};
+
+}  // namespace gs::net

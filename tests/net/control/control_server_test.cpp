@@ -1,0 +1,355 @@
+#include "net/control/control_server.h"
+#include "masked_frames.h"
+#include "net/control/control_token.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/net/http_client.h"
+#include "tests/net/resident_memory.h"
+
+#include <catch2/catch.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+namespace gs::net::control_server_test {
+namespace {
+
+using test::masked_frame;
+using test::opening;
+using test::RawClient;
+
+const std::string kToken = "0123456789abcdef0123456789abcdef";
+
+/// A client of a Unix socket.
+class LineClient {
+ public:
+  explicit LineClient(const std::string& path, int receive_buffer = 0) {
+    socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    RawClient::must(socket_ >= 0, "socket");
+    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    RawClient::must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
+  }
+  ~LineClient() { ::close(socket_); }
+  LineClient(const LineClient&) = delete;
+  LineClient& operator=(const LineClient&) = delete;
+  bool send(const std::string& text) const {
+    for (std::size_t at = 0; at < text.size();) {
+      const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
+      if (sent <= 0) return false;
+      at += static_cast<std::size_t>(sent);
+    }
+    return true;
+  }
+  void say_no_more() const { ::shutdown(socket_, SHUT_WR); }
+  /// What comes next; empty at the end.
+  [[nodiscard]] std::string receive() const {
+    std::string text(65536, '\0');
+    const ssize_t got = ::recv(socket_, text.data(), text.size(), 0);
+    text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return text;
+  }
+  [[nodiscard]] std::string receive_all() const {
+    std::string all;
+    for (std::string piece = receive(); !piece.empty(); piece = receive()) all += piece;
+    return all;
+  }
+  [[nodiscard]] std::string line() {
+    std::size_t end = 0;
+    while ((end = kept_.find('\n')) == std::string::npos) {
+      const std::string piece = receive();
+      if (piece.empty()) return {};
+      kept_ += piece;
+    }
+    const std::string one = kept_.substr(0, end);
+    kept_.erase(0, end + 1);
+    return one;
+  }
+  [[nodiscard]] int socket() const { return socket_; }
+
+ private:
+  int socket_ = -1;
+  std::string kept_;
+};
+
+struct Served {
+  explicit Served(const std::function<void(ControlServerOptions&)>& change = {}) {
+    ControlServerOptions options;
+    options.paths = {folder.path("socket")};
+    options.ports = {0};
+    options.terms.token = kToken;
+    options.terms.farewell = [](const std::string& why) { return "BYE " + why; };
+    if (change) change(options);
+    auto started = ControlServer::start(std::move(options), [this] { ++wakes; });
+    if (auto* problem = std::get_if<std::string>(&started)) FAIL(*problem);
+    server = std::move(std::get<std::unique_ptr<ControlServer>>(started));
+  }
+  [[nodiscard]] std::string path() const { return folder.path("socket"); }
+  [[nodiscard]] std::uint16_t port() const { return server->ports().front(); }
+  /// The next news, waiting for it.
+  ControlNews next() const {
+    for (int i = 0; i < 20'000; ++i) {
+      if (auto news = server->next()) return std::move(*news);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    FAIL("no news");
+    return {};
+  }
+  template <class Condition>
+  static void until(const Condition& condition) {
+    for (int i = 0; i < 20'000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    REQUIRE(condition());
+  }
+
+  ScratchFolder folder;
+  std::atomic<int> wakes = 0;
+  std::unique_ptr<ControlServer> server;
+};
+
+}  // namespace
+
+TEST_CASE("Messages come from a Unix socket and a WebSocket, answers go back, and who leaves is told of") {
+  Served served;
+  auto lines = std::make_unique<LineClient>(served.path());
+  lines->send(kToken + "\nhello\n");
+  const ControlNews first = served.next();
+  CHECK(first.message == "hello");
+  CHECK(served.wakes > 0);
+  CHECK(served.server->send(first.client, "answer"));
+  CHECK(lines->line() == "answer");
+  RawClient frames(served.port());
+  frames.send(opening("/?token=" + kToken) + masked_frame(0x81, "hello"));
+  const ControlNews second = served.next();
+  CHECK(second.message == "hello");
+  CHECK(second.client != first.client);
+  CHECK(served.server->send(second.client, "answer"));
+  std::string got;
+  while (
+      !got.ends_with("\x81\x06"
+                     "answer")) {
+    const std::string piece = frames.receive();
+    REQUIRE_FALSE(piece.empty());
+    got += piece;
+  }
+  CHECK(got.starts_with("HTTP/1.1 101 "));
+  lines.reset();
+  const ControlNews left = served.next();
+  CHECK(left.left);
+  CHECK(left.client == first.client);
+  Served::until([&] { return !served.server->send(first.client, "more"); });
+}
+
+TEST_CASE("Who has said all gets the answers to it before the connection ends") {
+  Served served;
+  LineClient client(served.path());
+  client.send(kToken + "\none\ntwo\n");
+  client.say_no_more();
+  for (const char* expected : {"one", "two"}) {
+    const ControlNews news = served.next();
+    CHECK(news.message == expected);
+    CHECK(served.server->send(news.client, "to " + news.message));
+  }
+  CHECK(served.next().left);
+  CHECK(client.receive_all() == "to one\nto two\n");
+  Served::until([&] { return served.server->connections() == 0; });
+}
+
+TEST_CASE("The socket is its owner's alone, goes with the server, and one that was left behind is replaced") {
+  Served served;
+  struct stat about {};
+  REQUIRE(::stat(served.path().c_str(), &about) == 0);
+  CHECK((about.st_mode & 0777) == 0600);
+  const auto start = [&](const std::string& path) {
+    ControlServerOptions options;
+    options.paths = {path};
+    options.terms.token = kToken;
+    return ControlServer::start(std::move(options), {});
+  };
+  const auto problem = [&](const std::string& path) {
+    const auto started = start(path);
+    const auto* why = std::get_if<std::string>(&started);
+    return why ? *why : std::string();
+  };
+  CHECK(problem(served.path()) == served.path() + " is the socket of a program that runs");
+  const std::string file = served.folder.write("file", "text");
+  CHECK(problem(file) == file + " is there and is no socket; it is not replaced");
+  CHECK(served.folder.read("file") == "text");
+  CHECK(problem(std::string(200, 'x')).find("expected a path of 1 to 107 bytes") != std::string::npos);
+  const std::string path = served.path();
+  served.server.reset();
+  CHECK(::stat(path.c_str(), &about) != 0);
+  // As a program that was killed leaves it.
+  const int dead = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  REQUIRE(::bind(dead, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  ::close(dead);
+  CHECK(problem(path).empty());
+}
+
+TEST_CASE("The port is of loopback alone") {
+  Served served;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(served.port());
+  // It listens at 127.0.0.1, and at no other address of the machine.
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  CHECK(::connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0);
+  ::close(socket);
+}
+
+TEST_CASE("A file for the token is its owner's alone, and no other file is written over") {
+  ScratchFolder folder;
+  const std::string path = folder.path("token");
+  CHECK_FALSE(write_control_token(path, kToken));
+  struct stat about {};
+  REQUIRE(::stat(path.c_str(), &about) == 0);
+  CHECK((about.st_mode & 0777) == 0600);
+  CHECK(folder.read("token") == kToken + "\n");
+  CHECK_FALSE(write_control_token(path, make_control_token()));
+  CHECK(folder.read("token") != kToken + "\n");
+  const std::string world = folder.write("world.wrl", "#VRML V2.0 utf8\n");
+  CHECK(write_control_token(world, kToken) == world + " is there and holds no token; it is not written over");
+  CHECK(folder.read("world.wrl") == "#VRML V2.0 utf8\n");
+  CHECK(write_control_token(folder.path("no/folder"), kToken));
+}
+
+TEST_CASE("Who does not say the token in time, or says another, is sent away with a reason") {
+  Served served([](ControlServerOptions& options) { options.terms.limits.admission = Instant(50'000); });
+  LineClient silent(served.path());
+  CHECK(silent.receive_all() == "BYE the token did not come in time\n");
+  LineClient wrong(served.path());
+  wrong.send(std::string(32, '0') + "\ncall\n");
+  CHECK(wrong.receive_all() == "BYE that is not the token of this program\n");
+  RawClient half(served.port());
+  half.send("GET / HTTP/1.1\r\nHost: 127");
+  CHECK(half.receive_all().empty());
+  CHECK_FALSE(served.server->next());
+}
+
+TEST_CASE("A thousand who say nothing neither fill memory nor keep out who knows the token") {
+  Served served([](ControlServerOptions& options) { options.terms.limits.strangers = 20; });
+  std::vector<std::unique_ptr<LineClient>> crowd;
+  const std::size_t before = test::resident();
+  for (int i = 0; i < 1000; ++i) {
+    // The system has room for so many descriptors of ours.
+    if (crowd.size() >= 200) crowd.erase(crowd.begin());
+    crowd.push_back(std::make_unique<LineClient>(served.path()));
+  }
+  LineClient known(served.path());
+  known.send(kToken + "\nhello\n");
+  const ControlNews news = served.next();
+  CHECK(news.message == "hello");
+  CHECK(served.server->send(news.client, "answer"));
+  CHECK(known.line() == "answer");
+  CHECK(served.server->connections() <= 22);
+  CHECK(test::resident() < before + (std::size_t{32} << 20));
+}
+
+TEST_CASE("No more clients are admitted than the limit, and the one too many is told") {
+  Served served([](ControlServerOptions& options) { options.terms.limits.clients = 2; });
+  LineClient one(served.path()), two(served.path());
+  one.send(kToken + "\na\n");
+  CHECK(served.next().message == "a");
+  two.send(kToken + "\nb\n");
+  CHECK(served.next().message == "b");
+  LineClient three(served.path());
+  three.send(kToken + "\nc\n");
+  CHECK(three.receive_all() == "BYE there are 2 clients already\n");
+}
+
+TEST_CASE("A client that floods is not read from until its messages are taken, and others are served in turn") {
+  Served served([](ControlServerOptions& options) {
+    options.terms.limits.waiting_messages = 100;
+    options.terms.limits.waiting_bytes = 100'000;
+  });
+  const std::size_t before = test::resident();
+  std::atomic<bool> done = false;
+  constexpr int kMessages = 20'000;
+  std::thread flood([&] {
+    const LineClient client(served.path());
+    client.send(kToken + "\n");
+    std::string lines;
+    for (int i = 0; i < kMessages; ++i) lines += std::to_string(i) + std::string(1000, ' ') + "\n";
+    client.send(lines);
+    done = true;
+  });
+  Served::until([&] { return served.server->connections() == 1; });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK_FALSE(done);  // 20 MB do not fit into what may wait and the buffers of the system
+  CHECK(test::resident() < before + (std::size_t{64} << 20));
+  LineClient other(served.path());
+  other.send(kToken + "\nother\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  int from_flood = 0;
+  bool other_seen = false;
+  while (!other_seen) {
+    const ControlNews news = served.next();
+    other_seen = news.message == "other";
+    from_flood += other_seen ? 0 : 1;
+  }
+  CHECK(from_flood <= 200);
+  int next = from_flood;
+  bool in_order = true;
+  while (next < kMessages) {
+    const ControlNews news = served.next();
+    if (news.left) continue;
+    in_order = in_order && std::stoi(news.message) == next;
+    ++next;
+  }
+  CHECK(in_order);
+  flood.join();
+  CHECK(done);
+}
+
+TEST_CASE("All that was sent is taken of a client that has closed its end, however much waits") {
+  Served served([](ControlServerOptions& options) { options.terms.limits.waiting_messages = 10; });
+  {
+    const LineClient client(served.path());
+    std::string lines = kToken + "\n";
+    for (int i = 0; i < 1000; ++i) lines += std::to_string(i) + "\n";
+    client.send(lines);
+  }
+  for (int i = 0; i < 1000; ++i) REQUIRE(served.next().message == std::to_string(i));
+  CHECK(served.next().left);
+}
+
+TEST_CASE("A client that does not read is behind, then cut off, and memory stays bounded") {
+  Served served([](ControlServerOptions& options) { options.terms.limits.outgoing_bytes = std::size_t{2} << 20; });
+  LineClient client(served.path());
+  client.send(kToken + "\nhello\n");
+  const std::uint64_t number = served.next().client;
+  CHECK_FALSE(served.server->is_behind(number));
+  const std::string text(10'000, 'x');
+  int sent = 0;
+  while (!served.server->is_behind(number) && sent < 10'000) {
+    REQUIRE(served.server->send(number, text));
+    ++sent;
+  }
+  CHECK(served.server->is_behind(number));
+  // Who reads again is not behind any more, and is told of by a wake.
+  const int wakes = served.wakes;
+  std::size_t got = 0;
+  while (got < static_cast<std::size_t>(sent) * (text.size() + 1)) got += client.receive().size();
+  Served::until([&] { return !served.server->is_behind(number); });
+  Served::until([&] { return served.wakes > wakes; });
+  for (sent = 0; served.server->send(number, text) && sent < 10'000; ++sent) {
+  }
+  CHECK(sent < 10'000);
+  const ControlNews left = served.next();
+  CHECK(left.left);
+  CHECK(left.client == number);
+}
+
+}  // namespace gs::net::control_server_test
