@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/session/links.h"
 #include "app/session/simulation.h"
 #include "app/view/navigation.h"
 #include "app/world/left_out.h"
@@ -135,8 +136,10 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 
 }  // namespace
 
-int run_snapshot(const Options& options, const std::string& file) {
+int run_snapshot(const Options& options, const std::string& named) {
   using render::Phase;
+  const GivenPlace given = given_place(named);
+  const std::string& file = given.target;
   const Clock::time_point start = Clock::now();
   render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
   render::PhaseClock* const measured = options.stats.empty() ? nullptr : &phases;
@@ -166,6 +169,9 @@ int run_snapshot(const Options& options, const std::string& file) {
   simulation.measure(measured);
   if (!options.viewpoint.empty() && !options.orbit)
     if (const auto problem = simulation.begin_at(options.viewpoint)) return fail(*problem);
+  if (!given.viewpoint.empty() && options.viewpoint.empty() && !options.orbit)
+    if (const auto problem = simulation.begin_at(given.viewpoint))
+      complain("%s: warning: %s", file.c_str(), problem->c_str());
   if (!plan_input(options, simulation)) return kFailed;
   if (!may_write(options.snapshot, file))
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");

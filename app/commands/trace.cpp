@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/session/links.h"
 #include "app/session/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
@@ -32,12 +33,16 @@ bool plan_input(const Options& options, Simulation& simulation) {
 }
 
 int run_trace(const Options& options) {
-  WorldLoading loading(options.files.front(), load_options(options));
-  OpenedWorld world = load_world(loading, options.files.front());
+  const GivenPlace given = given_place(options.files.front());
+  WorldLoading loading(given.target, load_options(options));
+  OpenedWorld world = load_world(loading, given.target);
   print_diagnostics(world.diagnostics);
   if (!world.scene) return kFailed;
   Simulation simulation(std::move(world), {options.width, options.height});
   simulation.fetch_with(loading);
+  if (!given.viewpoint.empty())
+    if (const auto problem = simulation.begin_at(given.viewpoint))
+      complain("%s: warning: %s", given.target.c_str(), problem->c_str());
   if (!plan_input(options, simulation)) return kFailed;
   vrml::NodeNames names(*simulation.world().scene);
   std::string line;

@@ -63,6 +63,9 @@ std::optional<std::size_t> choose(const char* id, const std::string& preview, co
   return result;
 }
 
+constexpr NavigationMode kShownModes[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
+                                          NavigationMode::pan, NavigationMode::look_at};
+
 /// How much of the top bar there is room for (`more`: clouds and layouts). Each row leaves out more than the one
 /// before.
 struct BarPlan {
@@ -91,7 +94,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   if (model.files.size() > 1 && plan.files > 0) width += gap + plan.files * scale;
   if (plan.viewpoints > 0) width += plan.viewpoints * scale + (plan.arrows ? 2 * combo_arrow + 2 : 0) + group;
   if (plan.mode_buttons)
-    for (const char* label : {"Examine", "Fly", "Walk", "Pan"}) width += button_width(label) + 1;
+    for (const NavigationMode mode : kShownModes) width += button_width(row_of(mode).label.data()) + 1;
   else
     width += button_width("Examine") + combo_arrow;
   width += group + (plan.home ? button_width("Reset") + 1 : 0) + (plan.fit ? button_width("Fit") : 0);
@@ -139,20 +142,18 @@ float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() 
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
 
 void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
-  static constexpr NavigationMode kShown[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
-                                              NavigationMode::pan};
   ImGui::BeginDisabled(!model.has_world);
   if (as_list) {
     ImGui::SetNextItemWidth(button_width("Examine") + ImGui::GetFrameHeight());
     if (ImGui::BeginCombo("##mode", row_of(model.mode).label.data())) {
-      for (const NavigationMode mode : kShown)
+      for (const NavigationMode mode : kShownModes)
         if (model.rules.allows(mode) && ImGui::Selectable(row_of(mode).label.data(), mode == model.mode))
           actions.mode = mode;
       ImGui::EndCombo();
     }
   } else {
-    for (const NavigationMode mode : kShown) {
-      if (mode != kShown[0]) ImGui::SameLine(0, 1);
+    for (const NavigationMode mode : kShownModes) {
+      if (mode != kShownModes[0]) ImGui::SameLine(0, 1);
       ImGui::BeginDisabled(!model.rules.allows(mode));
       if (switch_button(row_of(mode).label.data(), mode == model.mode)) actions.mode = mode;
       ImGui::EndDisabled();

@@ -24,12 +24,14 @@ constexpr KeyHelp kPointerHelp[] = {
     {"Shift or Ctrl + left drag", "Slide"},
     {"Wheel", "Towards what is under the pointer.  Fly, Walk: ahead"},
     {"Double click", "Examine: turn about this point from now on"},
+    {"Click", "Look at: go to what is under the pointer"},
     {"Hand", "Something in the world that a click or a left drag sets in motion, or a link"},
 };
 // Keys that move the viewer while they are held.
 constexpr KeyHelp kHeldKeyHelp[] = {
     {"Arrows", "Examine: turn.  Fly, Walk: ahead, back, turn"},
     {"W A S D, Q E", "Ahead, left, back, right, down, up; with Shift fast"},
+    {"Gamepad, 3D mouse", "Left stick and triggers move, the right stick turns; the cap does both"},
 };
 
 template <std::size_t N>

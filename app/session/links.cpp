@@ -48,6 +48,19 @@ bool is_for_browser(const net::Url& url) {
 
 }  // namespace
 
+GivenPlace given_place(const std::string& path_or_url) {
+  const std::size_t mark = path_or_url.rfind('#');
+  if (mark == std::string::npos) return {path_or_url, {}};
+  GivenPlace parts{path_or_url.substr(0, mark), path_or_url.substr(mark + 1)};
+  net::Url url = net::parse_url(path_or_url);
+  if (!url.scheme.empty() && net::find_scheme(url.scheme))
+    return url.scheme == "data" ? GivenPlace{path_or_url, {}} : parts;
+  std::error_code error;
+  return std::filesystem::exists(path_or_url, error) || !std::filesystem::exists(parts.target, error)
+             ? GivenPlace{path_or_url, {}}
+             : parts;
+}
+
 Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
   const vrml::InterfaceDeclaration* url_field = scene.node(anchor).type->find_field("url");
   std::vector<std::string> urls, parameters;

@@ -19,6 +19,13 @@ struct Link {
   bool other_window = false;  // "target=" in `parameter` names another frame
 };
 
+/// A file or URL as the user gives it: "#NAME" behind it is the Viewpoint to begin at (VRML97 4.5.2), unless a file is
+/// called so.
+struct GivenPlace {
+  std::string target, viewpoint;
+};
+[[nodiscard]] GivenPlace given_place(const std::string& path_or_url);
+
 /// Of an Anchor node. A world of the network leads to the network only.
 [[nodiscard]] Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor);
 

@@ -1,5 +1,6 @@
 #include "app/session/living_world.h"
 #include "net/base/url.h"
+#include "render/scene/late_meshes.h"
 
 #include <glm/geometric.hpp>
 
@@ -292,6 +293,21 @@ void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
   for (std::vector<vrml::NodeChange>& batch : batches_)
     std::erase_if(batch, [&](const vrml::NodeChange& change) { return change.scene == &scene; });
+}
+
+void LivingWorld::set_mesh_worker(std::shared_ptr<render::MeshWorker> worker) {
+  meshes_.late = worker ? std::make_shared<render::LateMeshes>(std::move(worker)) : nullptr;
+}
+
+bool LivingWorld::take_meshes() {
+  if (!meshes_.late) return false;
+  meshes_.late->begin_frame();
+  std::vector<vrml::NodeChange> changes;
+  for (const render::LateMeshes::Made& one : meshes_.late->take(meshes_))
+    if (vrml::SceneGraph* scene = execution_.own_scene(*one.scene)) changes.push_back({scene, one.node, 0});
+  if (changes.empty()) return false;
+  add_changes(std::move(changes));
+  return true;
 }
 
 void LivingWorld::add_changes(std::vector<vrml::NodeChange> changes) {

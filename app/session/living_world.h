@@ -19,6 +19,10 @@
 #include <utility>
 #include <vector>
 
+namespace gs::render {
+class MeshWorker;
+}
+
 namespace gs::app {
 
 /// Seconds since 1970-01-01 00:00 GMT, as worlds count them (VRML97 4.11). Never goes back.
@@ -55,6 +59,10 @@ class LivingWorld {
   bool step(double now);
   /// An event that the user has caused. False: there is no such node or eventIn, or the value is of another type.
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
+  /// Large meshes of what changes are made there from now on, while the former ones are shown.
+  void set_mesh_worker(std::shared_ptr<render::MeshWorker> worker);
+  /// A frame begins: takes in the meshes that are done. True when something has changed.
+  bool take_meshes();
   /// Takes in what has come.
   void arrive(Arrivals&& arrivals);
   /// The urls that have been set since the last call, for who fetches; what comes goes to `arrive`.

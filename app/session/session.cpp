@@ -1,5 +1,7 @@
 #include "app/session/session.h"
 
+#include "render/scene/late_meshes.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -17,7 +19,10 @@ constexpr std::size_t kMostRemembered = std::size_t{1} << 24;  // triangles
 
 Session::Session(SessionOptions options, LoadOptions load, std::function<void()> wake)
     : options_(std::move(options)), load_(std::move(load)), wake_(std::move(wake)) {
-  panes_.start(options_.files);
+  if (!options_.simulated)
+    mesh_worker_ = std::make_shared<render::MeshWorker>(
+        wake_, [trees = picker_.items().trees()](const auto& mesh) { trees->prepare(mesh); });
+  panes_.start(places_of(options_.files));
 }
 
 Session::~Session() {
@@ -30,6 +35,7 @@ Frame Session::step(double now, const SessionInput& input) {
   const double before = std::exchange(now_, now);
   load_next();
   if (take_news()) frame_.news = true;
+  if (take_meshes()) frame_.changed = true;
   if (feed_streams()) frame_.changed = true;
   prioritize();
   if (let_live(input.look)) frame_.changed = true;
@@ -120,7 +126,10 @@ bool Session::let_live(bool look) {
     if (look || rebound)
       for (View* seen : views) any = follow_world(*seen) || any;
     if (rebound) any = follow_bound_viewpoint(*leader) || any;
-    for (View* seen : views) seen->bound = leader->bound;
+    for (View* seen : views) {
+      seen->bound = leader->bound;
+      seen->bound_place = leader->bound_place;
+    }
     end_journey(*leader);
     if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();
   }

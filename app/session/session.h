@@ -21,14 +21,19 @@
 #include <string>
 #include <vector>
 
+namespace gs::render {
+class MeshWorker;
+}
+
 namespace gs::app {
 
 struct SessionOptions {
   std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
   std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
   std::optional<bool> headlight;   // in place of what the worlds say
-  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, and no step is left
-  /// out because the one before took long. What follows depends on the input only.
+  /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, no step is left out
+  /// because the one before took long, and nothing is shown before it is up to date. What follows depends on the input
+  /// only.
   bool simulated = false;
 };
 
@@ -119,6 +124,13 @@ class Session {
   [[nodiscard]] View* view() { return panes_.at(panes_.active()).view(); }
   /// The viewport that the pointing device's events go to, as far as sensors are concerned.
   [[nodiscard]] std::optional<std::size_t> pointed_pane() const { return pointed_pane_; }
+  /// What the pointing device is over in the active viewport: whether there is a sensor or it is held by one, and the
+  /// description of an Anchor (6.2).
+  struct Pointed {
+    bool sensor = false;
+    std::string description;
+  };
+  [[nodiscard]] Pointed pointed() const;
   [[nodiscard]] bool moving() const;
 
  private:
@@ -147,6 +159,7 @@ class Session {
   void load_next();
   bool take_news();
   bool take_document(const Reader& from, WorldReader::News& news);
+  bool take_meshes();
   bool take_arrivals(Document& document, const std::string& path, WorldReader::News news);
   void prioritize();
   bool feed_streams();
@@ -158,8 +171,11 @@ class Session {
   void handle_pointer(const SessionInput::Event& event);
   bool run_in(View& view, Action action);
   void point_at(std::size_t pane, const InputTracker::Gesture& gesture);
+  void approach(View& view, const Ray& ray, const glm::vec2& size);
+  [[nodiscard]] std::vector<std::string> places_of(const std::vector<std::string>& given);
   [[nodiscard]] std::optional<float> distance_under(const View& view, const Ray& ray, const glm::vec2& size);
   void go_to_viewpoint(View& view, std::size_t index);
+  void jump_to_viewpoint(View& view, std::size_t index);
   void step_viewpoint(int direction);
   void fit();
   void reset();
@@ -186,13 +202,14 @@ class Session {
   Panes panes_;
   PointerRouter router_;
   Picker picker_;
-  std::optional<std::size_t> pointed_pane_;     // in whose world the pointing device is
-  glm::vec2 pointer_{0};                        // framebuffer pixels
-  bool pointer_moved_ = false;                  // since sensors heard of it
-  double pressed_at_ = -1e9;                    // when somebody has pressed a button or key last
-  bool sensor_has_pointer_ = false;             // until the button is released
-  std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
-  std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
+  std::shared_ptr<render::MeshWorker> mesh_worker_;  // null in simulated time
+  std::optional<std::size_t> pointed_pane_;          // in whose world the pointing device is
+  glm::vec2 pointer_{0};                             // framebuffer pixels
+  bool pointer_moved_ = false;                       // since sensors heard of it
+  double pressed_at_ = -1e9;                         // when somebody has pressed a button or key last
+  bool sensor_has_pointer_ = false;                  // until the button is released
+  std::map<std::string, std::string> entries_;       // Viewpoints that links lead to, by file
+  std::map<std::string, Link> places_behind_;        // what an Anchor names behind a file that is being read, by file
   FolderQuestions questions_;
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last

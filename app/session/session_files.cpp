@@ -67,6 +67,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     return true;
   }
   const std::shared_ptr<Document> document = news.document;
+  if (document->living && mesh_worker_) document->living->set_mesh_worker(mesh_worker_);
   if (document->living && !document->living->has_started()) begin_world(*document, world_time());
   places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
@@ -74,6 +75,14 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
   panes_.deliver(from.reading.number, document, area_.size());
   (void)take_arrivals(*document, from.reading.path, std::move(news));
   return true;
+}
+
+// Of all worlds, so that none is kept for one who looks elsewhere.
+bool Session::take_meshes() {
+  bool any = false;
+  for (const DocumentList::Entry& entry : panes_.documents().entries())
+    if (entry.document && entry.document->living) any = entry.document->living->take_meshes() || any;
+  return any;
 }
 
 // Of a world that lives already.

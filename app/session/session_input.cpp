@@ -1,5 +1,7 @@
 #include "app/session/session.h"
 
+#include "render/scene/collector.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -22,6 +24,16 @@ void Session::handle(const SessionInput::Event& input) {
       if (const ActionRow* row = action_of(event); row && (row->of_world || !options_.simulated) && run(row->action))
         return;
       Pane& pane = panes_.at(panes_.active());
+      if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
+      return;
+    }
+    case Kind::axes: {
+      // Held like a key; where the devices lead is taken back everywhere, whichever viewport has them now.
+      Pane& pane = panes_.at(panes_.active());
+      WindowEvent rest = event;
+      rest.move = glm::vec3(0);
+      rest.turn = glm::vec2(0);
+      for (std::size_t i = 0; i < kMostViewports; ++i) (void)panes_.at(i).input.take(rest, NavigationMode::none);
       if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
       return;
     }
@@ -116,6 +128,7 @@ bool Session::run_in(View& seen, Action action) {
     case Action::fly:
     case Action::walk:
     case Action::pan:
+    case Action::look_at:
       choose_mode(static_cast<NavigationMode>(1 + static_cast<int>(action) - static_cast<int>(Action::examine)));
       return true;
     case Action::ghost:
@@ -134,12 +147,18 @@ bool Session::run_in(View& seen, Action action) {
 }
 
 void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
-  if (!gesture.needs_target && !gesture.turns && !gesture.double_click) return;
+  if (!gesture.needs_target && !gesture.turns && !gesture.double_click && !gesture.click) return;
   InputTracker& input = panes_.at(pane).input;
   View& seen = *panes_.at(pane).view();
   const Viewport place = place_of(pane);
   Navigation& navigation = seen.navigation;
   const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
+  if (gesture.click) {
+    if (navigation.mode != NavigationMode::look_at) return;
+    approach(seen, ray, place.size());
+    leader_ = pane;
+    return;
+  }
   const std::optional<float> hit = distance_under(seen, ray, place.size());
   if (gesture.needs_target) input.set_target(target_of(navigation, ray, hit));
   if (gesture.turns && hit) navigation.center = ray.at(*hit);
@@ -147,6 +166,23 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   if (!gesture.double_click || !turns || !hit) return;
   navigation = look_at_point(navigation, ray.at(*hit));
   leader_ = pane;
+}
+
+// To the Shape under the pointer.
+void Session::approach(View& seen, const Ray& ray, const glm::vec2& size) {
+  const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
+  if (!hit) return;
+  vrml::Bounds bounds;
+  if (hit->splat) {
+    const render::SplatItem& splat = seen.list->splats[*hit->splat];
+    const qnv::Box& box = splat.cloud->description.box;
+    bounds = render::world_bounds({box.lower, box.upper}, splat.world_from_node);
+  } else {
+    const render::DrawItem& item = seen.list->items[hit->item];
+    bounds = render::world_bounds(item.mesh->bounds, item.world_from_node);
+  }
+  seen.navigation = app::approach(seen.navigation, hit->point, bounds, size);
+  end_journey(seen);
 }
 
 std::optional<float> Session::distance_under(const View& seen, const Ray& ray, const glm::vec2& size) {
@@ -168,6 +204,14 @@ void Session::choose_mode(NavigationMode mode) {
 void Session::go_to_viewpoint(View& seen, std::size_t index) {
   app::bind_viewpoint(seen, index);
   end_journey(seen);
+}
+
+// Where a link leads, the viewer goes on a way of his own only if the author says ANY (6.29).
+void Session::jump_to_viewpoint(View& seen, std::size_t index) {
+  go_to_viewpoint(seen, index);
+  if (seen.rules.any || !seen.navigation.transition) return;
+  seen.navigation.pose = seen.navigation.transition->to;
+  seen.navigation.transition.reset();
 }
 
 void Session::bind_viewpoint(std::size_t index) {
@@ -219,8 +263,20 @@ void Session::change_speed(float factor) {
 void Session::open_files(const std::vector<std::string>& paths) {
   frame_.files_chosen = true;
   // What the user gives may be read by what he gives, as on the command line.
-  load_.allowed.insert(load_.allowed.end(), paths.begin(), paths.end());
-  panes_.open(paths);
+  const std::vector<std::string> places = places_of(paths);
+  load_.allowed.insert(load_.allowed.end(), places.begin(), places.end());
+  panes_.open(places);
+}
+
+// Without the Viewpoints that they name, which are gone to when the worlds are there.
+std::vector<std::string> Session::places_of(const std::vector<std::string>& given) {
+  std::vector<std::string> places;
+  for (const std::string& one : given) {
+    const GivenPlace place = given_place(one);
+    if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;
+    places.push_back(place.target);
+  }
+  return places;
 }
 
 void Session::answer_question(bool allow) {

@@ -38,6 +38,13 @@ void Session::leave_world() {
   sensor_has_pointer_ = false;
 }
 
+Session::Pointed Session::pointed() const {
+  const View* seen = panes_.at(panes_.active()).view();
+  if (pointed_pane_ != panes_.active() || !seen || !seen->document->living) return {};
+  const vrml::PointedAt at = seen->document->living->execution().pointed_at();
+  return {at.sensor || at.active, at.description};
+}
+
 // What the pointer is over changes as the world moves below it, too.
 void Session::point_again() {
   if (!pointed_pane_) return;
@@ -88,9 +95,12 @@ void Session::enter_by_link(Pane& pane) {
   View* seen = pane.view();
   const auto entry = entries_.find(pane.shown);
   if (entry == entries_.end() || !seen || !seen->document->living) return;
-  if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second))
+  if (const auto index = find_viewpoint(seen->list->viewpoints, entry->second)) {
+    // As if it were the first of the file (6.53).
     go_to_viewpoint(*seen, *index);
-  else
+    if (seen->navigation.transition) seen->navigation.pose = seen->navigation.transition->to;
+    seen->navigation.transition.reset();
+  } else
     tell("There is no Viewpoint \"" + entry->second + "\" in this world", true);
   entries_.erase(entry);
 }
@@ -108,7 +118,7 @@ void Session::follow_link(std::size_t pane, const Link& link) {
       if (!seen) continue;
       const auto index = find_viewpoint(seen->list->viewpoints, place.viewpoint);
       if (index)
-        go_to_viewpoint(*seen, *index);
+        jump_to_viewpoint(*seen, *index);
       else
         tell("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
       return;

@@ -35,7 +35,7 @@ void Session::do_for_script(const Document& document, const ScriptRequest& reque
       tell(request.text, false);
       return;
     case ScriptRequest::Kind::viewpoint:
-      if (const auto index = find_viewpoint(seen.list->viewpoints, request.text)) go_to_viewpoint(seen, *index);
+      if (const auto index = find_viewpoint(seen.list->viewpoints, request.text)) jump_to_viewpoint(seen, *index);
       return;
     case ScriptRequest::Kind::load_url: {
       Link link = link_of(request.urls, request.parameters, *request.origin);

@@ -14,6 +14,45 @@ bool usable(const vrml::Bounds& bounds) {
   return size > 0 && std::isfinite(size);
 }
 
+constexpr std::size_t kMostLeft = 1000;  // Viewpoints that are remembered
+
+bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene == b.scene && a.node == b.node; }
+
+/// The jump field of the Viewpoint that is bound, or was as long as it was there.
+void note_jump(View& view) {
+  const auto [scene, node] = view.bound_place;
+  if (scene && view.document->living->execution().has_scene(scene) && scene->contains(node))
+    view.bound_jump = scene->get<vrml::SFBool>(node, "jump");
+}
+
+void note_bound(View& view) {
+  const vrml::NodeChange bound =
+      view.document->living->execution().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
+  view.bound = bound.scene ? &bound.scene->node(bound.node) : nullptr;
+  view.bound_place = {bound.scene, bound.node};
+  note_jump(view);
+}
+
+/// Where the viewer stands relative to the Viewpoint that he is bound to is stored with it (6.53).
+void leave_viewpoint(View& view) {
+  if (!view.bound_place.scene || !view.viewpoint) return;
+  const Pose& stands = view.navigation.transition ? view.navigation.transition->to : view.navigation.pose;
+  std::erase_if(view.left, [&](const View::Left& one) { return same(one.viewpoint, view.bound_place); });
+  if (view.left.size() >= kMostLeft) view.left.erase(view.left.begin());
+  view.left.push_back({view.bound_place, glm::inverse(world_from_viewer(view.home)) * world_from_viewer(stands)});
+}
+
+/// What was stored, which is for one return.
+glm::dmat4 take_left(View& view) {
+  for (auto one = view.left.begin(); one != view.left.end(); ++one)
+    if (same(one->viewpoint, view.bound_place)) {
+      const glm::dmat4 matrix = one->viewpoint_from_viewer;
+      view.left.erase(one);
+      return matrix;
+    }
+  return glm::dmat4(1);
+}
+
 std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::Node* viewpoint) {
   for (std::size_t i = 0; i < list.viewpoints.size(); ++i)
     if (&list.viewpoints[i].scene->node(list.viewpoints[i].node) == viewpoint) return i;
@@ -41,14 +80,15 @@ void follow_navigation_info(View& view) {
 
 View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found) {
   View view;
+  view.document = document;
   view.list = document->list;
   if (document->living) {
+    note_bound(view);
     // Who looks first sees what was made for the first look.
     view.scene = document->viewer_dependent && document->first_scene.use_count() > 1
                      ? document->living->look({0, 0, 10}, true)
                      : document->first_scene;
     view.list = view.scene->scene.shared_list();
-    view.bound = document->living->bound().viewpoint;
   }
   const render::RenderList& list = *view.list;
   view.rules = document->has_navigation_info ? navigation_rules(list.navigation)
@@ -69,7 +109,6 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   view.home_size = viewport;
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
   if (view.viewpoint) take_measures(view, list.viewpoints[*view.viewpoint]);
-  view.document = std::move(document);
   if (found) *found = viewpoint.empty() || named.has_value();
   return view;
 }
@@ -91,6 +130,7 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
   view.headlight = before.headlight;
+  if (view.document == before.document) view.left = before.left;
   if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
     view.viewpoint = before.viewpoint;
     view.world_from_viewpoint = before.world_from_viewpoint;
@@ -145,6 +185,7 @@ bool follow_world(View& view) {
 void bind_viewpoint(View& view, std::size_t index) {
   if (index >= view.list->viewpoints.size()) return;
   const render::ViewpointState& viewpoint = view.list->viewpoints[index];
+  leave_viewpoint(view);
   view.viewpoint = index;
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
@@ -152,14 +193,19 @@ void bind_viewpoint(View& view, std::size_t index) {
   view.navigation = travel_to(view.navigation, view.home);
   if (!view.document || !view.document->living) return;
   (void)view.document->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
-  view.bound = view.document->living->bound().viewpoint;
+  note_bound(view);
 }
 
 bool follow_bound_viewpoint(View& view) {
   if (!view.document || !view.document->living) return false;
   const vrml::Node* bound = view.document->living->bound().viewpoint;
   if (bound == view.bound) return false;
-  view.bound = bound;
+  const bool popped = view.bound_place.scene &&
+                      !view.document->living->execution().is_on_stack(view.bound_place.scene, view.bound_place.node);
+  if (!popped) leave_viewpoint(view);
+  note_jump(view);
+  const bool popped_jump = view.bound_jump;
+  note_bound(view);
   const auto index = bound ? index_of(*view.list, bound) : std::nullopt;
   if (!index) return false;
   const render::ViewpointState& viewpoint = view.list->viewpoints[*index];
@@ -167,7 +213,12 @@ bool follow_bound_viewpoint(View& view) {
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
   take_measures(view, viewpoint);
-  if (viewpoint.jump) view.navigation = travel_to(view.navigation, view.home);
+  // Where one that jumped is popped, the viewer goes back to where he stood.
+  const glm::dmat4 left = take_left(view);
+  if (popped && popped_jump)
+    view.navigation = travel_to(view.navigation, pose_of(world_from_viewer(view.home) * left, viewpoint.field_of_view));
+  else if (!popped && viewpoint.jump)
+    view.navigation = travel_to(view.navigation, view.home);
   return true;
 }
 

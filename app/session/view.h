@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace gs::app {
 
@@ -28,7 +29,15 @@ struct View {
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
   glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
   double scale = 1;                      // of that: how long its metre is in the world's (6.29)
-  const vrml::Node* bound = nullptr;     // the Viewpoint that was bound in the world when that was last looked at
+  /// Where the viewer stood, relative to Viewpoints that others were bound over (VRML97 6.53); the newest behind.
+  struct Left {
+    vrml::NodePlace viewpoint;
+    glm::dmat4 viewpoint_from_viewer{1.0};
+  };
+  std::vector<Left> left;
+  const vrml::Node* bound = nullptr;  // the Viewpoint that was bound in the world when that was last looked at
+  vrml::NodePlace bound_place;        // of that; it may have been removed since
+  bool bound_jump = true;             // its field, when that was last looked at
   bool headlight = true;
   render::CloudLook look;
 };
@@ -56,8 +65,8 @@ void fit_home(View& view, const glm::vec2& viewport);
 bool follow_world(View& view);
 /// Binds a Viewpoint of the list in the living world, and goes there.
 void bind_viewpoint(View& view, std::size_t index);
-/// Goes to the Viewpoint that events have bound in the world since the last time (4.6.10, 6.53). True when there is
-/// one.
+/// Goes to the Viewpoint that events have bound in the world since the last time (4.6.10, 6.53); where the one before
+/// has left the stack, to where the viewer stood relative to it when it was bound. True when there is one.
 bool follow_bound_viewpoint(View& view);
 
 /// The pose that stands to `to` as `pose` stands to `from`: moved with the centre and grown with the diagonal. The

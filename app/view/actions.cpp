@@ -18,6 +18,7 @@ constexpr ActionRow kActions[] = {
     {Action::fly, '2'_key, false, false, true, "Fly", "Fly freely"},
     {Action::walk, '3'_key, false, false, true, "Walk", "Walk on the ground"},
     {Action::pan, '4'_key, false, false, true, "Pan", "Slide sideways"},
+    {Action::look_at, '5'_key, false, false, true, "Look at", "Look at: go to what is clicked"},
     {Action::ghost, 'G'_key, false, false, true, "Ghost", "Ghost: go through walls, and do not fall"},
     {Action::faster, Key::plus, false, false, true, "", "Move faster"},
     {Action::slower, Key::minus, false, false, true, "", "Move slower"},

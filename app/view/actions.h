@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/window/window.h"
+#include "app/window/window_event.h"
 
 #include <optional>
 #include <span>
@@ -20,6 +20,7 @@ enum class Action : std::uint8_t {
   fly,
   walk,
   pan,
+  look_at,
   ghost,
   faster,
   slower,

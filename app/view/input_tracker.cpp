@@ -1,5 +1,6 @@
 #include "app/view/input_tracker.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -68,7 +69,13 @@ InputTracker::Gesture InputTracker::take(const WindowEvent& event, NavigationMod
       }
       break;
     case Kind::button_up:
-      if (event.button == button_) drag_ = Drag::none;
+      if (event.button != button_) break;
+      gesture.click = drag_ != Drag::none && event.button == MouseButton::left &&
+                      glm::distance(event.pointer, press_) < kDoubleClickRange;
+      drag_ = Drag::none;
+      break;
+    case Kind::axes:
+      axes_[static_cast<std::size_t>(event.device)] = {event.move, event.turn};
       break;
     case Kind::drop:
     case Kind::refresh:
@@ -103,14 +110,21 @@ NavigationInput InputTracker::input(NavigationMode mode, const Viewport& viewpor
   input.turn = {axis(Key::left, Key::right), 0};
   const float up = axis(Key::down, Key::up);
   if (mode == NavigationMode::fly || mode == NavigationMode::walk)
-    input.move.z = std::clamp(input.move.z + up, -1.0f, 1.0f);
+    input.move.z += up;
   else
     input.turn.y = up;
+  for (const Axes& device : axes_) {
+    input.move += device.move;
+    input.turn += device.turn;
+  }
+  input.move = glm::clamp(input.move, glm::vec3(-1), glm::vec3(1));
+  input.turn = glm::clamp(input.turn, glm::vec2(-1), glm::vec2(1));
   return input;
 }
 
 void InputTracker::release() {
   keys_.clear();
+  axes_ = {};
   drag_ = moved_drag_ = Drag::none;
   moved_ = glm::vec2(0);
   wheel_ = 0;
@@ -118,6 +132,8 @@ void InputTracker::release() {
 
 bool InputTracker::holding() const {
   if (drag_ == Drag::travel) return true;
+  for (const Axes& device : axes_)
+    if (device.move != glm::vec3(0) || device.turn != glm::vec2(0)) return true;
   static constexpr Key kHeld[] = {Key::left,       Key::right,      Key::up,         Key::down,       letter_key('W'),
                                   letter_key('A'), letter_key('S'), letter_key('D'), letter_key('Q'), letter_key('E')};
   return std::any_of(std::begin(kHeld), std::end(kHeld), [&](Key key) { return down(key); });

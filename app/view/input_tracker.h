@@ -2,10 +2,11 @@
 
 #include "app/view/navigation.h"
 #include "app/view/viewports.h"
-#include "app/window/window.h"
+#include "app/window/window_event.h"
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <optional>
 #include <set>
 
@@ -17,8 +18,9 @@ class InputTracker {
   /// What an event asks of the viewer besides.
   struct Gesture {
     bool needs_target = false;  // call `set_target` with what lies under the pointer
-    bool turns = false;  // a drag begins that turns about what lies under the pointer
+    bool turns = false;         // a drag begins that turns about what lies under the pointer
     bool double_click = false;
+    bool click = false;  // the left button went up where it went down
   };
 
   /// Takes in one event that the user interface did not want.
@@ -39,7 +41,13 @@ class InputTracker {
   [[nodiscard]] bool down(Key key) const { return keys_.count(key) != 0; }
   [[nodiscard]] float axis(Key negative, Key positive) const;
 
+  struct Axes {
+    glm::vec3 move{0};
+    glm::vec2 turn{0};
+  };
+
   std::set<Key> keys_;
+  std::array<Axes, kAxisDevices> axes_{};
   Drag drag_ = Drag::none;        // that goes on
   Drag moved_drag_ = Drag::none;  // that `moved_` belongs to; it may have ended since
   MouseButton button_ = MouseButton::left;

@@ -195,7 +195,8 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
   switch (state.mode) {
     case NavigationMode::none:
       break;
-    case NavigationMode::examine: {
+    case NavigationMode::examine:
+    case NavigationMode::look_at: {
       // Half the turn before and half after the move, here and below: the chord of the arc.
       rotate_about_center(state, turn.x / 2, turn.y / 2);
       const glm::vec3 away(pose.position - state.center);
@@ -338,6 +339,33 @@ Navigation travel_to(Navigation state, const Pose& pose) {
   state = with_mode(std::move(state), state.mode);
   state.transition = Transition{state.pose, valid(pose, state.pose)};
   return state;
+}
+
+Navigation approach(Navigation state, const glm::dvec3& point, const vrml::Bounds& bounds, const glm::vec2& viewport) {
+  if (!finite(point)) return state;
+  constexpr double kNearer = 1.0 / 3;  // of the way is left to who is inside
+  const glm::dvec3 position = state.pose.position;
+  const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
+                      (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
+                       glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
+  const glm::dvec3 target = clean_place(around ? glm::dvec3(bounds.center()) : point);
+  const glm::vec3 ahead = unit_or(glm::vec3(target - position), state.pose.forward());
+  // As who stands upright sees it; straight above and below, the picture is not turned.
+  const glm::vec3 side = glm::cross(ahead, state.up);
+  const glm::vec3 right = unit_or(glm::length(side) > 1e-3f ? side : state.pose.right(), state.pose.right());
+  Pose to = state.pose;
+  to.orientation = glm::quat_cast(glm::mat3(right, glm::cross(right, ahead), -ahead));
+  if (around) {
+    const float azimuth = std::atan2(-ahead.x, -ahead.z), elevation = std::asin(std::clamp(-ahead.y, -1.0f, 1.0f));
+    const render::Camera framing = render::orbit_camera(bounds, azimuth, elevation, to.field_of_view,
+                                                        std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
+    const double distance = glm::length(glm::dvec3(framing.world_from_camera[3]) - target);
+    to.position = target - glm::dvec3(ahead) * distance;
+  } else {
+    to.position = target + (position - target) * kNearer;
+  }
+  state.center = target;
+  return travel_to(std::move(state), valid(to, state.pose));
 }
 
 Navigation look_at_point(Navigation state, const glm::dvec3& point) {

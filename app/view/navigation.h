@@ -22,9 +22,10 @@ namespace gs::app {
 /// Metres from the origin that a pose can hold: beyond, doubles have no metres left.
 inline constexpr double kFarthest = 1e15;
 
-/// How the user moves through the world (VRML97 6.29). `pan` is ours.
-enum class NavigationMode : std::uint8_t { none, examine, fly, walk, pan };
-inline constexpr int kNavigationModeCount = 5;
+/// How the user moves through the world (VRML97 6.29). `pan` is ours; in `look_at`, which later browsers brought, he
+/// turns things as in `examine`, and a click leads him to one.
+enum class NavigationMode : std::uint8_t { none, examine, fly, walk, pan, look_at };
+inline constexpr int kNavigationModeCount = 6;
 
 /// One row of the table of modes.
 struct NavigationModeRow {
@@ -40,6 +41,7 @@ struct NavigationModeRow {
 struct NavigationRules {
   NavigationMode start = NavigationMode::walk;
   std::array<bool, kNavigationModeCount> allowed{};  // by NavigationMode
+  bool any = true;                                   // ANY is listed: ways to Viewpoints may be animated
   float speed = 1;                                   // metres a second
   Avatar avatar;                                     // of the bound Viewpoint's coordinates
 
@@ -150,6 +152,11 @@ struct Navigation {
 [[nodiscard]] Navigation with_mode(Navigation state, NavigationMode mode);
 /// Starts a smooth way (0.4 s) to `pose`.
 [[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose);
+/// Starts a way to where a thing that fills `bounds`, of which `point` is seen, fills most of the picture: looking at
+/// it from the present side, level. Who is inside of `bounds` goes nearer to the point. It is what EXAMINE turns about
+/// then.
+[[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const vrml::Bounds& bounds,
+                                  const glm::vec2& viewport);
 /// Makes `point` what EXAMINE turns about, and slides the view until it is in the middle.
 [[nodiscard]] Navigation look_at_point(Navigation state, const glm::dvec3& point);
 /// Where the whole of `bounds` is seen from the present direction, level.

@@ -20,6 +20,7 @@ const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
       {NavigationMode::fly, "FLY", "Fly", "Move freely in all directions"},
       {NavigationMode::walk, "WALK", "Walk", "Move on the level"},
       {NavigationMode::pan, "", "Pan", "Slide the view"},
+      {NavigationMode::look_at, "LOOKAT", "Look at", "Go to what is clicked"},
   }};
   return kRows;
 }
@@ -47,6 +48,7 @@ NavigationRules navigation_rules(const render::NavigationState& navigation) {
     start = NavigationMode::walk;
   }
   if (any) rules.allowed.fill(true);
+  rules.any = any;
   rules.start = start.value_or(NavigationMode::examine);
   return rules;
 }
@@ -74,6 +76,7 @@ Drag drag_of(NavigationMode mode, DragButton button, bool modified) {
     case NavigationMode::none:
       return Drag::none;
     case NavigationMode::examine:
+    case NavigationMode::look_at:
       if (left) return modified ? Drag::pan : Drag::rotate;
       return right ? Drag::pan : Drag::zoom;
     case NavigationMode::pan:

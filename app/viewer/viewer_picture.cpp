@@ -63,8 +63,11 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     pane.statistics = renderer_->draw(kNothing, render::Camera{}, draw);
     return;
   }
-  // However long a picture takes, who does something is answered; the whole picture comes when nobody does.
-  draw.go_on = [this, begin = Window::now()] {
+  // However long a picture takes, who does something is answered; all pixels come when nobody does.
+  PictureDetail& detail = details_[picture.pane];
+  const double begin = Window::now();
+  draw.coarseness = detail.coarseness(frames_wanted_ > 0 || frame_.moving);
+  draw.go_on = [this, begin] {
     if (Window::now() - begin < kMostUninterrupted) return true;
     window_->poll();
     return !window_->should_close() && !window_->has_events();
@@ -73,6 +76,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
   pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
+  detail.note(draw.coarseness, pane.statistics.given_up, Window::now() - begin);
 }
 
 // The user interface ------------------------------------------------------------------------------
@@ -131,11 +135,9 @@ UiModel Viewer::model() {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
     model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
   }
-  if (session_.pointed_pane() == panes.active() && seen->document->living) {
-    const vrml::PointedAt at = seen->document->living->execution().pointed_at();
-    model.over_sensor = at.sensor || at.active;
-    model.link = at.description;
-  }
+  const Session::Pointed pointed = session_.pointed();
+  model.over_sensor = pointed.sensor;
+  model.link = pointed.description;
   model.mode = seen->navigation.mode;
   model.rules = seen->rules;
   model.speed = seen->navigation.speed;

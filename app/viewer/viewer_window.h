@@ -3,10 +3,12 @@
 #include "app/interface/ui_overlay.h"
 #include "app/session/session.h"
 #include "app/view/actions.h"
+#include "app/view/picture_detail.h"
 #include "app/viewer/viewer.h"
 #include "app/window/window.h"
 #include "render/draw/renderer.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,6 +53,7 @@ class Viewer {
   Session session_;
   Frame frame_;  // what the last step has led to
   Refinement refinement_;
+  std::array<PictureDetail, kMostViewports> details_;
   std::string title_;
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;

@@ -196,13 +196,35 @@ void Window::make_current() { glfwMakeContextCurrent(window_); }
 void Window::present() { glfwSwapBuffers(window_); }
 Window::Procedure Window::proc_address(const char* name) { return glfwGetProcAddress(name); }
 
-void Window::poll() { glfwPollEvents(); }
-void Window::wait(double seconds) {
-  if (seconds > 0)
-    glfwWaitEventsTimeout(seconds);
-  else
-    glfwPollEvents();
+void Window::poll() {
+  glfwPollEvents();
+  ask_devices();
 }
+
+void Window::wait(double seconds) {
+  if (seconds <= 0) return poll();
+  constexpr double kBetweenAxes = 1.0 / 60;
+  glfwWaitEventsTimeout(has_axes() ? std::min(seconds, kBetweenAxes) : seconds);
+  ask_devices();
+}
+
+// The first gamepad that GLFW knows the buttons of.
+void Window::ask_devices() {
+  GamepadState state;
+  for (int i = GLFW_JOYSTICK_1; i <= GLFW_JOYSTICK_LAST && !state.connected; ++i) {
+    GLFWgamepadstate held;
+    if (!glfwJoystickIsGamepad(i) || !glfwGetGamepadState(i, &held)) continue;
+    state.connected = true;
+    std::copy(std::begin(held.axes), std::end(held.axes), state.axes.begin());
+    std::transform(std::begin(held.buttons), std::end(held.buttons), state.buttons.begin(),
+                   [](unsigned char button) { return button == GLFW_PRESS; });
+  }
+  has_gamepad_ = state.connected;
+  const double time = glfwGetTime();
+  for (WindowEvent& event : gamepad_.take(state, time)) events_.push_back(std::move(event));
+  for (WindowEvent& event : space_mouse_.take(time)) events_.push_back(std::move(event));
+}
+
 void Window::wake() { glfwPostEmptyEvent(); }
 std::vector<WindowEvent> Window::take_events() { return std::exchange(events_, {}); }
 

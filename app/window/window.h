@@ -1,10 +1,14 @@
 #pragma once
 
+#include "app/window/gamepad.h"
+#include "app/window/space_mouse.h"
+#include "app/window/window_event.h"
 #include "render/gl/context.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -15,62 +19,6 @@
 struct GLFWwindow;
 
 namespace gs::app {
-
-/// The keys that GhostSpace knows. Letters and digits are their ASCII upper case.
-enum class Key : int {
-  unknown = 0,
-  space = 32,
-  plus = '+',
-  minus = '-',
-  escape = 256,
-  enter,
-  tab,
-  left,
-  right,
-  up,
-  down,
-  page_up,
-  page_down,
-  home,
-  end,
-  f1,
-  f2,
-  f3,
-  f4,
-  f5,
-  f6,
-  f11,
-  shift,
-  control,
-  alt,
-};
-[[nodiscard]] constexpr Key letter_key(char upper) { return static_cast<Key>(upper); }
-
-enum class MouseButton : std::uint8_t { left, right, middle };
-
-/// What the user or the window system did. Pointer places are framebuffer pixels from the upper left.
-struct WindowEvent {
-  enum class Kind : std::uint8_t {
-    key_down,
-    key_up,
-    button_down,
-    button_up,
-    pointer,
-    wheel,
-    drop,
-    focus_lost,
-    refresh,
-  };
-  Kind kind = Kind::refresh;
-  Key key = Key::unknown;
-  int code = 0;  // of the key, as the window system's library numbers them
-  MouseButton button = MouseButton::left;
-  bool shift = false, control = false, alt = false;
-  glm::vec2 pointer{0.0f};
-  float wheel = 0;                 // notches, away from the user is positive
-  double time = 0;                 // seconds since the window system started
-  std::vector<std::string> paths;  // dropped files
-};
 
 /// A window of the desktop with an OpenGL 3.3 core context. Main thread only, except `wake`.
 class Window final : public render::GlContext {
@@ -96,6 +44,8 @@ class Window final : public render::GlContext {
   /// The events since the last call, oldest first.
   [[nodiscard]] std::vector<WindowEvent> take_events();
   [[nodiscard]] bool has_events() const { return !events_.empty(); }
+  /// Whether there is a gamepad or a 3D mouse, of which the window system does not tell: `poll` asks them.
+  [[nodiscard]] bool has_axes() const { return has_gamepad_ || space_mouse_.there(); }
 
   [[nodiscard]] bool should_close() const;
   void close();
@@ -115,8 +65,12 @@ class Window final : public render::GlContext {
  private:
   struct Callbacks;
   explicit Window(GLFWwindow* window);
+  void ask_devices();
 
   GLFWwindow* window_;
+  Gamepad gamepad_;
+  SpaceMouse space_mouse_;
+  bool has_gamepad_ = false;
   std::vector<WindowEvent> events_;
   glm::vec2 pointer_{0};    // of the event before; what GLFW itself tells is where the pointer is by now
   glm::ivec4 windowed_{0};  // place and size to go back to from full screen

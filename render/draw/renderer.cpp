@@ -13,6 +13,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <utility>
 
 namespace gs::render {
@@ -25,12 +26,20 @@ struct OffscreenTarget {
   Framebuffer framebuffer, resolved;
 };
 
+/// The last whole picture of a viewport, without samples.
+struct FormerPicture {
+  int width = 0, height = 0;
+  Renderbuffer color;
+  Framebuffer framebuffer;
+};
+
 namespace {
 
 // Off-screen pictures larger than this give up samples first.
 constexpr std::size_t kMostFramebufferBytes = std::size_t{1} << 30;
-constexpr std::size_t kBytesPerSample = 8;      // colour and depth
-constexpr int kPixelSide = 2;                   // of a pixel's samples, where they are pixels
+constexpr std::size_t kBytesPerSample = 8;  // colour and depth
+constexpr int kPixelSide = 2;               // of a pixel's samples, where they are pixels
+constexpr int kMostCoarseness = 16;
 constexpr std::size_t kLightsOfManyPixels = 8;  // with more, shading each of those pixels costs more than that saves
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
@@ -63,6 +72,16 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   attach(gl, target.resolved_color, GL_RGBA8, GL_COLOR_ATTACHMENT0, 0, width, height);
   if (!complete()) return {};
   return target;
+}
+
+/// Empty framebuffer when the driver cannot.
+FormerPicture make_picture(const Gl& gl, int width, int height) {
+  take_errors(gl);
+  FormerPicture picture{width, height, make_renderbuffer(gl), make_framebuffer(gl)};
+  gl.BindFramebuffer(GL_FRAMEBUFFER, picture.framebuffer.name());
+  attach(gl, picture.color, GL_RGBA8, GL_COLOR_ATTACHMENT0, 0, width, height);
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) return {};
+  return picture;
 }
 
 /// The mean of two pixels of RGBA in one row and two in the next, as RGB: two components at a time.
@@ -119,6 +138,7 @@ struct Renderer::State {
   std::unique_ptr<SplatPass> splats;
   std::unique_ptr<VolumePass> volumes;
   OffscreenTarget target;
+  std::map<std::uint32_t, FormerPicture> former;  // by viewport, of pictures that may be given up
 };
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -171,20 +191,51 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   GLint outer = 0, outer_samples = 0;
   gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
   gl.GetIntegerv(GL_SAMPLES, &outer_samples);
+  const int coarseness = std::clamp(options.coarseness, 1, kMostCoarseness);
   DrawOptions local = options;
   local.x = local.y = 0;
-  if (!bind_target(options.width, options.height, options.samples)) {
+  local.width = (options.width + coarseness - 1) / coarseness;
+  local.height = (options.height + coarseness - 1) / coarseness;
+  if (!bind_target(local.width, local.height, options.samples)) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
     return {};
   }
-  const FrameStatistics statistics = draw_in_target(list, camera, local);
-  // A picture of several samples is resolved on the way, but not into another one.
-  if (outer_samples > 0) resolve(options.width, options.height);
+  FrameStatistics statistics = draw_in_target(list, camera, local);
+  statistics.pending = statistics.pending || coarseness > 1;
+  // Samples are resolved on the way, but not into samples, nor into another size.
+  if (outer_samples > 0 || coarseness > 1) resolve(local.width, local.height);
+  int width = local.width, height = local.height;
+  // One that is stretched must have nothing beside it that could be blended in.
+  if (options.go_on || coarseness > 1) keep_whole_picture(options, statistics.given_up, width, height);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(outer));
-  gl.BlitFramebuffer(0, 0, options.width, options.height, options.x, options.y, options.x + options.width,
-                     options.y + options.height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  const bool same_size = width == options.width && height == options.height;
+  gl.BlitFramebuffer(0, 0, width, height, options.x, options.y, options.x + options.width, options.y + options.height,
+                     GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
   gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
   return statistics;
+}
+
+/// Of the picture that is bound for reading, `width` x `height`, or, if that was given up, of the last one of the
+/// viewport that was not: leaves that bound for reading, and its size.
+void Renderer::keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height) {
+  const Gl& gl = state_->gl;
+  FormerPicture& former = state_->former[options.viewport];
+  if (!given_up) {
+    GLint drawn = 0;
+    gl.GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &drawn);
+    if (former.width != width || former.height != height) {
+      former = {};
+      former = make_picture(gl, width, height);
+    }
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
+    if (!former.framebuffer) return;
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, former.framebuffer.name());
+    gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+  if (!former.framebuffer) return;
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, former.framebuffer.name());
+  width = former.width;
+  height = former.height;
 }
 
 void Renderer::resolve(int width, int height) {

@@ -25,7 +25,8 @@ class Renderer {
   static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
   ~Renderer();
 
-  /// Draws off screen, and shows the picture in its rectangle of the framebuffer that is bound (0: the window's).
+  /// Draws off screen, and shows the picture in its rectangle of the framebuffer that is bound (0: the window's). A
+  /// picture that was given up is not shown, but the last whole one of the viewport, if there has been any.
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
   /// Draws off screen and reads the picture back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
@@ -44,6 +45,7 @@ class Renderer {
   bool bind_target(int width, int height, int samples);
   FrameStatistics draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options);
   void resolve(int width, int height);
+  void keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height);
   explicit Renderer(std::unique_ptr<State> state);
   void draw_overlays(const RenderList& list, const Camera& camera, const DrawOptions& options,
                      FrameStatistics& statistics);

@@ -6,14 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 namespace gs::render {
 namespace {
 
 constexpr std::size_t kMostRefits = 64;
 constexpr std::size_t kMostTriangles = std::size_t{1} << 24;  // whose trees are kept
-constexpr std::size_t kLargeMesh = 100'000;                   // whose tree takes longer than a frame
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -126,6 +124,7 @@ std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml
   const auto known = meshes_.find(mesh.get());
   if (known != meshes_.end() && !known->second.mesh.expired()) {
     known->second.used = searches_;
+    if (known->second.triangles >= MeshTrees::kLargeMesh) trees_->ask();
     return known->second.tree;
   }
   if (known != meshes_.end()) {
@@ -141,15 +140,13 @@ std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml
     });
   if (triangles > max_triangles || triangles_ > max_triangles - triangles) return nullptr;
   triangles_ += triangles;
-  auto tree = std::make_shared<Tree>();
-  const auto make = [tree, mesh] {
+  std::shared_ptr<Tree> tree;
+  if (triangles < MeshTrees::kLargeMesh) {
+    tree = std::make_shared<Tree>();
     tree->tree.emplace(*mesh);
     tree->ready = true;
-  };
-  if (triangles < kLargeMesh) {
-    make();
   } else {
-    std::thread(make).detach();  // it has what it needs, and nobody waits for it
+    tree = trees_->find(mesh);
   }
   meshes_.emplace(mesh.get(), Kept{mesh, triangles, searches_, tree});
   return tree;
@@ -201,6 +198,17 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
     glm::dvec3 extent(0);
     for (int i = 0; i < 3; ++i) extent += glm::abs(glm::dvec3(node_from_world[i])) * half[i];
     const vrml::Mesh& mesh = *item.mesh;
+    // Without a tree most are far away, and told so by their own coordinates.
+    const glm::dvec3 least_inside = inside - extent, greatest_inside = inside + extent;
+    const auto is_near = [&](std::uint32_t triangle) {
+      const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * triangle;
+      const glm::vec3 &a = mesh.positions[corners[0]], &b = mesh.positions[corners[1]], &c = mesh.positions[corners[2]];
+      bool beside = false;
+      for (int i = 0; i < 3; ++i)
+        beside = beside || (a[i] < least_inside[i] && b[i] < least_inside[i] && c[i] < least_inside[i]) ||
+                 (a[i] > greatest_inside[i] && b[i] > greatest_inside[i] && c[i] > greatest_inside[i]);
+      return !beside;
+    };
     const auto take = [&](std::uint32_t triangle) {
       WorldTriangle met{place, {}};
       glm::dvec3 least(HUGE_VAL), greatest(-HUGE_VAL);
@@ -219,7 +227,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
       tree->tree->near(mesh, inside - extent, inside + extent, take);
     } else {
       for (std::uint32_t i = 0; i < mesh.indices.size() / 3; ++i)
-        if (!take(i)) break;
+        if (is_near(i) && !take(i)) break;
     }
     return found.size() < most;
   });

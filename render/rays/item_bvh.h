@@ -1,12 +1,11 @@
 #pragma once
 
-#include "render/rays/mesh_bvh.h"
+#include "render/rays/mesh_trees.h"
 #include "render/scene/render_list.h"
 
 #include <glm/vec2.hpp>
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -55,13 +54,11 @@ class ItemBvh {
                                                 const glm::dvec3& upper, std::size_t most);
   /// What it keeps of meshes.
   [[nodiscard]] std::size_t bytes() const;
+  /// The trees of large meshes, for who makes such meshes on another thread.
+  [[nodiscard]] const std::shared_ptr<MeshTrees>& trees() const { return trees_; }
 
  private:
-  /// A large one is made on a thread of its own, so that nobody waits for it.
-  struct Tree {
-    std::atomic<bool> ready = false;
-    std::optional<MeshBvh> tree;  // once it is ready
-  };
+  using Tree = MeshTrees::Tree;
   struct Kept {
     std::weak_ptr<const vrml::Mesh> mesh;
     std::size_t triangles = 0;
@@ -75,6 +72,7 @@ class ItemBvh {
   void update(const RenderList& list);
   std::shared_ptr<Tree> tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);
 
+  std::shared_ptr<MeshTrees> trees_ = std::make_shared<MeshTrees>();
   std::unordered_map<const vrml::Mesh*, Kept> meshes_;
   std::size_t triangles_ = 0;  // of meshes_
   std::uint64_t searches_ = 0;

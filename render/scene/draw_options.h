@@ -18,6 +18,7 @@ struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
   int pixel_side = 1;                            // of the picture's pixels, in pixels of the target
+  int coarseness = 1;                            // of who shows it: drawn with so many times fewer pixels each way
   bool headlight = true;
   bool visibility_limit = true;         // what lies behind that of the bound NavigationInfo is not drawn (VRML97 6.29)
   float unit = 1;                       // world units that a unit of the bound Viewpoint's is long; of that limit
@@ -36,7 +37,7 @@ struct FrameStatistics {
   const char* splats =
       "none";             // how they were drawn: "gl" or "cpu"; "cpu" too where OpenGL was asked for and could not
   bool pending = false;   // detail that belongs to this view is not there yet: drawn again, it is better
-  bool given_up = false;  // `go_on` said so: the picture is not whole
+  bool given_up = false;  // `go_on` said so: the picture is not whole, and is not shown where there is a former one
 };
 
 }  // namespace gs::render

@@ -1,16 +1,39 @@
 #include "render/scene/mesh_cache.h"
 
+#include "render/scene/late_meshes.h"
+
 #include <algorithm>
 #include <functional>
 #include <utility>
 
 namespace gs::render {
 
-void MeshCache::forget(const vrml::Node* node) {
-  if (vrml::has(node->type->role, vrml::Role::geometry)) {
-    meshes.erase(node);
+// What is shown stays until there is another one, where that may take a while.
+void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator entry) {
+  if (entry == meshes.end()) return;
+  if (!late) {
+    meshes.erase(entry);
     return;
   }
+  entry->second.stale = true;
+  if (entry->second.finer)
+    for (Entry& one : entry->second.finer->levels) one.stale = true;
+}
+
+void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<vrml::Budget>& budget) {
+  entry.mesh = nullptr;
+  entry.share = vrml::Share(budget, vrml::Resource::meshes);
+  // One that there is no room for is not tried again for every USE.
+  if (!entry.share.grow(mesh->cost())) {
+    *mesh = {};
+    mesh->left_out = true;
+  }
+  entry.refused = mesh->left_out && !budget->stopped();
+  entry.mesh = std::move(mesh);
+}
+
+void MeshCache::forget(const vrml::Node* node) {
+  if (vrml::has(node->type->role, vrml::Role::geometry)) return renew(meshes.find(node));
   for (const vrml::Node* geometry : std::exchange(unlisted_, {})) {
     const auto entry = meshes.find(geometry);
     if (entry == meshes.end()) continue;
@@ -21,16 +44,20 @@ void MeshCache::forget(const vrml::Node* node) {
   }
   for (auto each = geometries_of_.lower_bound({node, nullptr}); each != geometries_of_.end() && each->first == node;
        ++each)
-    meshes.erase(each->second);
+    renew(meshes.find(each->second));
 }
 
 void MeshCache::forget_scene(const vrml::SceneGraph& scene) {
-  std::erase_if(meshes, [&](const auto& one) { return one.second.scene == &scene; });
+  for (auto each = meshes.begin(); each != meshes.end();) {
+    const auto one = each++;
+    if (one->second.scene == &scene) renew(one);
+  }
 }
 
 void MeshCache::remove(const vrml::SceneGraph& scene, const vrml::Node* node) {
   meshes.erase(node);
   pixel_images.erase(node);
+  if (late) late->forget(node);
   if (geometries_of_.empty()) return;
   geometries_of_.erase(geometries_of_.lower_bound({node, nullptr}), geometries_of_.lower_bound({node + 1, nullptr}));
   for (std::size_t i = 0; i < node->type->defaults.size(); ++i)

@@ -17,6 +17,9 @@
 
 namespace gs::render {
 
+struct MeshJob;
+class LateMeshes;
+
 /// Nodes that meshes are made of.
 inline constexpr vrml::Role kGeometryParts =
     vrml::Role::geometry | vrml::Role::geometric_property | vrml::Role::font_style;
@@ -33,11 +36,16 @@ struct MeshCache {
     const vrml::SceneGraph* scene = nullptr;  // of the geometry node
     bool texture_coordinates = false;         // whether they were asked for
     bool refused = false;                     // the limit for meshes took some or all of it
-    std::unique_ptr<FinerMeshes> finer;       // of a Text
+    bool stale = false;                  // the nodes have changed since it was made, or since `job` was handed over
+    std::shared_ptr<MeshJob> job;        // makes the one that is shown next; null: none does
+    std::unique_ptr<FinerMeshes> finer;  // of a Text
   };
   struct FinerMeshes {
     std::array<Entry, vrml::kTextTolerances.size() - 1> levels;
   };
+  /// Makes it the mesh of the entry, or an empty one where there is no room for it.
+  static void keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<vrml::Budget>& budget);
+
   struct PixelEntry {
     vrml::PixelImage source;  // shares its storage with the field while that is unchanged
     std::shared_ptr<const Image> image;
@@ -49,6 +57,8 @@ struct MeshCache {
   /// which share one mesh under different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
+  /// Who makes large meshes of what changes, while the former ones stay; null: each is made when it is asked for.
+  std::shared_ptr<LateMeshes> late;
   PhaseClock* phases = nullptr;  // of who measures how long meshes take; null: nobody does
 
   /// This node has changed: a geometry, or a node that geometries are made of (Coordinate, Color, FontStyle, ...).
@@ -63,11 +73,15 @@ struct MeshCache {
   void take(MeshCache&& other);
   void clear() {
     PhaseClock* const kept = phases;
+    std::shared_ptr<LateMeshes> kept_late = std::move(late);
     *this = {};
     phases = kept;
+    late = std::move(kept_late);
   }
 
  private:
+  void renew(std::unordered_map<const vrml::Node*, Entry>::iterator entry);
+
   std::set<std::pair<const vrml::Node*, const vrml::Node*>> geometries_of_;  // by the node that they are made of
   std::vector<const vrml::Node*> unlisted_;  // geometries that are not in it yet; most worlds never ask
 };

@@ -1,5 +1,6 @@
 #include "render/scene/shape_resources.h"
 
+#include "render/scene/late_meshes.h"
 #include "render/text/system_fonts.h"
 
 #include <glm/glm.hpp>
@@ -132,7 +133,7 @@ vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::Nod
 std::shared_ptr<const vrml::Mesh> ShapeResources::mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured) {
   MeshCache::Entry& entry = meshes_.meshes[&scene.node(geometry)];
-  if (!entry.mesh || (textured && !entry.texture_coordinates)) make_mesh(entry, scene, geometry, textured);
+  bring_up_to_date(entry, scene, geometry, textured, kCoarsestText);
   if (entry.refused) leave_out(budget_->refusal(vrml::Resource::meshes), scene, geometry);
   return entry.mesh;
 }
@@ -145,7 +146,14 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
   auto& finer = meshes_.meshes[&scene.node(geometry)].finer;
   if (!finer) finer = std::make_unique<MeshCache::FinerMeshes>();
   MeshCache::Entry& entry = finer->levels[level];
-  if (!entry.mesh || (textured && !entry.texture_coordinates)) make_mesh(entry, scene, geometry, textured, level);
+  bring_up_to_date(entry, scene, geometry, textured, level);
+  if (!entry.mesh) {
+    // Until it is there, another one that is finer than bars.
+    for (std::size_t other = finer->levels.size(); other-- > 0;)
+      if (finer->levels[other].mesh && !finer->levels[other].mesh->empty())
+        return {finer->levels[other].mesh, static_cast<std::uint8_t>(other)};
+    return {std::move(coarsest), kLast};
+  }
   if (entry.mesh->empty()) return {std::move(coarsest), kLast};
   // Those that nobody shows any more would fill the memory while the viewer goes along many.
   for (MeshCache::Entry& other : finer->levels)
@@ -153,28 +161,39 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
   return {entry.mesh, static_cast<std::uint8_t>(level)};
 }
 
-void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
-                               bool textured, std::size_t text_level) {
-  const PhaseScope phase(meshes_.phases, Phase::tessellate);
+void ShapeResources::bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                                      bool textured, std::size_t text_level) {
+  const bool coordinates = entry.job ? entry.job->options.texture_coordinates : entry.texture_coordinates;
+  if (!entry.stale && (entry.job || entry.mesh) && (!textured || coordinates)) return;
   vrml::MeshOptions options;
   options.texture_coordinates = textured;
   options.refiner = refiner_of(scene, geometry);
   options.text_shaper = &system_fonts();
   options.text_level = text_level;
+  entry.scene = &scene;
+  LateMeshes* const late = meshes_.late.get();
+  if (!late || late->has_time_for(vrml::tessellation_cost(scene, geometry)))
+    return make_mesh(entry, scene, geometry, options);
+  // One at a time, each of which is shown: else what changes in every frame never would be.
+  if (entry.job) return;
+  meshes_.made(&scene.node(geometry));
+  entry.job = late->hand_over(scene, geometry, options, text_level);
+  if (!entry.job) return make_mesh(entry, scene, geometry, options);
+  entry.stale = false;
+}
+
+void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                               const vrml::MeshOptions& options) {
+  const PhaseScope phase(meshes_.phases, Phase::tessellate);
   entry.mesh = nullptr;
   entry.share = vrml::Share(budget_, vrml::Resource::meshes);
+  entry.job = nullptr;
+  entry.stale = false;
   auto mesh = std::make_shared<vrml::Mesh>(vrml::tessellate(scene, geometry, options));
   made_mesh_ = true;
-  entry.scene = &scene;
   meshes_.made(&scene.node(geometry));
-  // One that there is no room for is not tried again for every USE.
-  if (!entry.share.grow(mesh->cost())) {
-    *mesh = {};
-    mesh->left_out = true;
-  }
-  entry.refused = mesh->left_out && !budget_->stopped();
-  entry.mesh = std::move(mesh);
-  entry.texture_coordinates = textured;
+  MeshCache::keep(entry, std::move(mesh), budget_);
+  entry.texture_coordinates = options.texture_coordinates;
 }
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const vrml::Bounds& bounds,

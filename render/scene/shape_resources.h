@@ -39,7 +39,8 @@ class ShapeResources {
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
   /// Sets material and texture of the item.
   void dress(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
-  /// The mesh of a geometry node, made if it has not been. Null or empty: it shows nothing.
+  /// The mesh of a geometry node, made if it has not been; where another thread makes it (MeshCache::late), the former
+  /// one until that is done. Null or empty: it shows nothing.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
   /// That of a Text as it is to be seen from `viewer`: the finer, the larger it is there, `level` of
@@ -65,8 +66,10 @@ class ShapeResources {
   TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
-  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
-                 std::size_t text_level = kCoarsestText);
+  void bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
+                        std::size_t text_level);
+  void make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry,
+                 const vrml::MeshOptions& options);
 
   const Images& images_;
   MeshCache& meshes_;

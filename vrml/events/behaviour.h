@@ -48,6 +48,8 @@ struct Behaviour {
   void (*before_removal)(Execution& execution, EventNode node) = nullptr;
   /// The node is removed from the world: what state_of names is given back. It sends nothing any more.
   void (*on_remove)(Execution& execution, EventNode node) = nullptr;
+  /// The value of its eventOut as long as nothing was sent. False, or null: that of the type.
+  bool (*unsent_value)(Execution& execution, EventNode node, FieldValue& value) = nullptr;
 };
 
 // The rows' behaviours.

@@ -159,6 +159,14 @@ NodeChange Execution::bound(const NodeType& type) const {
   return top == 0 ? NodeChange{} : NodeChange{nodes_[top].scene, nodes_[top].id, 0};
 }
 
+bool Execution::is_on_stack(const SceneGraph* scene, NodeId node) const {
+  const auto place = scene_places_.find(scene);
+  if (place == scene_places_.end() || !scene->contains(node)) return false;
+  const std::vector<EventNode>& members = scenes_[place->second].members;
+  const EventNode member = node.index < members.size() ? members[node.index] : 0;
+  return member != 0 && nodes_[member].on_stack;
+}
+
 void Execution::bind(EventNode node, bool to_top) {
   Stack& stack = stack_of(type_of(node));
   Member& at = nodes_[node];

@@ -120,6 +120,8 @@ class Execution {
   [[nodiscard]] std::span<const NodeChange> take_changes();
   /// The bound node of a bindable type (4.6.10); a null scene: there is none.
   [[nodiscard]] NodeChange bound(const NodeType& type) const;
+  /// Whether a bindable node is bound or waits below others to be bound again. Both may be gone.
+  [[nodiscard]] bool is_on_stack(const SceneGraph* scene, NodeId node) const;
   [[nodiscard]] bool is_told_viewer() const { return told_viewer_.has_value(); }
   /// Where the viewer is, for sensors: world_from_viewer, without scale. Until it is told, at the bound Viewpoint.
   /// `sees`: empty for the fieldOfView of the bound Viewpoint, and the aspect.

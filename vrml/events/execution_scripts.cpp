@@ -63,7 +63,12 @@ const FieldValue* Execution::last_value(const SceneGraph& scene, NodeId id, cons
   if (interface.access != AccessType::eventOut) return nullptr;
   const EventNode node = event_node(scene, id);
   const std::uint32_t place = node == 0 ? EventSchema::kNone : nodes_[node].schema->find(interface);
-  return place == EventSchema::kNone ? nullptr : &own_value(node, place);
+  if (place == EventSchema::kNone) return nullptr;
+  FieldValue& value = own_value(node, place);
+  const Member& at = nodes_[node];
+  if (at.schema->behaviour && at.schema->behaviour->unsent_value && slots_[at.first_slot + place].sent == 0)
+    (void)at.schema->behaviour->unsent_value(*this, node, value);
+  return &value;
 }
 
 SceneGraph* Execution::own_scene(const SceneGraph& scene) {

@@ -28,6 +28,24 @@ bool set_fraction(Execution& execution, EventNode node, int event, const FieldVa
   return false;
 }
 
+// What is read before any fraction came is the first of keyValue (4.6.8).
+template <class T>
+bool first_value(Execution& execution, EventNode node, FieldValue& value) {
+  const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
+  if (values.empty()) return false;
+  value = values[0];
+  return true;
+}
+
+bool first_list(Execution& execution, EventNode node, FieldValue& value) {
+  const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
+  const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
+  const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
+  if (count == 0 || !execution.spend(count) || !execution.afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
+  value = MFVec3f(values.span().first(count));
+  return true;
+}
+
 // Interpolators of as many values as there are for each key (6.13, 6.31). Two arrays take turns: the one that was sent
 // last may be shared with the fields that it was sent to, the one before no longer.
 template <SFVec3f (*between)(const SFVec3f&, const SFVec3f&, float)>
@@ -84,22 +102,28 @@ constexpr std::array<std::string_view, Behaviour::kMostEvents> kInterpolatorEven
 
 }  // namespace
 
-const Behaviour kColorInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFColor, between_colors>,
-                                               nullptr};
-const Behaviour kCoordinateInterpolatorBehaviour = {
-    .events = kInterpolatorEvents, .on_event = set_fraction_of_list<between_points>, .on_remove = list_is_removed};
-const Behaviour kNormalInterpolatorBehaviour = {
-    .events = kInterpolatorEvents, .on_event = set_fraction_of_list<between_normals>, .on_remove = list_is_removed};
-const Behaviour kOrientationInterpolatorBehaviour = {kInterpolatorEvents, nullptr,
-                                                     set_fraction<SFRotation, between_rotations>, nullptr};
-const Behaviour kPositionInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFVec3f, between_points>,
-                                                  nullptr};
-const Behaviour kScalarInterpolatorBehaviour = {kInterpolatorEvents, nullptr, set_fraction<SFFloat, between_numbers>,
-                                                nullptr};
+const Behaviour kColorInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                               .on_event = set_fraction<SFColor, between_colors>,
+                                               .unsent_value = first_value<SFColor>};
+const Behaviour kCoordinateInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                                    .on_event = set_fraction_of_list<between_points>,
+                                                    .on_remove = list_is_removed,
+                                                    .unsent_value = first_list};
+const Behaviour kNormalInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                                .on_event = set_fraction_of_list<between_normals>,
+                                                .on_remove = list_is_removed,
+                                                .unsent_value = first_list};
+const Behaviour kOrientationInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                                     .on_event = set_fraction<SFRotation, between_rotations>,
+                                                     .unsent_value = first_value<SFRotation>};
+const Behaviour kPositionInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                                  .on_event = set_fraction<SFVec3f, between_points>,
+                                                  .unsent_value = first_value<SFVec3f>};
+const Behaviour kScalarInterpolatorBehaviour = {.events = kInterpolatorEvents,
+                                                .on_event = set_fraction<SFFloat, between_numbers>,
+                                                .unsent_value = first_value<SFFloat>};
 const Behaviour kNurbsPositionInterpolatorBehaviour = {
-    {"set_fraction", "keyValue", "value_changed", "keyWeight", "knot", "order", "dimension"},
-    nullptr,
-    set_fraction_of_curve,
-    nullptr};
+    .events = {"set_fraction", "keyValue", "value_changed", "keyWeight", "knot", "order", "dimension"},
+    .on_event = set_fraction_of_curve};
 
 }  // namespace gs::vrml

@@ -48,6 +48,12 @@ struct Grid {
 
 }  // namespace
 
+// A quadrilateral for each, with normals of its corners.
+std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry) {
+  constexpr std::size_t kOfHeight = 8;
+  return scene.get<MFFloat>(geometry, "height").size() * kOfHeight;
+}
+
 Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const MeshOptions&) {
   const MFFloat height = scene.get<MFFloat>(geometry, "height");
   const auto x_dimension = scene.get<SFInt32>(geometry, "xDimension");

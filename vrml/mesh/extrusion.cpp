@@ -179,6 +179,12 @@ Mesh Extrusion::cap(const MFVec3f& points, bool begin) const {
 
 }  // namespace
 
+// Each point of the cross-section at each of the spine is the corner of a quadrilateral.
+std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry) {
+  constexpr std::size_t kOfPoint = 8;
+  return scene.get<MFVec2f>(geometry, "crossSection").size() * scene.get<MFVec3f>(geometry, "spine").size() * kOfPoint;
+}
+
 Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions&) {
   Extrusion extrusion;
   extrusion.cross_section = scene.get<MFVec2f>(geometry, "crossSection");

@@ -27,4 +27,9 @@ namespace gs::vrml {
 [[nodiscard]] glm::vec3 scale_of_cylinder(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] glm::vec3 scale_of_sphere(const SceneGraph& scene, NodeId geometry);
 
+// How much work such a node's mesh is, in elements; see tessellation_cost.
+[[nodiscard]] std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry);
+
 }  // namespace gs::vrml

@@ -107,6 +107,14 @@ constexpr std::uint64_t kBytesOfPoint = 2 * sizeof(glm::vec3) + sizeof(glm::vec2
 
 }  // namespace
 
+// Of characters, whose outlines have some fifty triangles each.
+std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry) {
+  constexpr std::size_t kOfCharacter = 300;
+  std::size_t characters = 0;
+  for (const SFString& line : scene.get<MFString>(geometry, "string")) characters += line.view().size();
+  return characters * kOfCharacter;
+}
+
 Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   Mesh mesh;
   mesh.solid = false;  // "two-sided"

@@ -113,4 +113,29 @@ TEST_CASE("What createVrmlFromString cannot read is an exception, and told with 
   CHECK(world.problems().size() == 1);
 }
 
+TEST_CASE("Nodes of createVrmlFromString and createVrmlFromURL are not candidates for being bound (4.6.10)") {
+  World world(
+      "DEF G Group {} DEF S Script { field SFNode me USE S directOutput TRUE field SFNode g USE G eventIn MFNode "
+      "loaded eventIn SFBool go url \"javascript: function initialize() { g.children = Browser.createVrmlFromString("
+      "'Viewpoint { } NavigationInfo { } Fog { } Background { }'); Browser.createVrmlFromURL(new MFString('x.wrl'), me, 'loaded'); } function loaded(nodes) { g.addChildren = "
+      "nodes; } function go() { g.children[4].set_bind = true; }\" }");
+  world.start();
+  const std::vector<ScriptRequest> requests = world.runner().take_requests();
+  REQUIRE(requests.size() == 1);
+  world.step(1);
+  CHECK(world.runner().created(requests[0], "#VRML V2.0 utf8\nViewpoint { position 0 0 7 }", "x.wrl"));
+  world.execution().bind_what_came();
+  world.step(2);
+  CHECK(world.problems() == Lines{});
+  const auto bound = [&](vrml::NodeKind kind) { return world.execution().bound(vrml::built_in_node_type(kind)); };
+  const vrml::NodeId group = world.node("G");
+  REQUIRE(world.scene().get<vrml::MFNode>(group, "children").size() == 5);
+  for (const vrml::NodeKind kind : {vrml::NodeKind::viewpoint, vrml::NodeKind::navigation_info, vrml::NodeKind::fog,
+                                    vrml::NodeKind::background})
+    CHECK(bound(kind).scene == nullptr);
+  CHECK(world.events("isBound") == Lines{});
+  world.send("S.go", true);
+  CHECK(bound(vrml::NodeKind::viewpoint).node == world.scene().get<vrml::MFNode>(group, "children")[4]);
+}
+
 }  // namespace gs::app::script_browser_test

@@ -224,4 +224,30 @@ TEST_CASE("An exception is told with file, line and column, and the program goes
   CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
 }
 
+TEST_CASE("value_changed of an interpolator that is read before any fraction is keyValue[0] (4.6.8)") {
+  scripts::World world(
+      "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 1 2 3, 4 5 6 ] } DEF C ColorInterpolator { key [ 0 1 ] "
+      "keyValue [ 1 0 0, 0 0 1 ] } DEF O OrientationInterpolator { key 0 keyValue 0 1 0 2 } DEF N ScalarInterpolator { "
+      "key [ 0 1 ] keyValue [ 7 9 ] } DEF L CoordinateInterpolator { key [ 0 1 ] keyValue [ 1 1 1, 2 2 2, 3 3 3, 4 4 4 ] "
+      "} DEF E ScalarInterpolator { } DEF S Script { field SFNode p USE P field SFNode c USE C field SFNode o USE O "
+      "field SFNode n USE N field SFNode l USE L field SFNode e USE E eventIn SFBool go url \"javascript: function "
+      "initialize() { all(); } function go() { all(); } function all() { print(p.value_changed); "
+      "print(c.value_changed); print(o.value_changed); print(n.value_changed); print(l.value_changed); "
+      "print(e.value_changed); }\" }");
+  world.start();
+  CHECK(world.problems() == scripts::Lines{});
+  CHECK(world.printed() == scripts::Lines{"1 2 3", "1 0 0", "0 1 0 2", "7", "[ 1 1 1, 2 2 2 ]", "0"});
+  world.send("N.keyValue", vrml::MFFloat{5, 6});
+  world.step(1);
+  world.send("N.set_fraction", vrml::SFFloat{1});
+  world.step(2);
+  world.send("N.keyValue", vrml::MFFloat{3, 4});
+  world.send("S.go", true);
+  // From the first event on it is what was sent last.
+  const scripts::Lines lines = world.printed();
+  REQUIRE(lines.size() == 6);
+  CHECK(lines[0] == "1 2 3");
+  CHECK(lines[3] == "6");
+}
+
 }  // namespace gs::app::script_events_test

@@ -73,6 +73,106 @@ TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind a
   CHECK(glm::distance(view.navigation.pose.position, stays + glm::dvec3(5, 0, 0)) < 1e-4f);
 }
 
+namespace {
+
+/// Who looks at a world whose Viewpoints, all of the root or of Transforms, events bind.
+struct Bound {
+  explicit Bound(const std::string& body) : shared(make_document(world_of(body))), view(view_of(shared, kSize, {})) {}
+  void bind(std::size_t index, bool to_top = true) {
+    const render::ViewpointState& viewpoint = view.list->viewpoints[index];
+    CHECK(shared->living->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{to_top}));
+    (void)follow_world(view);
+    (void)follow_bound_viewpoint(view);
+    if (!view.navigation.transition) return;
+    view.navigation.pose = view.navigation.transition->to;
+    view.navigation.transition.reset();
+  }
+  void move_root(std::size_t place, const vrml::SFVec3f& to) {
+    const vrml::SceneGraph& scene = *shared->world.scene;
+    CHECK(shared->living->send(scene, scene.roots()[place], "translation", to));
+    (void)follow_world(view);
+  }
+  void walk(const glm::dvec3& way) { view.navigation.pose.position += way; }
+  [[nodiscard]] bool at(const glm::dvec3& place) const {
+    return glm::distance(view.navigation.pose.position, place) < 1e-4;
+  }
+
+  std::shared_ptr<Document> shared;
+  View view;
+};
+
+}  // namespace
+
+TEST_CASE(
+    "Where the viewer stood relative to a Viewpoint is kept, and he is there again when what was bound over it is "
+    "popped (VRML97 6.53)") {
+  Bound world(
+      "Transform { children Viewpoint { position 0 0 10 } } Viewpoint { position 50 0 0 } Viewpoint { position 0 90 0 "
+      "}");
+  world.walk({1, 2, 0});
+  world.bind(1);
+  CHECK(world.at({50, 0, 0}));
+  world.walk({0, 0, 7});
+  world.bind(2);
+  CHECK(world.at({0, 90, 0}));
+  world.move_root(0, {5, 0, 0});  // nobody is bound to that meanwhile
+  world.bind(2, false);
+  CHECK(world.at({50, 0, 7}));
+  world.bind(1, false);
+  CHECK(world.at({6, 2, 10}));  // with it, where it has gone
+  // What is stored is for one return, and a bind leads to the Viewpoint itself.
+  world.bind(1);
+  CHECK(world.at({50, 0, 0}));
+  world.bind(0);
+  CHECK(world.at({5, 0, 10}));
+}
+
+TEST_CASE("One that is popped with jump FALSE leaves the viewer where he is (VRML97 6.53)") {
+  Bound world("Viewpoint { position 0 0 10 } Transform { children Viewpoint { position 50 0 0 jump FALSE } }");
+  world.walk({1, 0, 0});
+  world.bind(1);
+  CHECK(world.at({1, 0, 10}));
+  world.move_root(1, {0, 4, 0});
+  CHECK(world.at({1, 4, 10}));
+  world.bind(1, false);
+  CHECK(world.at({1, 4, 10}));
+}
+
+TEST_CASE("A bound Viewpoint that is deleted is popped like any other (VRML97 4.6.10, 6.53)") {
+  Bound world("Viewpoint { position 0 0 10 } Group { children Viewpoint { position 50 0 0 } }");
+  world.walk({1, 0, 0});
+  world.bind(1);
+  CHECK(world.at({50, 0, 0}));
+  const vrml::SceneGraph& scene = *world.shared->world.scene;
+  CHECK(world.shared->living->send(scene, scene.roots()[1], "set_children", vrml::MFNode{}));
+  (void)world.shared->living->execution().remove_unheld();
+  (void)follow_world(world.view);
+  CHECK(follow_bound_viewpoint(world.view));
+  REQUIRE(world.view.navigation.transition);
+  CHECK(glm::distance(world.view.navigation.transition->to.position, glm::dvec3(1, 0, 10)) < 1e-4);
+}
+
+TEST_CASE("Navigation is relative to the bound Viewpoint while it moves, and changes none of its fields (4.13.3)") {
+  Bound world("NavigationInfo { type \"FLY\" speed 1 } Transform { children DEF V Viewpoint { position 0 0 10 } }"),
+      still("NavigationInfo { type \"FLY\" speed 1 } Transform { children Viewpoint { position 0 0 10 } }");
+  NavigationInput held;
+  held.viewport = kSize;
+  held.move = {0.3f, 0, 1};
+  held.turn = {0.2f, 0};
+  const vrml::SceneGraph& scene = *world.shared->world.scene;
+  for (int i = 1; i <= 30; ++i) {
+    for (Bound* each : {&world, &still}) each->view.navigation = step(each->view.navigation, held, 1.0f / 60);
+    world.move_root(1, {0.1f * static_cast<float>(i), -0.05f * static_cast<float>(i), 0});
+  }
+  CHECK(glm::distance(still.view.navigation.pose.position, glm::dvec3(0, 0, 10)) > 0.1);
+  CHECK(glm::distance(world.view.navigation.pose.position - glm::dvec3(3, -1.5, 0),
+                      still.view.navigation.pose.position) < 1e-4);
+  CHECK(glm::distance(world.view.navigation.pose.forward(), still.view.navigation.pose.forward()) < 1e-4f);
+  const vrml::NodeId viewpoint = world.view.list->viewpoints[0].node;
+  CHECK(scene.get<vrml::SFVec3f>(viewpoint, "position") == vrml::SFVec3f(0, 0, 10));
+  CHECK(scene.get<vrml::SFRotation>(viewpoint, "orientation") == vrml::SFRotation{0, 0, 1, 0});
+}
+
 TEST_CASE("Who chooses a Viewpoint of the list binds it, and travels there (VRML97 6.53)") {
   const auto shared = make_document(world_of("DEF A Viewpoint { } DEF B Viewpoint { position 0 0 50 }"));
   View view = view_of(shared, kSize, {});

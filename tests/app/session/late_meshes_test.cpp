@@ -1,0 +1,306 @@
+// Meshes of a living world that take longer than a frame: who makes them, when they are shown, and which are dropped.
+#include "render/scene/late_meshes.h"
+
+#include "app/session/living_world.h"
+#include "tests/app/worlds.h"
+#include "vrml/syntax/parser.h"
+
+#include <catch2/catch.hpp>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace gs::app::late_meshes_test {
+namespace {
+
+/// Where the worker waits in front of each mesh, until it is let go.
+class Gate {
+ public:
+  void close() { set(true); }
+  void open() { set(false); }
+  void pass() {
+    std::unique_lock lock(mutex_);
+    ++waits_;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return !closed_; });
+    --waits_;
+  }
+  void wait_for_worker() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return waits_ > 0; });
+  }
+
+ private:
+  void set(bool closed) {
+    const std::lock_guard lock(mutex_);
+    closed_ = closed;
+    changed_.notify_all();
+  }
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool closed_ = false;
+  int waits_ = 0;
+};
+
+/// An ElevationGrid of `side` x `side` heights that are all `height`.
+vrml::MFFloat heights(std::size_t side, float height) {
+  vrml::MFFloat all;
+  for (std::size_t i = 0; i < side * side; ++i) all.push_back(height);
+  return all;
+}
+
+std::string grid(std::size_t side, float height) {
+  std::string text = "Shape { geometry ElevationGrid { xDimension " + std::to_string(side) + " zDimension " +
+                     std::to_string(side) + " height [";
+  for (std::size_t i = 0; i < side * side; ++i) text += ' ' + std::to_string(height);
+  return text + "] } }";
+}
+
+constexpr std::size_t kLarge = 200;  // 79,202 triangles
+constexpr std::size_t kSmall = 10;
+
+struct World {
+  explicit World(const std::string& body, bool with_worker = true) : opened(world_of(body)) {
+    living = std::make_unique<LivingWorld>(opened, meshes);
+    living->start(1000);
+    seen = living->look({0, 0, 10}, true);
+    if (with_worker) living->set_mesh_worker(worker);
+  }
+  ~World() { gate.open(); }
+  vrml::SceneGraph& scene() { return *opened.scene; }
+  vrml::NodeId geometry(std::size_t shape = 0) { return scene().get<vrml::SFNode>(scene().roots()[shape], "geometry"); }
+  void set_heights(std::size_t side, float height, std::size_t shape = 0) {
+    CHECK(living->send(scene(), geometry(shape), "set_height", vrml::FieldValue(heights(side, height))));
+  }
+  /// A frame: what was done in it, in elements.
+  std::uint64_t frame() {
+    const std::uint64_t before = meshes.late ? meshes.late->work_in_frames() : 0;
+    (void)living->take_meshes();
+    living->step(time += 0.02);
+    (void)living->show(*seen, {0, 0, 10});
+    return meshes.late ? meshes.late->work_in_frames() - before : 0;
+  }
+  /// The height at which the mesh of an item lies; -1: there is none.
+  float height(std::size_t item = 0) {
+    const auto& items = seen->scene.list().items;
+    return item < items.size() ? items[item].mesh->bounds.upper.y : -1;
+  }
+
+  Gate gate;
+  std::shared_ptr<render::MeshWorker> worker = std::make_shared<render::MeshWorker>(
+      std::function<void()>{}, [this](const std::shared_ptr<const vrml::Mesh>&) { gate.pass(); });
+  OpenedWorld opened;
+  render::MeshCache meshes;
+  std::unique_ptr<LivingWorld> living;
+  std::shared_ptr<LivingScene> seen;
+  double time = 1000;
+};
+
+}  // namespace
+
+TEST_CASE("A large mesh that changes in every frame is made by a worker, and what is shown follows") {
+  World world(grid(kLarge, 1));
+  CHECK(world.height() == 1);
+  float shown = 1;
+  for (int i = 2; i < 20; ++i) {
+    world.set_heights(kLarge, static_cast<float>(i));
+    CHECK(world.frame() == 0);
+    CHECK(world.height() >= shown);  // in order, and never none
+    CHECK(world.height() <= static_cast<float>(i));
+    shown = world.height();
+    if (i % 3 == 0) world.worker->wait();
+  }
+  CHECK(shown > 1);
+  for (int i = 0; i < 2; ++i) {
+    world.worker->wait();
+    world.frame();
+  }
+  CHECK(world.height() == 19);  // the last one, though nothing has changed since
+  world.worker->wait();
+  const std::uint64_t handed_over = world.meshes.late->handed_over();
+  world.frame();
+  CHECK(world.meshes.late->handed_over() == handed_over);
+}
+
+TEST_CASE("Small meshes are there in the frame of the event, as many as a frame has time for") {
+  std::string body;
+  constexpr std::size_t kShapes = 200, kSide = 12;
+  for (std::size_t i = 0; i < kShapes; ++i) body += grid(kSide, 1) + "\n";
+  World world(body);
+  world.set_heights(kSide, 2);
+  const std::uint64_t one = world.frame();
+  CHECK(one == vrml::tessellation_cost(world.scene(), world.geometry()));
+  CHECK(one > render::LateMeshes::kSmallWork);
+  CHECK(world.height() == 2);
+  CHECK(world.meshes.late->handed_over() == 0);
+  for (std::size_t i = 0; i < kShapes; ++i) world.set_heights(kSide, 3, i);
+  REQUIRE(one * kShapes > render::LateMeshes::kFrameWork);
+  const std::uint64_t all = world.frame();
+  CHECK(all <= render::LateMeshes::kFrameWork);
+  CHECK(all > render::LateMeshes::kFrameWork - one);
+  CHECK(world.meshes.late->handed_over() == kShapes - all / one);
+  CHECK(world.height(0) == 3);
+  CHECK(world.height(kShapes - 1) == 1);
+  world.worker->wait();
+  CHECK(world.frame() == 0);
+  for (std::size_t i = 0; i < kShapes; ++i) CHECK(world.height(i) == 3);
+}
+
+TEST_CASE("The mesh of a worker is that of a frame, bit for bit") {
+  const std::string body =
+      "PROTO P [ field MFVec3f p [ ] ] { Coordinate { point IS p } } Shape { appearance Appearance { texture "
+      "PixelTexture { image 1 1 1 9 } } geometry DEF F IndexedFaceSet { creaseAngle 1 coord P { p [ 0 0 0, 1 0 0, 1 1 "
+      "0, 0 1 1 ] } color Color { color [ 1 0 0, 0 1 0, 0 0 1, 1 1 1 ] } } }";
+  vrml::MFInt32 index;
+  for (int i = 0; i < 60'000; ++i)
+    for (const int corner : {i % 2, 1 + i % 2, 3, -1}) index.push_back(corner);
+  const auto mesh_with = [&](bool with_worker) {
+    World world(body, with_worker);
+    CHECK(world.living->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
+    world.frame();
+    CHECK(world.seen->scene.list().items.empty() == with_worker);
+    world.worker->wait();
+    CHECK(world.frame() == 0);
+    REQUIRE(world.seen->scene.list().items.size() == 1);
+    return world.seen->scene.list().items[0].mesh;
+  };
+  const auto late = mesh_with(true), at_once = mesh_with(false);
+  CHECK(late->indices.size() == 180'000);
+  CHECK(late->positions == at_once->positions);
+  CHECK(late->normals == at_once->normals);
+  CHECK(late->colors == at_once->colors);
+  CHECK(late->texture_coordinates == at_once->texture_coordinates);
+  CHECK(late->indices == at_once->indices);
+  CHECK(late->texture_coordinates.size() == late->positions.size());
+}
+
+TEST_CASE("While a mesh is made, only the newest of the changes behind it is") {
+  World world(grid(kLarge, 1));
+  world.gate.close();
+  world.set_heights(kLarge, 2);
+  world.frame();
+  world.gate.wait_for_worker();
+  for (const float height : {3.0f, 4.0f, 5.0f}) {
+    world.set_heights(kLarge, height);
+    world.frame();
+    CHECK(world.height() == 1);
+  }
+  CHECK(world.meshes.late->handed_over() == 1);
+  world.gate.open();
+  world.worker->wait();
+  world.frame();
+  CHECK(world.height() == 2);
+  world.worker->wait();
+  world.frame();
+  CHECK(world.height() == 5);
+  CHECK(world.meshes.late->handed_over() == 2);
+}
+
+TEST_CASE("A mesh that was made in a frame since is not undone by one that comes late") {
+  World world("Shape { geometry DEF F IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } } }");
+  const auto set = [&](int triangles) {
+    vrml::MFInt32 index;
+    for (int i = 0; i < triangles; ++i)
+      for (const int corner : {0, 1, 2 + i % 2, -1}) index.push_back(corner);
+    CHECK(world.living->send(world.scene(), world.geometry(), "set_coordIndex", vrml::FieldValue(index)));
+  };
+  const auto triangles = [&] {
+    const auto& items = world.seen->scene.list().items;
+    return items.empty() ? 0 : items[0].mesh->indices.size() / 3;
+  };
+  world.gate.close();
+  set(60'000);
+  world.frame();
+  world.gate.wait_for_worker();
+  CHECK(triangles() == 0);
+  set(2);
+  world.frame();
+  CHECK(triangles() == 2);
+  world.gate.open();
+  world.worker->wait();
+  world.frame();
+  CHECK(triangles() == 2);
+}
+
+TEST_CASE("Nodes are removed while their mesh is made, and worlds end") {
+  World world("Group { }");
+  const auto children = [&](const vrml::MFNode& list) {
+    CHECK(world.living->send(world.scene(), world.scene().roots()[0], "set_children", vrml::FieldValue(list)));
+  };
+  const auto make = [&](float height) {
+    vrml::Diagnostics diagnostics;
+    const vrml::NodeId made = vrml::read_into(world.scene(), "made.wrl", grid(kLarge, height), diagnostics).roots[0];
+    CHECK(diagnostics.errors() == 0);
+    world.living->execution().attach(world.scene());
+    return made;
+  };
+  const auto only = [](vrml::NodeId node) {
+    vrml::MFNode list;
+    list.push_back(node);
+    return list;
+  };
+  // What a program makes of a text is seen as soon as it is there.
+  children(only(make(1)));
+  CHECK(world.frame() == 0);
+  CHECK(world.height() == -1);
+  world.worker->wait();
+  world.frame();
+  CHECK(world.height() == 1);
+  const std::uint64_t used = world.scene().budget()->used(vrml::Resource::meshes);
+  CHECK(used > 0);
+
+  world.gate.close();
+  children(only(make(2)));
+  world.frame();
+  world.gate.wait_for_worker();
+  children({});
+  CHECK(world.living->execution().remove_unheld() == 4);
+  children(only(make(3)));  // in the places of those that were removed
+  world.frame();
+  world.gate.open();
+  world.worker->wait();
+  world.frame();
+  CHECK(world.height() == 3);
+  CHECK(world.scene().budget()->used(vrml::Resource::meshes) == used);
+  CHECK(world.living->execution().replace_world(only(make(4))));
+  world.frame();
+  world.worker->wait();
+  world.frame();
+  CHECK(world.height() == 4);
+
+  world.gate.close();
+  world.set_heights(kLarge, 5, 0);
+  world.frame();
+  world.gate.wait_for_worker();
+  world.meshes = {};
+  world.seen.reset();
+  world.gate.open();
+}
+
+TEST_CASE("Text that grows large is made by the worker, and that which is refined stays readable until it is") {
+  World world("Shape { geometry DEF T Text { string \"a\" } }");
+  vrml::MFString lines;
+  for (int i = 0; i < 40; ++i) lines.push_back(vrml::SFString("a line of some twenty characters " + std::to_string(i)));
+  const std::size_t before = world.seen->scene.list().items.at(0).mesh->indices.size();
+  CHECK(world.living->send(world.scene(), world.geometry(), "set_string", vrml::FieldValue(lines)));
+  CHECK(world.frame() == 0);
+  CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() == before);
+  for (int i = 0; i < 3; ++i) {
+    world.worker->wait();
+    CHECK(world.frame() == 0);
+  }
+  const std::size_t large = world.seen->scene.list().items.at(0).mesh->indices.size();
+  CHECK(large > 20 * before);
+  // From near, glyphs are finer; until they are, those that were there are shown.
+  (void)world.living->show(*world.seen, {0, 0, 0.5});
+  CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() == large);
+  world.worker->wait();
+  (void)world.living->take_meshes();
+  (void)world.living->show(*world.seen, {0, 0, 0.5});
+  CHECK(world.seen->scene.list().items.at(0).mesh->indices.size() > large);
+}
+
+}  // namespace gs::app::late_meshes_test

@@ -1,0 +1,184 @@
+// What leads the viewer of a session: links, clicks, gamepads and 3D mice.
+#include "app/session/session.h"
+
+#include "app/window/gamepad.h"
+#include "tests/app/one_world.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace gs::app::session_navigation_test {
+
+using namespace sessions;
+
+namespace {
+
+const std::string kTwoViews = "Viewpoint { position 0 0 10 } DEF V Viewpoint { position 0 0 77 } ";
+const std::string kAnchor =
+    "Anchor { url \"#V\" description \"to the hill\" children Shape { geometry Box { size 4 4 1 } } } ";
+
+/// Left button, at a place of the picture of 200 x 100 pixels.
+void click(OneWorld& world, float x, float y, double time = kStart + 0.1) {
+  for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up})
+    world.frame = world.session.step(time, input_of({pointer(kind, x, y)}));
+}
+
+const Navigation& navigation(const OneWorld& world) { return world.frame.pictures[0].view->navigation; }
+
+}  // namespace
+
+TEST_CASE("Where a link leads is a jump cut unless the author says ANY (VRML97 6.29)") {
+  OneWorld any("NavigationInfo { type [ \"FLY\" \"ANY\" ] } " + kTwoViews + kAnchor, false);
+  click(any, 100, 50);
+  REQUIRE(navigation(any).transition);
+  CHECK(navigation(any).transition->to.position == glm::dvec3(0, 0, 77));
+  OneWorld cut("NavigationInfo { type \"FLY\" } " + kTwoViews + kAnchor, false);
+  click(cut, 100, 50);
+  CHECK_FALSE(navigation(cut).transition);
+  CHECK(navigation(cut).pose.position == glm::dvec3(0, 0, 77));
+  // Whom the user sends goes on a way all the same.
+  cut.session.bind_viewpoint(0);
+  CHECK(navigation(cut).transition);
+}
+
+TEST_CASE("The description of an Anchor is told while the pointer is over it (VRML97 6.2)") {
+  OneWorld world(kTwoViews + kAnchor);
+  CHECK_FALSE(world.session.pointed().sensor);
+  (void)world.session.step(kStart + 0.1, input_of({pointer(Kind::pointer, 100, 50)}));
+  CHECK(world.session.pointed().sensor);
+  CHECK(world.session.pointed().description == "to the hill");
+  (void)world.session.step(kStart + 0.2, input_of({pointer(Kind::pointer, 5, 5)}));
+  CHECK_FALSE(world.session.pointed().sensor);
+  CHECK(world.session.pointed().description.empty());
+  (void)world.session.step(kStart + 0.3, input_of({pointer(Kind::pointer, 100, 50)}, true));  // over a panel
+  CHECK(world.session.pointed().description.empty());
+}
+
+TEST_CASE("The fragment of a world's own URL names the Viewpoint where it begins (VRML97 4.5.2, 6.53)") {
+  const ScratchFolder folder;
+  const std::string path = folder.write("world.wrl",
+                                        "#VRML V2.0 utf8\nViewpoint { } DEF Hill Viewpoint { position 0 0 "
+                                        "33 } Shape { geometry Cone { } }\n");
+  const std::string odd = folder.write("odd#Hill", "#VRML V2.0 utf8\nViewpoint { position 0 0 5 }\n");
+  const auto begins = [](const std::string& given) {
+    SessionOptions options;
+    options.files = {given};
+    Session session(options, {}, [] {});
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    bool living = false;
+    std::vector<std::string> told;
+    while (!living && std::chrono::steady_clock::now() < deadline) {
+      for (const Notice& notice : session.step(world_time(), input_of({})).notices) told.push_back(notice.text);
+      living = session.view() && session.view()->document->living;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    REQUIRE(living);
+    CHECK(told.empty() == (given.find("None") == std::string::npos));
+    CHECK_FALSE(session.view()->navigation.transition);
+    // It is bound, not only looked from.
+    const auto& viewpoints = session.view()->list->viewpoints;
+    const std::size_t at = session.view()->viewpoint.value_or(99);
+    REQUIRE(at < viewpoints.size());
+    CHECK(session.view()->document->living->bound().viewpoint == &viewpoints[at].scene->node(viewpoints[at].node));
+    return session.view()->navigation.pose.position.z;
+  };
+  CHECK(begins(path) == 10);
+  CHECK(begins(path + "#Hill") == 33);
+  CHECK(begins(path + "#None") == 10);
+  CHECK(begins(odd) == 5);  // a file may be called so
+}
+
+TEST_CASE("In LOOKAT a click leads to the Shape under the pointer, and frames it") {
+  OneWorld world(
+      "NavigationInfo { type \"LOOKAT\" } Viewpoint { } Transform { translation 3 0 0 children Shape { geometry Sphere "
+      "{ "
+      "radius 0.5 } } } Transform { translation -3 0 -40 children Shape { geometry Sphere { radius 1 } } }",
+      false);
+  CHECK(navigation(world).mode == NavigationMode::look_at);
+  // 50 pixels are 10 tan(pi / 8) units at 10 units.
+  const float x = 100 + 3 / (10 * std::tan(0.392699f)) * 50;
+  click(world, 5, 5);  // the sky
+  CHECK_FALSE(navigation(world).transition);
+  click(world, x, 50);
+  REQUIRE(navigation(world).transition);
+  const Pose to = navigation(world).transition->to;
+  CHECK(navigation(world).pose.position == glm::dvec3(0, 0, 10));  // it is a way, not a jump
+  const glm::dvec3 away = to.position - glm::dvec3(3, 0, 0);
+  CHECK(glm::length(away) > 0.9);  // outside of it, and near enough that it fills a third of the picture or more
+  CHECK(glm::length(away) < 0.5 / std::tan(0.392699) * 3);
+  CHECK(glm::dot(glm::normalize(away), glm::normalize(glm::dvec3(-3, 0, 10))) > 0.9999);  // from where he came
+  CHECK(glm::dot(glm::dvec3(to.forward()), glm::normalize(-away)) > 0.9999);
+  CHECK(std::abs(to.right().y) < 1e-5f);  // level
+  for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + 0.1 + i / 60.0, input_of({}));
+  CHECK(glm::distance(navigation(world).pose.position, to.position) < 1e-9);
+  CHECK(glm::distance(navigation(world).center, glm::dvec3(3, 0, 0)) < 1e-5);  // about which he turns from now on
+  // A drag is no click.
+  const glm::dvec3 before = navigation(world).pose.position;
+  (void)world.session.step(kStart + 2, input_of({pointer(Kind::button_down, 100, 50)}));
+  (void)world.session.step(kStart + 2, input_of({pointer(Kind::pointer, 140, 50)}));
+  world.frame = world.session.step(kStart + 2, input_of({pointer(Kind::button_up, 140, 50)}));
+  CHECK_FALSE(navigation(world).transition);
+  CHECK(glm::distance(navigation(world).pose.position, before) > 0.1);
+}
+
+TEST_CASE("In LOOKAT sensors come first, and other modes take no notice of clicks") {
+  OneWorld sensor("NavigationInfo { type \"LOOKAT\" } " + kTwoViews +
+                      "Group { children [ Shape { geometry Box { } } TouchSensor { } ] }",
+                  false);
+  sensor.watch();
+  click(sensor, 100, 50);
+  CHECK(sensor.number_of_events("touchTime") == 1);
+  CHECK_FALSE(navigation(sensor).transition);
+  OneWorld examine("NavigationInfo { type [ \"EXAMINE\" \"ANY\" ] } Shape { geometry Box { } }", false);
+  click(examine, 100, 50);
+  CHECK_FALSE(navigation(examine).transition);
+  // A key brings the mode, and takes it away.
+  examine.frame = examine.session.step(kStart + 1, input_of({key(Kind::key_down, '5')}));
+  CHECK(navigation(examine).mode == NavigationMode::look_at);
+  click(examine, 100, 50, kStart + 2);
+  CHECK(navigation(examine).transition);
+}
+
+TEST_CASE("Who clicks on what is around him goes nearer to it") {
+  OneWorld world("NavigationInfo { type \"LOOKAT\" } Viewpoint { } Shape { geometry Box { size 60 60 60 } }", false);
+  click(world, 100, 50);
+  REQUIRE(navigation(world).transition);
+  const Pose to = navigation(world).transition->to;
+  CHECK(to.position.z > -29);  // the wall is at -30, 40 ahead
+  CHECK(to.position.z < 0);
+  CHECK(glm::distance(navigation(world).center, glm::dvec3(0, 0, -30)) < 1e-3);
+}
+
+TEST_CASE("A gamepad moves the viewer through the same steps as keys, and its buttons are actions") {
+  const std::string body = "NavigationInfo { type \"FLY\" speed 2 } " + kTwoViews + "Shape { geometry Box { } }";
+  OneWorld stick(body), keys(body);
+  Gamepad gamepad;
+  GamepadState state;
+  state.connected = true;
+  state.axes[1] = -1;  // ahead
+  stick.frame = stick.session.step(kStart, input_of(gamepad.take(state, 0)));
+  keys.frame = keys.session.step(kStart, input_of({key(Kind::key_down, 'W')}));
+  CHECK(stick.frame.moving);
+  for (int i = 1; i <= 60; ++i)
+    for (OneWorld* world : {&stick, &keys}) world->frame = world->session.step(kStart + i / 60.0, input_of({}));
+  CHECK(stick.place() == keys.place());
+  CHECK(stick.place().z < 9);
+  state.axes[1] = 0;
+  stick.frame = stick.session.step(kStart + 1, input_of(gamepad.take(state, 1)));
+  for (int i = 1; i <= 120; ++i) stick.frame = stick.session.step(kStart + 1 + i / 60.0, input_of({}));
+  CHECK_FALSE(stick.frame.moving);
+  state.buttons[5] = true;  // the right bumper
+  stick.frame = stick.session.step(kStart + 4, input_of(gamepad.take(state, 4)));
+  CHECK(stick.session.view()->viewpoint == 1u);
+  CHECK(navigation(stick).pose.position == glm::dvec3(0, 0, 77));
+}
+
+}  // namespace gs::app::session_navigation_test

@@ -1,0 +1,116 @@
+// Pictures that are given up, and coarse ones, in a rectangle of the framebuffer that is bound.
+#include "tests/render/drawing.h"
+
+#include "render/gl/gpu.h"
+
+#include <vector>
+
+namespace gs::render::given_up_test {
+namespace {
+
+using namespace testing;
+
+/// A framebuffer that stands for the window's.
+class Screen {
+ public:
+  Screen(GlContext& context, int side) : gl_(std::get<Gl>(Gl::load(context))), side_(side) {
+    color_ = make_renderbuffer(gl_);
+    framebuffer_ = make_framebuffer(gl_);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    gl_.BindRenderbuffer(GL_RENDERBUFFER, color_.name());
+    gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, GL_RGBA8, side, side);
+    gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color_.name());
+    REQUIRE(gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
+  }
+  glm::vec3 at(int x, int y) {
+    std::uint8_t pixel[4] = {};
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+    gl_.ReadPixels(x, y, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, pixel);
+    return {pixel[0], pixel[1], pixel[2]};
+  }
+  void clear() {
+    const float black[4] = {0, 0, 0, 1};
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    gl_.ClearBufferfv(GL_COLOR, 0, black);
+  }
+
+ private:
+  Gl gl_;
+  int side_;
+  Renderbuffer color_;
+  Framebuffer framebuffer_;
+};
+
+/// So many squares over one another that the picture is cut into slices, all of one colour, before a blue sky.
+RenderList squares(const glm::vec3& color) {
+  RenderList list;
+  list.background.sky_colors = {glm::vec3(0, 0, 1)};
+  for (int i = 0; i < 5000; ++i)
+    add(list, glowing(square(20), color, translation({0, 0, -0.001f * static_cast<float>(i)})));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("A picture that is given up leaves the last whole one of its viewport in sight") {
+  Drawing drawing;
+  Screen screen(drawing.context(), 64);
+  drawing.options.x = drawing.options.y = 16;
+  drawing.options.width = drawing.options.height = 32;
+  bool patient = true;
+  drawing.options.go_on = [&] { return patient; };
+  const auto draw = [&](const RenderList& list) {
+    screen.clear();
+    return drawing.renderer().draw(list, camera_at({0, 0, 10}), drawing.options);
+  };
+  CHECK_FALSE(draw(squares({1, 0, 0})).given_up);
+  CHECK(screen.at(32, 32) == glm::vec3(255, 0, 0));
+  CHECK(screen.at(4, 4) == glm::vec3(0));
+  patient = false;
+  REQUIRE(draw(squares({0, 1, 0})).given_up);
+  for (const int at : {17, 32, 46}) CHECK(screen.at(at, at) == glm::vec3(255, 0, 0));
+  CHECK(screen.at(4, 4) == glm::vec3(0));
+  // Stretched, where the viewport has another size by now.
+  drawing.options.width = 40;
+  REQUIRE(draw(squares({0, 1, 0})).given_up);
+  CHECK(screen.at(54, 32) == glm::vec3(255, 0, 0));
+  drawing.options.width = 32;
+  // Another viewport has none yet.
+  drawing.options.viewport = 1;
+  REQUIRE(draw(squares({0, 1, 0})).given_up);
+  CHECK(screen.at(32, 32) != glm::vec3(255, 0, 0));
+  drawing.options.viewport = 0;
+  patient = true;
+  CHECK_FALSE(draw(squares({0, 1, 0})).given_up);
+  CHECK(screen.at(32, 32) == glm::vec3(0, 255, 0));
+}
+
+TEST_CASE("A coarse picture fills its whole rectangle, and says that there is a better one") {
+  Drawing drawing;
+  Screen screen(drawing.context(), 64);
+  for (const int samples : {1, 4})
+    for (const int coarseness : {2, 3, 8}) {
+      drawing.options.samples = samples;
+      drawing.options.coarseness = coarseness;
+      drawing.options.x = 16;
+      drawing.options.y = 0;
+      drawing.options.width = 33;
+      drawing.options.height = 64;
+      CAPTURE(samples, coarseness);
+      RenderList list;
+      list.background.sky_colors = {glm::vec3(0, 0, 1)};
+      add(list, glowing(square(3), {1, 0, 0}));
+      screen.clear();
+      CHECK(drawing.renderer().draw(list, camera_at({0, 0, 10}), drawing.options).pending);
+      CHECK(screen.at(32, 32) == glm::vec3(255, 0, 0));
+      for (const auto& [x, y] : {std::pair{16, 0}, {48, 0}, {16, 63}, {48, 63}}) {
+        CAPTURE(x, y, screen.at(x, y).x, screen.at(x, y).z);
+        CHECK(screen.at(x, y) == glm::vec3(0, 0, 255));
+      }
+      CHECK(screen.at(15, 32) == glm::vec3(0));
+      CHECK(screen.at(49, 32) == glm::vec3(0));
+    }
+}
+
+}  // namespace gs::render::given_up_test

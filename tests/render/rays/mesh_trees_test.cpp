@@ -1,0 +1,94 @@
+#include "render/rays/mesh_trees.h"
+
+#include "render/rays/item_bvh.h"
+
+#include <catch2/catch.hpp>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace gs::render::mesh_trees_test {
+namespace {
+
+/// A level square of side 1 at height `y`, of triangles that are enough for a large mesh.
+std::shared_ptr<const vrml::Mesh> floor_at(float y) {
+  constexpr std::uint32_t kSide = 230;
+  auto mesh = std::make_shared<vrml::Mesh>();
+  for (std::uint32_t i = 0; i <= kSide; ++i)
+    for (std::uint32_t k = 0; k <= kSide; ++k) {
+      const glm::vec3 point(static_cast<float>(i) / kSide, y, static_cast<float>(k) / kSide);
+      mesh->positions.push_back(point);
+      mesh->bounds.add(point);
+    }
+  for (std::uint32_t i = 0; i < kSide; ++i)
+    for (std::uint32_t k = 0; k < kSide; ++k) {
+      const std::uint32_t at = i * (kSide + 1) + k;
+      for (const std::uint32_t corner : {at, at + 1, at + kSide + 1, at + 1, at + kSide + 2, at + kSide + 1})
+        mesh->indices.push_back(corner);
+    }
+  REQUIRE(mesh->indices.size() / 3 >= MeshTrees::kLargeMesh);
+  return mesh;
+}
+
+RenderList list_of(std::shared_ptr<const vrml::Mesh> mesh) {
+  RenderList list;
+  DrawItem item;
+  item.mesh = std::move(mesh);
+  list.items.push_back(std::move(item));
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("Trees of large meshes are made with the meshes for those who ask for some, and for nobody else") {
+  MeshTrees trees;
+  const auto first = floor_at(1), second = floor_at(2);
+  trees.prepare(first);
+  CHECK_FALSE(trees.find(first) == nullptr);  // it is being made: nobody had asked
+  trees.prepare(second);
+  const auto tree = trees.find(second);
+  CHECK(tree->ready);
+  const auto hit = tree->tree->nearest(*second, {{0.4, 9, 0.6}, {0, -1, 0}});
+  REQUIRE(hit);
+  CHECK(hit->distance == Approx(7));
+  CHECK(trees.find(second) != tree);  // it belonged to who found it
+  // Those that nobody has asked for lately are not made any more.
+  MeshTrees idle;
+  idle.ask();
+  int made = 0;
+  constexpr int kMeshes = 12;
+  std::vector<std::shared_ptr<const vrml::Mesh>> meshes;
+  for (int i = 0; i < kMeshes; ++i) {
+    meshes.push_back(floor_at(static_cast<float>(i)));
+    idle.prepare(meshes.back());
+  }
+  for (const auto& mesh : meshes) made += idle.find(mesh)->ready ? 1 : 0;
+  CHECK(made > 0);
+  CHECK(made < kMeshes);
+}
+
+TEST_CASE("What is near is the same before and after the tree of a large mesh is there") {
+  ItemBvh bvh;
+  const RenderList list = list_of(floor_at(0));
+  const glm::dvec3 lower(0.3, -0.1, 0.3), upper(0.32, 0.1, 0.32);
+  const auto before = bvh.near(list, lower, upper, 10'000);
+  CHECK(before.size() > 20);
+  CHECK(before.size() < 100);
+  ItemBvh prepared;
+  prepared.trees()->ask();
+  prepared.trees()->prepare(list.items[0].mesh);
+  const auto after = prepared.near(list, lower, upper, 10'000);
+  CHECK(prepared.bytes() > 0);  // it was there
+  REQUIRE(after.size() == before.size());
+  const auto sum = [](const auto& triangles) {
+    glm::dvec3 all(0);
+    for (const WorldTriangle& one : triangles)
+      for (const glm::dvec3& corner : one.corners) all += corner;
+    return all;
+  };
+  const glm::dvec3 difference = sum(after) - sum(before);
+  CHECK(std::abs(difference.x) + std::abs(difference.y) + std::abs(difference.z) < 1e-9);
+}
+
+}  // namespace gs::render::mesh_trees_test

@@ -1,0 +1,84 @@
+#include "vrml/mesh/geometry_copy.h"
+
+#include "vrml/mesh/tessellators.h"
+
+#include <variant>
+
+namespace gs::vrml {
+namespace {
+
+/// What its lists hold; 1 for any other field.
+std::size_t elements_of(const FieldValue& value) {
+  return std::visit(
+      [](const auto& one) -> std::size_t {
+        if constexpr (requires { one.span(); })
+          return one.size();
+        else
+          return 1;
+      },
+      value);
+}
+
+std::size_t elements_of(const Node& node) {
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) sum += elements_of(node.values[i]);
+  return sum;
+}
+
+/// Whose work is not in proportion to the lists of the node.
+constexpr struct {
+  Tessellate tessellate;
+  std::size_t (*cost)(const SceneGraph& scene, NodeId geometry);
+} kCosts[] = {
+    {tessellate_elevation_grid, cost_of_elevation_grid},
+    {tessellate_extrusion, cost_of_extrusion},
+    {tessellate_text, cost_of_text},
+};
+
+/// The nodes in the node's own SFNode fields go with it, and no others: those are what meshes are made of.
+NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, bool with_parts) {
+  const Node& node = from.node(id);
+  const NodeId copy = to.create(*node.type, node.location);
+  if (!copy) return {};
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
+    FieldValue& value = to.node(copy).values[i];
+    const auto* part = std::get_if<SFNode>(&node.values[i]);
+    if (!part && !std::holds_alternative<MFNode>(node.values[i])) value = node.values[i];
+    if (!part) continue;
+    const NodeId resolved = with_parts ? from.resolve(*part) : NodeId{};
+    value = SFNode{};
+    if (!resolved) continue;
+    const NodeId copied = copy_node(from, resolved, to, false);
+    if (!copied) return {};
+    to.node(copy).values[i] = copied;
+  }
+  return copy;
+}
+
+}  // namespace
+
+std::size_t tessellation_cost(const SceneGraph& scene, NodeId geometry) {
+  const NodeId id = scene.resolve(geometry);
+  if (!id || !scene.node(id).type->tessellator.tessellate) return 0;
+  const Node& node = scene.node(id);
+  for (const auto& row : kCosts)
+    if (row.tessellate == node.type->tessellator.tessellate) return row.cost(scene, id);
+  std::size_t sum = elements_of(node);
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
+    if (const auto* part = std::get_if<SFNode>(&node.values[i]))
+      if (const NodeId resolved = scene.resolve(*part)) sum += elements_of(scene.node(resolved));
+  return sum;
+}
+
+GeometryCopy copy_geometry(const SceneGraph& scene, NodeId geometry, NodeId refiner) {
+  GeometryCopy copy;
+  const NodeId resolved = scene.resolve(geometry);
+  if (!resolved) return copy;
+  auto made = std::make_unique<SceneGraph>(scene.file_name(), scene.budget());
+  copy.geometry = copy_node(scene, resolved, *made, true);
+  if (refiner) copy.refiner = copy_node(scene, refiner, *made, true);
+  if (copy.geometry && (copy.refiner || !refiner)) copy.scene = std::move(made);
+  return copy;
+}
+
+}  // namespace gs::vrml
