@@ -1,5 +1,6 @@
 #include "net/control/websocket_handshake.h"
 
+#include "net/base/header_text.h"
 #include "net/control/digest.h"
 
 #include <algorithm>
@@ -13,12 +14,6 @@ std::string lower_case(std::string_view text) {
   for (char& c : result)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + 32);
   return result;
-}
-
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
 }
 
 // Whether a comma-separated list has the word, in any case.

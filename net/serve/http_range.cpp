@@ -1,5 +1,6 @@
 #include "net/serve/http_range.h"
 
+#include "net/base/header_text.h"
 #include "net/http/http_headers.h"
 
 #include <algorithm>
@@ -11,12 +12,6 @@ namespace gs::net {
 namespace {
 
 constexpr std::uint64_t kPartCost = 120;  // bytes of a boundary and its headers, about
-
-std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 bool equal_word(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {

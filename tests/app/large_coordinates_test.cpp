@@ -129,7 +129,7 @@ TEST_CASE("Who is far from the origin moves by millimetres, and points at what h
   Pose pose;
   pose.position = kFar;
   pose.field_of_view = 1;
-  Navigation state = start_navigation({NavigationMode::fly, {true, true, true, true, true}, 0.001f, {}}, {}, pose);
+  Navigation state = start_navigation({NavigationMode::fly, {true, true, true, true, true}, true, 0.001f, {}}, {}, pose);
   NavigationInput keys;
   keys.move = {0, 0, 1};
   for (int i = 0; i < 100; ++i) state = step(state, keys, 0.1f);

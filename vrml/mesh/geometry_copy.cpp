@@ -1,7 +1,5 @@
 #include "vrml/mesh/geometry_copy.h"
 
-#include "vrml/mesh/tessellators.h"
-
 #include <variant>
 
 namespace gs::vrml {
@@ -24,16 +22,6 @@ std::size_t elements_of(const Node& node) {
   for (std::size_t i = 0; i < node.type->defaults.size(); ++i) sum += elements_of(node.values[i]);
   return sum;
 }
-
-/// Whose work is not in proportion to the lists of the node.
-constexpr struct {
-  Tessellate tessellate;
-  std::size_t (*cost)(const SceneGraph& scene, NodeId geometry);
-} kCosts[] = {
-    {tessellate_elevation_grid, cost_of_elevation_grid},
-    {tessellate_extrusion, cost_of_extrusion},
-    {tessellate_text, cost_of_text},
-};
 
 /// The nodes in the node's own SFNode fields go with it, and no others: those are what meshes are made of.
 NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, bool with_parts) {
@@ -61,8 +49,7 @@ std::size_t tessellation_cost(const SceneGraph& scene, NodeId geometry) {
   const NodeId id = scene.resolve(geometry);
   if (!id || !scene.node(id).type->tessellator.tessellate) return 0;
   const Node& node = scene.node(id);
-  for (const auto& row : kCosts)
-    if (row.tessellate == node.type->tessellator.tessellate) return row.cost(scene, id);
+  if (node.type->tessellator.cost) return node.type->tessellator.cost(scene, id);
   std::size_t sum = elements_of(node);
   for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
     if (const auto* part = std::get_if<SFNode>(&node.values[i]))

@@ -194,6 +194,15 @@ std::size_t NurbsAxis::steps(std::int32_t tessellation) const {
   return std::min(tessellation > 0 ? size : std::min(size, kMost) * points, kMost);
 }
 
+// A quadrilateral for each piece, with normals.
+std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry) {
+  constexpr std::size_t kOfPiece = 16;
+  const auto surface = surface_of(scene, geometry, scene.get<MFVec3f>(geometry, "controlPoint"));
+  if (!surface) return 0;
+  return surface->u().steps(scene.get<SFInt32>(geometry, "uTessellation")) *
+         surface->v().steps(scene.get<SFInt32>(geometry, "vTessellation")) * kOfPiece;
+}
+
 Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   Mesh nothing;
   nothing.solid = scene.get<SFBool>(geometry, "solid");

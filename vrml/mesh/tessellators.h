@@ -30,6 +30,7 @@ namespace gs::vrml {
 // How much work such a node's mesh is, in elements; see tessellation_cost.
 [[nodiscard]] std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry);
 
 }  // namespace gs::vrml

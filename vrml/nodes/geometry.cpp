@@ -38,7 +38,11 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFBool     top              TRUE
 )",
      {tessellate_cylinder, scale_of_cylinder}},
-    {"ElevationGrid", "6.17", Role::geometry, NodeKind::other, R"(
+    {"ElevationGrid",
+     "6.17",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   eventIn      MFFloat    set_height
   exposedField SFNode     color            NULL
   exposedField SFNode     normal           NULL
@@ -54,8 +58,12 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFInt32    zDimension       0                # [0,inf)
   field        SFFloat    zSpacing         1.0              # (0,inf)
 )",
-     tessellate_elevation_grid},
-    {"Extrusion", "6.18", Role::geometry, NodeKind::other, R"(
+     {tessellate_elevation_grid, nullptr, cost_of_elevation_grid}},
+    {"Extrusion",
+     "6.18",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   eventIn      MFVec2f    set_crossSection
   eventIn      MFRotation set_orientation
   eventIn      MFVec2f    set_scale
@@ -71,7 +79,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFBool     solid            TRUE
   field        MFVec3f    spine            [ 0 0 0, 0 1 0 ]  # (-inf,inf)
 )",
-     tessellate_extrusion},
+     {tessellate_extrusion, nullptr, cost_of_extrusion}},
     {"IndexedFaceSet", "6.23", Role::geometry, NodeKind::indexed_face_set, R"(
   eventIn      MFInt32    set_colorIndex
   eventIn      MFInt32    set_coordIndex
@@ -111,7 +119,11 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFInt32    order            3                # [2,inf)
 )",
      tessellate_nurbs_curve},
-    {"NurbsSurface", kAmendmentClause, Role::geometry, NodeKind::other, R"(
+    {"NurbsSurface",
+     kAmendmentClause,
+     Role::geometry,
+     NodeKind::other,
+     R"(
   exposedField MFVec3f    controlPoint     []               # (-inf,inf)
   exposedField SFNode     texCoord         NULL
   exposedField SFInt32    uTessellation    0                # (-inf,inf)
@@ -126,7 +138,7 @@ constexpr NodeRow kGeometryRows[] = {
   field        MFFloat    vKnot            []               # (-inf,inf)
   field        SFInt32    vOrder           3                # [2,inf)
 )",
-     tessellate_nurbs_surface},
+     {tessellate_nurbs_surface, nullptr, cost_of_nurbs_surface}},
     {"OutlineGroup", "GhostSpace", Role::geometry, NodeKind::outline_group, R"(
   exposedField MFString   url              []
   exposedField SFBool     complete         FALSE
@@ -169,13 +181,17 @@ constexpr NodeRow kGeometryRows[] = {
   field        SFFloat    radius           1                # (0,inf)
 )",
      {tessellate_sphere, scale_of_sphere}},
-    {"Text", "6.47", Role::geometry | Role::viewer_dependent, NodeKind::other, R"(
+    {"Text",
+     "6.47",
+     Role::geometry | Role::viewer_dependent,
+     NodeKind::other,
+     R"(
   exposedField MFString   string           []
   exposedField SFNode     fontStyle        NULL
   exposedField MFFloat    length           []               # [0,inf)
   exposedField SFFloat    maxExtent        0.0              # [0,inf)
 )",
-     tessellate_text},
+     {tessellate_text, nullptr, cost_of_text}},
 };
 
 }  // namespace

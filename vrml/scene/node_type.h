@@ -110,13 +110,18 @@ using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const Mesh
 
 /// How much larger the node is than one with the default measures of its type, along each axis.
 using MeasuredScale = glm::vec3 (*)(const SceneGraph& scene, NodeId geometry);
-/// What makes the mesh of a geometry node, and where all of its nodes are one mesh at different scales, the scale.
+/// About how much work the mesh is, in elements of the lists of an IndexedFaceSet (vrml/mesh/geometry_copy.h).
+using TessellationCost = std::size_t (*)(const SceneGraph& scene, NodeId geometry);
+/// What makes the mesh of a geometry node; where all of its nodes are one mesh at different scales, the scale; and where
+/// the work is not in proportion to the lists of the node, the work.
 struct Tessellator {
   Tessellate tessellate = nullptr;
   MeasuredScale scale = nullptr;
+  TessellationCost cost = nullptr;
 
-  constexpr Tessellator(Tessellate function = nullptr, MeasuredScale measured = nullptr)
-      : tessellate(function), scale(measured) {}
+  constexpr Tessellator(Tessellate function = nullptr, MeasuredScale measured = nullptr,
+                        TessellationCost measured_cost = nullptr)
+      : tessellate(function), scale(measured), cost(measured_cost) {}
 };
 
 /// The clause of the nodes that are our own (docs/formats.md), and of those of the standard's amendment.

@@ -259,7 +259,7 @@ TEST_CASE("Nobody falls who has not moved, who is on the way to a Viewpoint, who
   const Obstacles obstacles = site.obstacles();
   Pose pose;
   pose.position = {0, 30, 0};
-  Navigation still = start_navigation({NavigationMode::walk, {true, true, true, true, true}, 1, {}}, {}, pose);
+  Navigation still = start_navigation({NavigationMode::walk, {true, true, true, true, true}, true, 1, {}}, {}, pose);
   NavigationInput keys;
   const auto after = [&](Navigation state, int steps) {
     for (int i = 0; i < steps; ++i) state = with_body(state, step(state, keys, 0.02f), kBody, obstacles, 0.02f);
@@ -287,7 +287,7 @@ TEST_CASE("Down is where the bound Viewpoint's coordinates have it (6.29)") {
   Pose pose;
   pose.position = {5, 0, 0};
   pose.orientation = glm::angleAxis(-1.5707963f, glm::vec3(0, 0, 1));  // the top of the view is +X
-  Navigation state = start_navigation({NavigationMode::walk, {true, true, true, true, true}, 1, {}}, {}, pose);
+  Navigation state = start_navigation({NavigationMode::walk, {true, true, true, true, true}, true, 1, {}}, {}, pose);
   state.up = {1, 0, 0};
   NavigationInput keys;
   keys.move = {0, 0, 1};
