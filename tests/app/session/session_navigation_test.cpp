@@ -21,14 +21,14 @@ using namespace sessions;
 
 namespace {
 
-const std::string kTwoViews = "Viewpoint { position 0 0 10 } DEF V Viewpoint { position 0 0 77 } ";
+const std::string kTwoViews = "Viewpoint { position 0 0 10 } DEF V Viewpoint { description \"hill\" position 0 0 77 } ";
 const std::string kAnchor =
     "Anchor { url \"#V\" description \"to the hill\" children Shape { geometry Box { size 4 4 1 } } } ";
 
 /// Left button, at a place of the picture of 200 x 100 pixels.
 void click(OneWorld& world, float x, float y, double time = kStart + 0.1) {
   for (const Kind kind : {Kind::pointer, Kind::button_down, Kind::button_up})
-    world.frame = world.session.step(time, input_of({pointer(kind, x, y)}));
+    world.frame = world.session.step(time += 0.001, input_of({pointer(kind, x, y)}));
 }
 
 const Navigation& navigation(const OneWorld& world) { return world.frame.pictures[0].view->navigation; }
