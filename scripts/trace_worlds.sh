@@ -1,29 +1,47 @@
 #!/usr/bin/env bash
 # Lets simulated time go in every world below a folder, and tells which of them crash, take too long or leak.
 #
-#   scripts/trace_worlds.sh FOLDER [PROGRAM]
+#   scripts/trace_worlds.sh [--play] FOLDER [PROGRAM]
 #
+# --play: only worlds with Scripts, and somebody tries everything in them: presses, drags and releases each
+# pointing-device sensor and Anchor and goes to each ProximitySensor (trace --press-sensors).
 # PROGRAM is build/release/ghostspace unless it is given; with that of build/asan what its sanitizers report counts,
-# too, leaks among it. UNTIL: seconds of simulated time [10]. LIMIT: seconds for one world [20]. A world that cannot be
-# read (status 1) or has nothing to send is no fault here: scripts/sweep.sh looks after those.
+# too, leaks among it. UNTIL: seconds of simulated time [10, with --play 20]. LIMIT: seconds for one world [20, with
+# --play 120]. MESSAGES: a file that gets what is said of each world while it is traced, "WORLD<tab>MESSAGE". A world
+# that cannot be read (status 1) or has nothing to send is no fault here: scripts/sweep.sh looks after those.
 # A line a fault, "WHAT WORLD", then a line of counts. Status 1 where there was a fault.
 set -u
-folder=${1:?usage: scripts/trace_worlds.sh FOLDER [PROGRAM]}
+play=0
+[ "${1:-}" = --play ] && { play=1; shift; }
+folder=${1:?usage: scripts/trace_worlds.sh [--play] FOLDER [PROGRAM]}
 program=${2:-$(dirname "$0")/../build/release/ghostspace}
-until=${UNTIL:-10} limit=${LIMIT:-20}
+options=(--offline)
+if [ $play = 1 ]; then
+  until=${UNTIL:-20} limit=${LIMIT:-120}
+  options+=(--press-sensors)
+else
+  until=${UNTIL:-10} limit=${LIMIT:-20}
+fi
 [ -d "$folder" ] || { echo "no folder $folder" >&2; exit 2; }
 [ -x "$program" ] || { echo "no program $program" >&2; exit 2; }
 messages=$(mktemp) || exit 2
 trap 'rm -f "$messages"' EXIT
+[ -z "${MESSAGES:-}" ] || : >"$MESSAGES"
 
-worlds=0 faults=0 refused=0 events=0
+worlds=0 faults=0 refused=0 events=0 sensors=0 pressed=0
 fault() { faults=$((faults + 1)); printf '%-8s %s\n' "$1" "$2"; }
 while IFS= read -r -d '' world; do
+  [ $play = 0 ] || zgrep -aqE '(^|[^A-Za-z0-9_])Script[[:space:]]*(\{|$)' "$world" 2>/dev/null || continue
   worlds=$((worlds + 1))
   # The events themselves are many: only their number is kept.
-  lines=$(timeout -k 5 "$limit" "$program" trace "$world" --offline --until "$until" 2>"$messages" | wc -l; exit "${PIPESTATUS[0]}")
+  lines=$(timeout -k 5 "$limit" "$program" trace "$world" "${options[@]}" --until "$until" 2>"$messages" | wc -l; exit "${PIPESTATUS[0]}")
   status=$?
   events=$((events + lines))
+  if [ $play = 1 ]; then
+    read -r one all < <(sed -n 's/.*note: \([0-9]*\) of \([0-9]*\) sensors and Anchors pressed.*/\1 \2/p' "$messages" | tail -1)
+    pressed=$((pressed + ${one:-0})) sensors=$((sensors + ${all:-0}))
+  fi
+  [ -z "${MESSAGES:-}" ] || sed "s|^|$world\t|" "$messages" >>"$MESSAGES"
   if grep -q 'LeakSanitizer: detected' "$messages"; then
     fault leak "$world"
   elif grep -qE 'Sanitizer|runtime error:' "$messages"; then
@@ -37,4 +55,5 @@ while IFS= read -r -d '' world; do
   fi
 done < <(find -L "$folder" -type f \( -iname '*.wrl' -o -iname '*.wrz' -o -iname '*.vrml' -o -iname '*.wrl.gz' \) -print0 | sort -z)
 printf '%d worlds, %d events, %d faults, %d that could not be read\n' $worlds "$events" $faults $refused
+[ $play = 0 ] || printf '%d of %d sensors and Anchors pressed\n' $pressed $sensors
 [ $faults -eq 0 ]

@@ -90,8 +90,9 @@ int parse_and_run(int count, char** arguments) {
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
     if (!options.snapshot.empty() && options.files.size() > 1)
       throw CLI::ValidationError("--snapshot", "expected one file");
-    if ((options.time > 0 || !options.input.empty()) && chosen == &command_rows().front() && options.snapshot.empty())
-      throw CLI::ValidationError("--time and --input", "expected with --snapshot");
+    if ((options.time > 0 || !options.input.empty() || options.press_sensors) && chosen == &command_rows().front() &&
+        options.snapshot.empty())
+      throw CLI::ValidationError("--time, --input and --press-sensors", "expected with --snapshot");
     if (!options.confine.empty() && chosen == &command_rows().front() && options.snapshot.empty())
       throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
     if (chosen->check)

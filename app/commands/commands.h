@@ -35,6 +35,10 @@ std::optional<std::string> check_trace(const Options& options);
 
 /// Reads the file of `--input`, if there is one, into what `simulation` does; prints what is wrong with it.
 [[nodiscard]] bool plan_input(const Options& options, Simulation& simulation);
+/// Programs of worlds in simulated time know no other time zone than that of the simulated clock. Call it first of all.
+void use_universal_time();
+/// Prints what is to be told of it once time has gone by.
+void tell_of_simulation(const Options& options, Simulation& simulation);
 
 /// Which path draws vectors, by the value of `--splats`.
 [[nodiscard]] render::SplatPath splat_path(const std::string& name);

@@ -284,10 +284,21 @@ constexpr OptionRow kOptions[] = {
      "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
      "binds a Viewpoint, {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event, and "
      "{\"t\":5,\"move\":[X,Y]}, press or release in the place of move, which points at a pixel of --size, from the "
-     "upper left, with the left button",
+     "upper left, with the left button; {\"t\":6,\"press\":\"NAME\"}, which presses a sensor by its DEF name or "
+     "Type#number wherever it is, then {\"t\":7,\"drag\":[X,Y]} by pixels and {\"t\":8,\"release\":true}; "
+     "{\"t\":9,\"viewer\":[X,Y,Z]}, which takes the viewer there",
      "open trace ",
      [](Options& o, const std::string& v) {
        o.input = v;
+       return Problem{};
+     }},
+    {"--press-sensors", "", "",
+     "somebody tries everything meanwhile: presses, drags and releases each pointing-device sensor and Anchor, "
+     "whatever "
+     "lies before it, and goes to each ProximitySensor; a line at the end says how many",
+     "open trace ",
+     [](Options& o, const std::string&) {
+       o.press_sensors = true;
        return Problem{};
      }},
     {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},

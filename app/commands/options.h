@@ -27,6 +27,7 @@ struct Options {
   std::string viewpoint;
   double time = 0;                                 // simulated seconds before a picture is drawn
   std::optional<double> until;                     // of a trace
+  bool press_sensors = false;                      // somebody tries all sensors meanwhile
   std::string input;                               // file of what somebody does meanwhile; empty: none
   std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();

@@ -137,6 +137,7 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 }  // namespace
 
 int run_snapshot(const Options& options, const std::string& named) {
+  use_universal_time();
   using render::Phase;
   const GivenPlace given = given_place(named);
   const std::string& file = given.target;
@@ -178,8 +179,7 @@ int run_snapshot(const Options& options, const std::string& named) {
 
   limit_drawing(options.timeout_seconds);
   simulation.run(options.time);
-  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
-    complain("%s: warning: %s", file.c_str(), problem.c_str());
+  tell_of_simulation(options, simulation);
   const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.
   const render::RenderList& list =

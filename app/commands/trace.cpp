@@ -8,6 +8,7 @@
 #include "vrml/syntax/printer.h"
 
 #include <charconv>
+#include <cstdlib>
 #include <utility>
 
 namespace gs::app {
@@ -17,6 +18,7 @@ std::optional<std::string> check_trace(const Options& options) {
 }
 
 bool plan_input(const Options& options, Simulation& simulation) {
+  if (options.press_sensors) simulation.press_sensors();
   if (options.input.empty()) return true;
   const auto opened = net::map_file(options.input);
   if (const auto* problem = std::get_if<net::FileError>(&opened)) {
@@ -32,7 +34,22 @@ bool plan_input(const Options& options, Simulation& simulation) {
   return diagnostics.errors() == 0;
 }
 
+void use_universal_time() { (void)::setenv("TZ", "UTC", 1); }
+
+void tell_of_simulation(const Options& options, Simulation& simulation) {
+  const char* const file = options.files.front().c_str();
+  print_diagnostics(simulation.troubles());
+  if (options.press_sensors) {
+    const SensorTour::Counts counts = simulation.pressed_sensors();
+    complain("%s: note: %zu of %zu sensors and Anchors pressed, %zu of %zu ProximitySensors visited", file,
+             counts.pressed, counts.sensors, counts.visited, counts.places);
+  }
+  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
+    complain("%s: warning: %s", file, problem.c_str());
+}
+
 int run_trace(const Options& options) {
+  use_universal_time();
   const GivenPlace given = given_place(options.files.front());
   WorldLoading loading(given.target, load_options(options));
   OpenedWorld world = load_world(loading, given.target);
@@ -66,8 +83,7 @@ int run_trace(const Options& options) {
     }
   });
   simulation.run(*options.until, [] { return !output_failed(); });
-  if (const std::string& problem = simulation.execution().problem(); !problem.empty())
-    complain("%s: warning: %s", options.files.front().c_str(), problem.c_str());
+  tell_of_simulation(options, simulation);
   return simulation.world().truncated ? kFailed : kDone;
 }
 

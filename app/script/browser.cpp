@@ -1,5 +1,6 @@
 #include "app/script/script_world.h"
 
+#include <js/Array.h>
 #include <js/Conversions.h>
 #include <js/Object.h>
 #include <js/PropertySpec.h>
@@ -277,6 +278,23 @@ bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
   return made != nullptr;
 }
 
+// See mended_text: what `for each` goes over.
+bool values(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedValueVector result(context);
+  JS::RootedObject object(context, args.get(0).isObject() ? &args[0].toObject() : nullptr);
+  JS::Rooted<JS::IdVector> names(context, JS::IdVector(context));
+  if (object && !JS_Enumerate(context, object, &names)) return false;
+  for (std::size_t i = 0; i < names.length(); ++i) {
+    JS::RootedId name(context, names[i]);
+    JS::RootedValue value(context);
+    if (!JS_GetPropertyById(context, object, name, &value) || !result.append(value)) return false;
+  }
+  JSObject* const list = JS::NewArrayObject(context, JS::HandleValueArray(result));
+  args.rval().setObjectOrNull(list);
+  return list != nullptr;
+}
+
 bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
   JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).random()));
   return true;
@@ -330,6 +348,7 @@ const JSFunctionSpec kFunctions[] = {JS_FN("print", print, 1, 0),
                                      JS_FN("vrmlParseInt", parse_int, 2, 0),
                                      JS_FN("repeatableRandom", random_number, 0, 0),
                                      JS_FN("$copy", copy, 1, 0),
+                                     JS_FN("$values", values, 1, 0),
                                      JS_FS_END};
 
 template <Plain kPlain>

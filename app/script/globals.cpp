@@ -74,7 +74,10 @@ const JSClass kGlobalClass = {"global", JSCLASS_GLOBAL_FLAGS, &kGlobalOps, nullp
 
 JS::RealmOptions realm_options() {
   JS::RealmOptions options;
-  options.creationOptions().setSharedMemoryAndAtomicsEnabled(false).setWeakRefsEnabled(JS::WeakRefSpecifier::Disabled);
+  options.creationOptions()
+      .setSharedMemoryAndAtomicsEnabled(false)
+      .setWeakRefsEnabled(JS::WeakRefSpecifier::Disabled)
+      .setToSourceEnabled(true);  // toSource and uneval of engines of that time
   return options;
 }
 
@@ -172,10 +175,10 @@ bool World::make_library() {
 
 bool World::is_own_name(std::string_view name) {
   static const std::unordered_set<std::string_view> names = {
-      "SFColor", "SFRotation", "SFVec2f",    "SFVec3f",  "SFImage",  "SFNode",     "MFColor",      "MFFloat",
-      "MFInt32", "MFNode",     "MFRotation", "MFString", "MFTime",   "MFVec2f",    "MFVec3f",      "SFFloat",
-      "SFTime",  "SFDouble",   "SFInt32",    "SFBool",   "SFString", "VrmlMatrix", "Browser",      "print",
-      "trace",   "TRACE",      "alert",      "TRUE",     "FALSE",    "NULL",       "vrmlParseInt", "$copy"};
+      "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",
+      "MFNode",  "MFRotation", "MFString", "MFTime",       "MFVec2f", "MFVec3f", "SFFloat", "SFTime",  "SFDouble",
+      "SFInt32", "SFBool",     "SFString", "VrmlMatrix",   "Browser", "print",   "trace",   "TRACE",   "alert",
+      "TRUE",    "FALSE",      "NULL",     "vrmlParseInt", "$copy",   "$values"};
   return names.contains(name);
 }
 

@@ -11,13 +11,13 @@
 namespace gs::app::script {
 namespace {
 
-enum class TokenKind : std::uint8_t { word, number, text, expression, mark };
+enum class TokenKind : std::uint8_t { word, number, text, expression, mark, comment };
 
 struct Token {
   TokenKind kind = TokenKind::mark;
   std::size_t begin = 0, end = 0;
   bool on_new_line = false;
-  bool open = false;  // a string that does not end in its line
+  bool open = false;  // a string that does not end in its line; a comment that does not end, others are no tokens
 };
 
 bool begins_word(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_' || c == '$' || (c & 0x80); }
@@ -52,6 +52,7 @@ std::vector<Token> tokens_of(std::string_view text, bool whole_strings) {
     }
     if (text.substr(i, 2) == "/*") {
       const std::size_t end = text.find("*/", i + 2);
+      if (end == std::string_view::npos) tokens.push_back({TokenKind::comment, i, text.size(), new_line, true});
       i = end == std::string_view::npos ? text.size() : end + 2;
       continue;
     }
@@ -153,6 +154,54 @@ std::string modern_text(std::string_view text, const std::vector<std::string>& v
   return changed(text, std::move(changes));
 }
 
+namespace {
+
+// Of the bracket that `open` is, or the last token and one where nothing closes it.
+std::size_t closing(std::string_view text, const std::vector<Token>& tokens, std::size_t open) {
+  std::size_t depth = 0;
+  for (std::size_t i = open; i < tokens.size(); ++i) {
+    if (tokens[i].kind != TokenKind::mark) continue;
+    const char c = text[tokens[i].begin];
+    if (c == '(' || c == '[' || c == '{') ++depth;
+    if ((c == ')' || c == ']' || c == '}') && depth > 0 && --depth == 0) return i;
+  }
+  return tokens.size();
+}
+
+// `for each (v in list)` of JavaScript 1.6, which goes over values.
+void mend_for_each(std::string_view text, const std::vector<Token>& tokens, std::size_t each,
+                   std::vector<Change>& changes) {
+  const std::size_t close = closing(text, tokens, each + 1);
+  for (std::size_t i = each + 2; i < close && close < tokens.size(); ++i) {
+    if (text.substr(tokens[i].begin, tokens[i].end - tokens[i].begin) != "in") continue;
+    changes.push_back({tokens[each].begin, 4, ""});
+    changes.push_back({tokens[i].begin, 2, "of $values("});
+    changes.push_back({tokens[close].begin, 0, ")"});
+    return;
+  }
+}
+
+// `function (x) x * 2` of JavaScript 1.8. `word`: of the token "function".
+void mend_closure(std::string_view text, const std::vector<Token>& tokens, std::size_t word,
+                  std::vector<Change>& changes) {
+  std::size_t open = word + 1;
+  if (open < tokens.size() && tokens[open].kind == TokenKind::word) ++open;
+  if (open >= tokens.size() || text[tokens[open].begin] != '(') return;
+  const std::size_t first = closing(text, tokens, open) + 1;
+  if (first >= tokens.size() || text[tokens[first].begin] == '{') return;
+  std::size_t last = first;
+  for (; last < tokens.size(); ++last) {
+    const char c = text[tokens[last].begin];
+    if (tokens[last].kind != TokenKind::mark) continue;
+    if (c == ',' || c == ';' || c == ')' || c == ']' || c == '}') break;
+    if (c == '(' || c == '[' || c == '{') last = closing(text, tokens, last);
+  }
+  changes.push_back({tokens[first].begin, 0, "{ return "});
+  changes.push_back({last < tokens.size() ? tokens[last].begin : text.size(), 0, " }"});
+}
+
+}  // namespace
+
 std::string mended_text(std::string_view text) {
   static const std::unordered_set<std::string_view> kLaterWords = {
       "class", "enum", "extends", "super", "export", "import", "await", "yield", "let", "static", "interface"};
@@ -173,6 +222,13 @@ std::string mended_text(std::string_view text) {
         if (text[at] == '\r' && at + 1 < token.end && text[at + 1] == '\n') changes.push_back({at, 1, ""});
       }
       if (token.open) changes.push_back({token.end, 0, std::string(1, text[token.begin])});
+    } else if (token.kind == TokenKind::comment) {
+      changes.push_back({token.end, 0, "*/"});
+    } else if (of == "each" && i > 0 && i + 1 < tokens.size() && text[tokens[i + 1].begin] == '(' &&
+               text.substr(tokens[i - 1].begin, tokens[i - 1].end - tokens[i - 1].begin) == "for") {
+      mend_for_each(text, tokens, i, changes);
+    } else if (of == "function") {
+      mend_closure(text, tokens, i, changes);
     } else if (token.kind == TokenKind::word && kLaterWords.contains(of)) {
       const bool member = i > 0 && text[tokens[i - 1].begin] == '.';
       if (!member) changes.push_back({token.begin, of.size(), std::string(of) + "_"});

@@ -53,7 +53,7 @@ class ScriptRunner : public vrml::ScriptHost {
   struct Settings {
     /// Seconds for all programs of a step together; what is left waits for the next one. 0: no matter how long.
     double step_seconds = 0;
-    /// Math.random gives the same numbers each time.
+    /// Math.random gives the same numbers each time, and Date tells the world's time.
     bool repeatable = false;
   };
 

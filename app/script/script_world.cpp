@@ -5,6 +5,7 @@
 #include <js/CallAndConstruct.h>
 #include <js/CompilationAndEvaluation.h>
 #include <js/CompileOptions.h>
+#include <js/Date.h>
 #include <js/ErrorReport.h>
 #include <js/Exception.h>
 #include <js/GCAPI.h>
@@ -16,6 +17,8 @@
 #include <jsfriendapi.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace gs::app::script {
@@ -33,6 +36,18 @@ bool is_object(vrml::FieldType type) {
 
 }  // namespace
 
+namespace {
+
+// What Date tells, in microseconds since 1970.
+double date_of(double now, JSContext* context) {
+  const JS::Realm* const realm = js::GetContextRealm(context);
+  auto* const world =
+      realm ? static_cast<World*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context))) : nullptr;
+  return world && world->is_repeatable() ? world->date() * 1e6 : now;
+}
+
+}  // namespace
+
 World::World(vrml::Execution& execution, Engine& engine, Settings settings)
     : execution_(execution),
       engine_(engine),
@@ -40,6 +55,7 @@ World::World(vrml::Execution& execution, Engine& engine, Settings settings)
       library_(engine.context()),
       changed_(engine.context(), JS::StackGCVector<JSObject*>(engine.context())) {
   link_->execution = &execution;
+  JS::SetReduceMicrosecondTimePrecisionCallback(date_of);
   for (int i = 0; i <= kRowPrototype; ++i) prototypes_.emplace_back(engine.context());
 }
 
@@ -88,6 +104,7 @@ void World::run(Program& program, const Do& what) {
   const auto began = std::chrono::steady_clock::now();
   JSContext* const context = engine_.context();
   Program* const outer = std::exchange(running_, &program);
+  if (!outer) clock_looks_ = 0;
   const vrml::Limits& limits = execution_.root().limits();
   {
     Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
@@ -318,6 +335,14 @@ bool World::created(const ScriptRequest& request, const std::string& text, const
 }
 
 // ---- What programs call
+
+// In simulated time the clock stands while a function runs; but who waits in a loop for it to go on is not left there.
+double World::date() {
+  constexpr std::uint32_t kLooks = 1000;
+  constexpr double kLook = 1e-3;  // seconds
+  if (clock_looks_ < std::numeric_limits<std::uint32_t>::max()) ++clock_looks_;
+  return execution_.now() + (clock_looks_ > kLooks ? kLook * (clock_looks_ - kLooks) : 0);
+}
 
 double World::random() {
   random_ ^= random_ << 13;

@@ -98,6 +98,9 @@ class World final : public ScriptRunner {
   [[nodiscard]] Program& running() { return *running_; }
   [[nodiscard]] bool ends() const { return ends_; }
   [[nodiscard]] double random();
+  [[nodiscard]] bool is_repeatable() const { return settings_.repeatable; }
+  /// What Date tells in simulated time, in seconds since 1970.
+  [[nodiscard]] double date();
   void print(std::string text);
   void warn_once(std::string text);
   void request(ScriptRequest request);
@@ -169,6 +172,7 @@ class World final : public ScriptRunner {
   std::chrono::steady_clock::duration spent_{}, longest_{};  // in this step: of all, of one call
   vrml::EventNode slowest_ = 0;                              // whose that was
   bool late_ = false, ends_ = false;
+  std::uint32_t clock_looks_ = 0;  // of the function that runs
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
 };
 
@@ -245,8 +249,8 @@ bool define_browser(JSContext* context, JS::HandleObject library);
 /// The text with what assignments mean in Annex C. `values`: names of fields and eventOuts whose values are objects.
 /// Lines stay where they are.
 [[nodiscard]] std::string modern_text(std::string_view text, const std::vector<std::string>& values);
-/// Of one that the engine refuses: with line ends in strings, names that are reserved words by now, VRML's comments,
-/// and braces that do not match.
+/// Of one that the engine refuses: with line ends in strings, names that are reserved words by now, VRML's comments and
+/// such as do not end, `for each` and functions without braces of JavaScript 1.6 and 1.8, and braces that do not match.
 [[nodiscard]] std::string mended_text(std::string_view text);
 
 }  // namespace gs::app::script

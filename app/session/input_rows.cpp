@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace gs::app {
@@ -35,8 +36,11 @@ struct PointerRow {
   std::string_view name;
   InputRow::Kind kind;
 };
-constexpr std::array<PointerRow, 3> kPointerRows = {
-    {{"move", InputRow::Kind::move}, {"press", InputRow::Kind::press}, {"release", InputRow::Kind::release}}};
+constexpr std::array<PointerRow, 5> kPointerRows = {{{"move", InputRow::Kind::move},
+                                                     {"press", InputRow::Kind::press},
+                                                     {"release", InputRow::Kind::release},
+                                                     {"drag", InputRow::Kind::drag_sensor},
+                                                     {"viewer", InputRow::Kind::visit}}};
 
 std::optional<InputRow> read_key(const LineReader& in, const Json& row, double time) {
   InputRow result;
@@ -57,20 +61,45 @@ std::optional<InputRow> read_key(const LineReader& in, const Json& row, double t
   return std::nullopt;
 }
 
+bool read_numbers(const Json& list, double farthest, std::span<double> numbers) {
+  if (!list.is_array() || list.size() != numbers.size()) return false;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (!list[i].is_number() || !(std::abs(list[i].get<double>()) <= farthest)) return false;
+    numbers[i] = list[i].get<double>();
+  }
+  return true;
+}
+
 std::optional<InputRow> read_pointer(const LineReader& in, const Json& row, const PointerRow& kind, double time) {
   InputRow result;
   result.kind = kind.kind;
   result.time = time;
   result.location = in.place_of(kind.name);
-  constexpr double kFarthest = 1e6;
-  const Json& place = row.at(std::string(kind.name));
-  bool good = place.is_array() && place.size() == 2;
-  for (int i = 0; good && i < 2; ++i) {
-    good = place[i].is_number() && std::abs(place[i].get<double>()) <= kFarthest;
-    if (good) result.pointer[i] = place[i].get<double>();
+  constexpr double kFarthest = 1e6, kFarthestPlace = 1e12;
+  const Json& value = row.at(std::string(kind.name));
+  double numbers[3] = {};
+  std::string expected = "[X,Y] in pixels from the upper left";
+  bool good = false;
+  if (kind.kind == InputRow::Kind::visit) {
+    expected = "[X,Y,Z] in the world's coordinates";
+    good = read_numbers(value, kFarthestPlace, numbers);
+    result.place = {numbers[0], numbers[1], numbers[2]};
+  } else if (kind.kind == InputRow::Kind::press && value.is_string()) {
+    result.kind = InputRow::Kind::press_sensor;
+    result.name = value.get<std::string>();
+    good = true;
+  } else if (kind.kind == InputRow::Kind::release && value.is_boolean() && value.get<bool>()) {
+    result.kind = InputRow::Kind::release_sensor;
+    good = true;
+  } else {
+    if (kind.kind == InputRow::Kind::drag_sensor) expected = "[X,Y] in pixels to the right and down";
+    if (kind.kind == InputRow::Kind::press) expected += ", or the name of a sensor";
+    if (kind.kind == InputRow::Kind::release) expected += ", or true";
+    good = read_numbers(value, kFarthest, {numbers, 2});
+    result.pointer = {numbers[0], numbers[1]};
   }
   if (good) return result;
-  in.error(result.location, "expected \"" + std::string(kind.name) + "\": [X,Y] in pixels from the upper left");
+  in.error(result.location, "expected \"" + std::string(kind.name) + "\": " + expected);
   return std::nullopt;
 }
 
@@ -100,11 +129,14 @@ std::optional<InputRow> read_row(const LineReader& in, double earliest) {
     in.error(in.place_of("t"), "rows must be in the order of time");
     return std::nullopt;
   }
-  static constexpr std::array<std::string_view, 6> kSubjects = {"set", "viewpoint", "move", "press", "release", "key"};
+  static constexpr std::array<std::string_view, 8> kSubjects = {"set",     "viewpoint", "move", "press",
+                                                                "release", "drag",      "key",  "viewer"};
   const auto subjects = std::count_if(kSubjects.begin(), kSubjects.end(),
                                       [&](std::string_view subject) { return row.contains(subject); });
   if (subjects != 1) {
-    in.error({in.number, 1}, "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\" and \"key\"");
+    in.error(
+        {in.number, 1},
+        "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\", \"drag\", \"key\" and \"viewer\"");
     return std::nullopt;
   }
   if (row.contains("key")) return read_key(in, row, result.time);

@@ -117,6 +117,17 @@ class Session {
   [[nodiscard]] Panes& panes() { return panes_; }
   [[nodiscard]] const Panes& panes() const { return panes_; }
   [[nodiscard]] bool linked() const { return linked_; }
+  /// Presses a pointing-device sensor, or an Anchor, of the active viewport's world wherever it is: along a line from
+  /// the viewer to its geometry, as if there were nothing else in the world. False: there is nothing to be met of it
+  /// now, it is disabled, or another one has the pointer.
+  [[nodiscard]] bool press_sensor(const vrml::NodePlace& sensor);
+  /// Moves the pointer by so many pixels, to the right and down, while press_sensor has it.
+  void drag_sensor(const glm::dvec2& pixels);
+  /// Lets go of what press_sensor has pressed.
+  void release_sensor();
+  /// Takes the viewer of the active viewport there, at once.
+  void move_viewer_to(const glm::dvec3& place);
+
   [[nodiscard]] const FolderQuestions::Question* question() const { return questions_.current(); }
   /// How far the readings of a file are.
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
@@ -184,6 +195,7 @@ class Session {
   void toggle_link();
 
   bool point_world(std::size_t pane, bool down);
+  bool point_at_sensor(bool down);
   bool point_with(const WindowEvent& event, std::size_t pane);
   void point_again();
   void leave_world();
@@ -208,8 +220,13 @@ class Session {
   bool pointer_moved_ = false;                       // since sensors heard of it
   double pressed_at_ = -1e9;                         // when somebody has pressed a button or key last
   bool sensor_has_pointer_ = false;                  // until the button is released
-  std::map<std::string, std::string> entries_;       // Viewpoints that links lead to, by file
-  std::map<std::string, Link> places_behind_;        // what an Anchor names behind a file that is being read, by file
+  struct HeldSensor {
+    vrml::NodePlace sensor;
+    render::SightLine line;
+  };
+  std::optional<HeldSensor> held_sensor_;       // see press_sensor
+  std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
+  std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
   FolderQuestions questions_;
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last

@@ -1,5 +1,7 @@
 #include "app/session/session.h"
 
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -77,6 +79,64 @@ bool Session::point_with(const WindowEvent& event, std::size_t pane) {
   sensor_has_pointer_ = point_world(pane, true);
   if (!sensor_has_pointer_) (void)point_world(pane, false);
   return sensor_has_pointer_;
+}
+
+// Sensors by themselves -------------------------------------------------------------------------------
+
+bool Session::point_at_sensor(bool down) {
+  View& seen = *view();
+  vrml::Execution& execution = seen.document->living->execution();
+  (void)follow_world(seen);
+  std::vector<std::size_t> items;
+  for (SensorGeometry& one : sensor_geometry(execution, *seen.list))
+    if (one.sensor.scene == held_sensor_->sensor.scene && one.sensor.node == held_sensor_->sensor.node)
+      items = std::move(one.items);
+  const render::RenderList alone = only(*seen.list, items);
+  (void)point(execution, picker_, alone, held_sensor_->line, down);
+  open_links(panes_.active());
+  return execution.pointed_at().active;
+}
+
+bool Session::press_sensor(const vrml::NodePlace& sensor) {
+  View* const seen = view();
+  if (held_sensor_ || sensor_has_pointer_ || !seen || !seen->document->living) return false;
+  (void)follow_world(*seen);
+  for (const SensorGeometry& one : sensor_geometry(seen->document->living->execution(), *seen->list)) {
+    if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
+    const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
+    if (!line) return false;
+    pointed_pane_.reset();  // the pointer is there no more
+    held_sensor_ = {sensor, *line};
+    (void)point_at_sensor(true);
+    return true;
+  }
+  return false;
+}
+
+void Session::drag_sensor(const glm::dvec2& pixels) {
+  const View* const seen = view();
+  if (!held_sensor_ || !seen || !seen->document->living) return;
+  glm::dvec3& direction = held_sensor_->line.direction;
+  const glm::dvec3 up = seen->navigation.pose.up();
+  glm::dvec3 right = glm::cross(direction, up);
+  if (!(glm::length(right) > 0)) right = seen->navigation.pose.right();
+  right = glm::normalize(right);
+  const double pixel = pick_options(*seen, place_of(panes_.active()).size()).pixel;
+  direction = glm::normalize(direction + pixel * (pixels.x * right - pixels.y * glm::cross(right, direction)));
+  (void)point_at_sensor(true);
+}
+
+void Session::release_sensor() {
+  if (!held_sensor_) return;
+  if (const View* const seen = view(); seen && seen->document->living) (void)point_at_sensor(false);
+  held_sensor_.reset();
+}
+
+void Session::move_viewer_to(const glm::dvec3& place) {
+  View* const seen = view();
+  if (!seen) return;
+  seen->navigation.transition.reset();
+  seen->navigation.pose.position = place;
 }
 
 // Anchors ---------------------------------------------------------------------------------------------

@@ -70,6 +70,7 @@ std::optional<std::string> Simulation::bind_action(const std::string& viewpoint,
         render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().clouds).viewpoints;
   const auto found = find_viewpoint(viewpoints_, viewpoint);
   if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
+  action.kind = InputRow::Kind::viewpoint;
   action.scene = viewpoints_[*found].scene;
   action.node = viewpoints_[*found].node;
   return std::nullopt;
@@ -91,19 +92,47 @@ std::optional<std::string> Simulation::set_action(const InputRow& row, Action& a
   return std::nullopt;
 }
 
+std::optional<std::string> Simulation::sensor_action(const InputRow& row, Action& action) {
+  if (!names_) names_ = std::make_unique<vrml::NodeNames>(*world().scene);
+  action.scene = world().scene.get();
+  action.node = action.scene->resolve(names_->find(row.name));
+  if (!action.node) return "no node '" + row.name + "'; expected a DEF name or Type#number";
+  const vrml::NodeType& type = *action.scene->node(action.node).type;
+  if (!type.behaviour || !type.behaviour->pointing) return type.name + " is no pointing-device sensor";
+  action.trouble.message = "nothing is shown that '" + row.name + "' senses, or it is disabled; it is not pressed";
+  return std::nullopt;
+}
+
 bool Simulation::plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics) {
   bool good = true;
   for (const InputRow& row : rows) {
     Action action;
     action.time = row.time;
+    action.kind = row.kind;
+    action.pointer = row.pointer;
+    action.place = row.place;
+    action.trouble = {vrml::Severity::warning, file, row.location, {}};
     vrml::SourceLocation place = row.location;
     std::optional<std::string> problem;
-    if (row.kind == InputRow::Kind::set) {
-      problem = set_action(row, action, place);
-    } else if (row.kind == InputRow::Kind::viewpoint) {
-      problem = bind_action(row.name, action);
-    } else {
-      input_action(row, action);
+    switch (row.kind) {
+      case InputRow::Kind::set:
+        problem = set_action(row, action, place);
+        break;
+      case InputRow::Kind::viewpoint:
+        problem = bind_action(row.name, action);
+        break;
+      case InputRow::Kind::press_sensor:
+        problem = sensor_action(row, action);
+        break;
+      case InputRow::Kind::drag_sensor:
+      case InputRow::Kind::release_sensor:
+      case InputRow::Kind::visit:
+        break;
+      case InputRow::Kind::move:
+      case InputRow::Kind::press:
+      case InputRow::Kind::release:
+      case InputRow::Kind::key:
+        input_action(row, action);
     }
     good = good && !problem;
     if (problem) {
@@ -177,16 +206,32 @@ void Simulation::choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId no
 void Simulation::act(double time) {
   for (; next_action_ < actions_.size() && actions_[next_action_].time <= time; ++next_action_) {
     const Action& action = actions_[next_action_];
-    if (action.event) {
-      (void)execution().send(*action.scene, action.node, *action.event, action.value);
-      continue;
+    switch (action.kind) {
+      case InputRow::Kind::set:
+        (void)execution().send(*action.scene, action.node, *action.event, action.value);
+        break;
+      case InputRow::Kind::viewpoint:
+        choose_viewpoint(*action.scene, action.node);
+        break;
+      case InputRow::Kind::press_sensor:
+        if (!session_.press_sensor({action.scene, action.node})) troubles_.add(action.trouble);
+        break;
+      case InputRow::Kind::drag_sensor:
+        session_.drag_sensor(action.pointer);
+        break;
+      case InputRow::Kind::release_sensor:
+        session_.release_sensor();
+        break;
+      case InputRow::Kind::visit:
+        session_.move_viewer_to(action.place);
+        break;
+      case InputRow::Kind::move:
+      case InputRow::Kind::press:
+      case InputRow::Kind::release:
+      case InputRow::Kind::key:
+        input_.events.push_back({action.input, false});
+        step(time, true);
     }
-    if (action.scene) {
-      choose_viewpoint(*action.scene, action.node);
-      continue;
-    }
-    input_.events.push_back({action.input, false});
-    step(time, true);
   }
 }
 
@@ -220,6 +265,7 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     time = next;
     step(time, false);
     act(time);
+    if (tour_) tour_->step();
     fetch();
   }
 }

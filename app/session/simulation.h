@@ -1,11 +1,13 @@
 #pragma once
 
 #include "app/session/input_rows.h"
+#include "app/session/sensor_tour.h"
 #include "app/session/session.h"
 #include "vrml/events/execution.h"
 #include "vrml/events/node_names.h"
 
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstddef>
 #include <functional>
@@ -34,6 +36,12 @@ class Simulation {
   /// Binds the Viewpoint of this name (see find_viewpoint) at the start, in the place of the first one. What is wrong,
   /// if anything.
   [[nodiscard]] std::optional<std::string> begin_at(const std::string& viewpoint);
+  /// Somebody tries all sensors while time goes by.
+  void press_sensors() { tour_.emplace(session_); }
+  /// What has become of that.
+  [[nodiscard]] SensorTour::Counts pressed_sensors() { return tour_ ? tour_->counts() : SensorTour::Counts{}; }
+  /// What of the plan could not be done when its time came.
+  [[nodiscard]] const vrml::Diagnostics& troubles() const { return troubles_; }
   /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
@@ -57,16 +65,22 @@ class Simulation {
   const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});
 
  private:
-  /// What happens at a time: an event for a node, a Viewpoint that is chosen, or an event of the window.
+  /// What happens at a time: an event for a node, a Viewpoint that is chosen, what is done with a sensor or the viewer,
+  /// or an event of the window.
   struct Action {
     double time = 0;
+    InputRow::Kind kind = InputRow::Kind::move;
     const vrml::SceneGraph* scene = nullptr;
     vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event = nullptr;  // null: a Viewpoint, or without a scene `input`
+    const vrml::InterfaceDeclaration* event = nullptr;  // of Kind::set
     vrml::FieldValue value;
+    glm::dvec2 pointer{0};
+    glm::dvec3 place{0};
     WindowEvent input;
+    vrml::Diagnostic trouble;  // if it cannot be done
   };
   std::optional<std::string> bind_action(const std::string& viewpoint, Action& action);
+  std::optional<std::string> sensor_action(const InputRow& row, Action& action);
   std::optional<std::string> set_action(const InputRow& row, Action& action, vrml::SourceLocation& place);
   void input_action(const InputRow& row, Action& action);
   void step(double time, bool look);
@@ -77,6 +91,8 @@ class Simulation {
   std::shared_ptr<Document> document_;
   SessionInput input_;  // of the steps
   Session session_;
+  std::optional<SensorTour> tour_;
+  vrml::Diagnostics troubles_;
   std::unique_ptr<vrml::NodeNames> names_;  // null: no row has named a node
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time

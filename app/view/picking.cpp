@@ -1,5 +1,6 @@
 #include "app/view/picking.h"
 
+#include "render/rays/mesh_bvh.h"
 #include "render/rays/splat_pick.h"
 
 #include <glm/glm.hpp>
@@ -7,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <unordered_map>
 
 namespace gs::app {
 namespace {
@@ -95,6 +98,79 @@ std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& h
   }
   std::reverse(path.begin(), path.end());
   return path;
+}
+
+std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list) {
+  std::vector<SensorGeometry> result;
+  std::unordered_map<const vrml::Node*, std::size_t> known;
+  std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // numbers of `result`, by place
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const render::DrawItem& item = list.items[i];
+    if (!item.seen || item.place >= list.places.size()) continue;
+    // Siblings have the same sensors.
+    const auto [found, fresh] = of_parent.try_emplace(list.places[item.place].parent);
+    if (fresh) {
+      Hit hit;
+      hit.item = i;
+      for (const vrml::NodePlace& sensor : world.sensors_of(path_of(list, hit))) {
+        const auto [number, first] = known.try_emplace(&sensor.scene->node(sensor.node), result.size());
+        if (first) result.push_back({sensor, {}});
+        found->second.push_back(number->second);
+      }
+    }
+    for (const std::size_t number : found->second) result[number].items.push_back(i);
+  }
+  return result;
+}
+
+render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items) {
+  render::RenderList result;
+  result.places = list.places;
+  result.world_from_frame = list.world_from_frame;
+  result.scenes = list.scenes;
+  for (const std::size_t i : items) {
+    result.items.push_back(list.items[i]);
+    result.overlays = result.overlays || list.items[i].overlay;
+  }
+  return result;
+}
+
+std::optional<render::SightLine> line_that_meets(const render::RenderList& list, const glm::dvec3& eye) {
+  for (const render::DrawItem& item : list.items) {
+    const vrml::Mesh& mesh = *item.mesh;
+    if (mesh.primitive != vrml::Mesh::Primitive::triangles || mesh.empty()) continue;
+    const auto in_world = [&](const glm::vec3& point) {
+      return glm::dvec3(item.world_from_node * glm::dvec4(glm::dvec3(point), 1));
+    };
+    // Once for each list: a tree of the triangles would take longer.
+    const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
+    const auto meets = [&](const glm::dvec3& point) -> std::optional<render::SightLine> {
+      const glm::dvec3 way = point - eye;
+      const double length = glm::length(way);
+      if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+      const render::SightLine line{eye, way / length};
+      const render::SightLine in_node{node_from_world * glm::dvec4(line.origin, 1),
+                                      node_from_world * glm::dvec4(line.direction, 0)};
+      return render::nearest_of_all(mesh, in_node) ? std::optional(line) : std::nullopt;
+    };
+    if (const auto line = meets(in_world(mesh.bounds.center()))) return line;
+    // The triangle that is seen as the largest.
+    double largest = 0;
+    glm::dvec3 middle(0);
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      const glm::dvec3 a = in_world(mesh.positions[mesh.indices[i]]), b = in_world(mesh.positions[mesh.indices[i + 1]]),
+                       c = in_world(mesh.positions[mesh.indices[i + 2]]);
+      const glm::dvec3 center = (a + b + c) / 3.0, way = center - eye;
+      const double distance = glm::length(way);
+      const double seen = std::abs(glm::dot(glm::cross(b - a, c - a), way)) / (distance * distance * distance);
+      if (!(seen > largest)) continue;
+      largest = seen;
+      middle = center;
+    }
+    if (largest > 0)
+      if (const auto line = meets(middle)) return line;
+  }
+  return std::nullopt;
 }
 
 render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size) {

@@ -59,6 +59,19 @@ class Picker {
   std::unordered_map<const qnv::Cloud*, Held> models_;
 };
 
+/// A pointing-device sensor, or an Anchor, and what of a list is its geometry (VRML97 4.6.7.3).
+struct SensorGeometry {
+  vrml::NodePlace sensor;
+  std::vector<std::size_t> items;  // of RenderList::items, at least one
+};
+/// The enabled ones of what `list` shows, in the order in which their first items stand there. Vectors do not count.
+[[nodiscard]] std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list);
+/// `list` with these items alone.
+[[nodiscard]] render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items);
+/// A line from `eye` that meets a triangle of the list: near the middle of an item, if it does there. Nothing where
+/// there are none but lines, points and triangles that are seen from their edges.
+[[nodiscard]] std::optional<render::SightLine> line_that_meets(const render::RenderList& list, const glm::dvec3& eye);
+
 /// Picks once, remembering nothing.
 [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray, const PickOptions& options = {});
 

@@ -221,8 +221,10 @@ bool run_program(std::span<const std::byte> bytes) {
       "count 0 "
       "eventIn SFFloat go eventOut SFVec3f out }",
       scene, diagnostics);
-  vrml::MFString& url = std::get<vrml::MFString>(
-      scene.node(scene.roots()[1]).values[scene.node(scene.roots()[1]).type->find_field("url")->slot]);
+  const vrml::NodeId script = scene.roots()[1];  // which programs can take out of the world
+  const vrml::InterfaceDeclaration* const go = scene.node(script).type->find_event_in("go");
+  vrml::MFString& url =
+      std::get<vrml::MFString>(scene.node(script).values[scene.node(script).type->find_field("url")->slot]);
   url.push_back(vrml::SFString("javascript:" + std::string(text_of(bytes))));
   vrml::Diagnostics wrong;
   check_programs(scene, wrong);
@@ -231,11 +233,10 @@ bool run_program(std::span<const std::byte> bytes) {
   require(runner != nullptr);
   execution.set_script_host(runner.get());
   execution.start(1000);
-  const vrml::InterfaceDeclaration* const go = scene.node(scene.roots()[1]).type->find_event_in("go");
   for (int i = 1; i <= 3; ++i) {
     runner->begin_step();
     execution.step(1000 + i);
-    if (scene.contains(scene.roots()[1])) (void)execution.send(scene, scene.roots()[1], *go, vrml::SFFloat(2));
+    if (scene.contains(script)) (void)execution.send(scene, script, *go, vrml::SFFloat(2));
     (void)runner->take_messages();
     (void)runner->take_requests();
   }

@@ -38,6 +38,9 @@ struct Behaviour {
   glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) = nullptr;
   /// Of a pointing-device sensor (4.6.7.3, vrml/events/pointing.h); null for all others.
   const PointingSensor* pointing = nullptr;
+  /// Of a sensor of where the viewer is (6.38): the middle of where it senses him, in its own coordinates; null for all
+  /// others.
+  glm::dvec3 (*sensed_place)(const Execution& execution, EventNode node) = nullptr;
   /// Of a node that tells when the avatar meets what is below it (6.8): that it does, if `met`. False: it says that
   /// nothing below it is ever met.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;

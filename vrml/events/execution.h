@@ -137,6 +137,11 @@ class Execution {
   /// Whether there is a pointing-device sensor at all.
   [[nodiscard]] bool has_pointing_sensors() const { return has_pointing_sensors_; }
   [[nodiscard]] PointedAt pointed_at() const { return pointing_->pointed_at(); }
+  /// The enabled pointing-device sensors, and Anchors, that take part where the pointer meets the Shape at the end of
+  /// the path (4.6.7.3).
+  [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path) {
+    return pointing_->sensors_of(path);
+  }
   /// The Anchors that were activated since the last call (6.2): their url is for others to open. The last kMostRequests
   /// at most.
   [[nodiscard]] std::vector<NodePlace> take_requests() { return std::exchange(requests_, {}); }

@@ -75,6 +75,14 @@ void Pointing::add_sensor(const SceneGraph& scene, NodeId id, const glm::dmat4& 
   if (node != 0 && make_state(node) && usable(node)) sensed.push_back({node, place});
 }
 
+std::vector<NodePlace> Pointing::sensors_of(std::span<const PathStep> path) {
+  std::vector<Sensed> sensed;
+  find_sensors(path, sensed);
+  std::vector<NodePlace> result;
+  for (const Sensed& one : sensed) result.push_back(execution_.place_of(one.node));
+  return result;
+}
+
 bool Pointing::make_state(EventNode node) {
   if (execution_.state_of(node) != 0) return true;
   auto& states = execution_.states().pointing;

@@ -82,6 +82,8 @@ class Pointing {
   /// Whether something waits for a new timestamp.
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
   [[nodiscard]] PointedAt pointed_at() const;
+  /// The enabled sensors that take part where the bearing meets the Shape at the end of the path.
+  [[nodiscard]] std::vector<NodePlace> sensors_of(std::span<const PathStep> path);
 
   /// Of the behaviours of sensors: `enabled` was received.
   void enable(EventNode node, bool enabled);

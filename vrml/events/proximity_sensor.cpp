@@ -187,6 +187,8 @@ const Behaviour kProximitySensorBehaviour = {
     .initialize = proximity_begins,
     .on_event = proximity_event,
     .on_time = proximity_time,
+    .sensed_place = [](const Execution& execution,
+                       EventNode node) { return glm::dvec3(execution.get<SFVec3f>(node, Proximity::center)); },
     .on_remove = [](Execution& execution,
                     EventNode node) { execution.states().proximities.give_back(execution.state_of(node)); },
 };

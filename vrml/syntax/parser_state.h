@@ -159,6 +159,7 @@ struct Parser::State {
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values;   // of declarations that don't count
   std::unordered_set<std::string_view> said_types;                  // names that were declared twice
   std::unordered_map<std::string_view, const NodeType*> stand_ins;  // that were needed
+  std::unordered_set<std::string> unknown_types;                    // that were told of
   std::unordered_set<std::uint64_t> said_measures;                  // places of nodes whose measures are none
   std::uint32_t said_reserved = 0;                                  // a bit for each of reserved_word()
   FieldValue discarded = MFNode{};             // takes named nodes that stand where nothing can be used

@@ -159,7 +159,11 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   frame.start = token.location;
   if (!type) type = find_stand_in(token);
   if (!type) {
-    error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
+    // Once a type, as far as that can be kept.
+    constexpr std::size_t kMostTypes = 1000;
+    const bool known = unknown_types.contains(std::string(token.text));
+    if (!known) error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
+    if (!known && unknown_types.size() < kMostTypes) unknown_types.emplace(token.text);
     if (!name.empty()) scopes.back().names.try_emplace(*scene.keep_name(name), NodeId{});
     frame.kind = Frame::Kind::skip;
     frame.depth = 1;

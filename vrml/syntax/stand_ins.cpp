@@ -81,6 +81,9 @@ constexpr std::string_view kMaterial = R"( [
   }
 })";
 
+// Shapes of other standards: nothing is seen of them.
+constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
+
 struct Row {
   std::string_view name, text;
   bool overlay = false;
@@ -88,8 +91,10 @@ struct Row {
 constexpr Row kRows[] = {
     {"BlaxxunZone", kNothing},
     {"BspGroup", kGroup},
+    {"Circle2D", kNoGeometry},
     {"CullGroup", kGroup},
     {"DeviceSensor", kNothing},
+    {"Disk2D", kNoGeometry},
     {"HUD", kOverlay, true},
     {"InlineLoadControl", kInline},
     {"KambiNavigationInfo", kNavigationInfo},
@@ -101,14 +106,23 @@ constexpr Row kRows[] = {
     {"LoadSensor", kNothing},
     {"MenuSensor", kNothing},
     {"MouseSensor", kNothing},
+    {"MetadataDouble", kNothing},
+    {"MetadataFloat", kNothing},
+    {"MetadataInteger", kNothing},
+    {"MetadataSet", kNothing},
+    {"MetadataString", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
     {"ParticleSystem", kNothing},
+    {"Polyline2D", kNoGeometry},
+    {"Rectangle2D", kNoGeometry},
     {"RefractiveMaterial", kMaterial},
     {"SharedEvent", kNothing},
     {"SharedObject", kNothing},
     {"SpaceSensor", kNothing},
+    {"StaticGroup", kGroup},
     {"StringSensor", kNothing},
+    {"Text2D", kNoGeometry},
     {"TwoSidedMaterial", kMaterial},
 };
 
@@ -151,7 +165,8 @@ bool is_overlay(const NodeType& type) {
 
 const NodeType* built_in_node_of_urn(const MFString& urls) {
   for (const String& url : urls)
-    if (const NodeType* type = built_in_node_type(node_of_urn(url.view())); type && type->kind == NodeType::Kind::built_in)
+    if (const NodeType* type = built_in_node_type(node_of_urn(url.view()));
+        type && type->kind == NodeType::Kind::built_in)
       return type;
   return nullptr;
 }

@@ -52,10 +52,11 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   const auto rows = read_input_rows(
       "{\"t\":0,\"viewpoint\":\"Back\"}\n\n{\"t\":1.5,\"set\":\"A.b.set_x\",\"value\":\"1 0 0\"}\r\n"
       "{\"t\":2,\"set\":\"A.on\",\"value\":true}\n{\"t\":2,\"set\":\"A.n\",\"value\":-2}\n"
-      "{\"t\":2,\"move\":[1,2.5]}\n{\"t\":2,\"press\":[-3,4]}\n{\"t\":2,\"release\":[0,0]}",
+      "{\"t\":2,\"move\":[1,2.5]}\n{\"t\":2,\"press\":[-3,4]}\n{\"t\":2,\"release\":[0,0]}\n"
+      "{\"t\":3,\"press\":\"T\"}\n{\"t\":3,\"drag\":[5,-6]}\n{\"t\":3,\"release\":true}\n{\"t\":3,\"viewer\":[1,2,3]}",
       "in.jsonl", diagnostics);
   CHECK(diagnostics.errors() == 0);
-  REQUIRE(rows.size() == 7);
+  REQUIRE(rows.size() == 11);
   CHECK(rows[0].kind == InputRow::Kind::viewpoint);
   CHECK(rows[0].name == "Back");
   CHECK(rows[1].time == 1.5);
@@ -69,8 +70,17 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   CHECK(rows[5].kind == InputRow::Kind::press);
   CHECK(rows[5].pointer == glm::dvec2(-3, 4));
   CHECK(rows[6].kind == InputRow::Kind::release);
+  CHECK(rows[7].kind == InputRow::Kind::press_sensor);
+  CHECK(rows[7].name == "T");
+  CHECK(rows[8].kind == InputRow::Kind::drag_sensor);
+  CHECK(rows[8].pointer == glm::dvec2(5, -6));
+  CHECK(rows[9].kind == InputRow::Kind::release_sensor);
+  CHECK(rows[10].kind == InputRow::Kind::visit);
+  CHECK(rows[10].place == glm::dvec3(1, 2, 3));
 
-  const std::string expected = "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\" and \"key\"";
+  const std::string expected =
+      "expected one of \"set\", \"viewpoint\", \"move\", \"press\", \"release\", "
+      "\"drag\", \"key\" and \"viewer\"";
   CHECK(complaint("{\"t\":1}\n{\"t\":") == "in.jsonl:1:1: error: " + expected);
   CHECK(complaint("{\"t\":1,\"move\":[1,2],\"press\":[1,2]}") == "in.jsonl:1:1: error: " + expected);
   CHECK(complaint("\n{\"t\":1,") == "in.jsonl:2:8: error: this is no JSON");
@@ -79,7 +89,8 @@ TEST_CASE("lines of --input are read, and what is wrong with them is told with i
   CHECK(complaint("{\"t\":1e999,\"viewpoint\":\"A\"}") == "in.jsonl:1:1: error: a number is too large");
   CHECK(complaint("{\"t\":2,\"viewpoint\":\"A\"}\n{\"t\":1,\"viewpoint\":\"A\"}") ==
         "in.jsonl:2:2: error: rows must be in the order of time");
-  const std::string pixels = "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left";
+  const std::string pixels =
+      "in.jsonl:1:8: error: expected \"press\": [X,Y] in pixels from the upper left, or the name of a sensor";
   for (const char* place : {"[1]", "[1,2,3]", "1", "[1,\"2\"]", "[1,1e99]", "{}"})
     CHECK(complaint("{\"t\":1,\"press\":" + std::string(place) + "}") == pixels);
   CHECK(complaint("{\"t\":1,\"key\":\"hyper\",\"down\":true}") ==
@@ -184,6 +195,80 @@ TEST_CASE("trace drags drag sensors by pixels, and an Anchor has no events (4.6.
         "946684800.2 C.rotation_changed 0 1 0 0.51089716\n946684800.3 C.trackPoint_changed 0 -1 1.9090903\n"
         "946684800.3 C.rotation_changed 0 1 0 0\n946684800.3 C.isActive FALSE\n946684800.3 C.offset_changed 0\n");
   CHECK(pointed(kSensors, "--size 100x100", "{\"t\":0.1,\"press\":[50,75]}\n{\"t\":0.2,\"release\":[50,75]}").empty());
+}
+
+TEST_CASE("a sensor is pressed by its name, whatever lies before it (4.6.7.3)") {
+  const std::string world = R"(#VRML V2.0 utf8
+Viewpoint { }
+Shape { geometry Box { size 9 9 1 } }
+Transform { translation 0 0 -3 children [ Shape { geometry Box { } } DEF T TouchSensor { } ] }
+Transform { translation 0 0 30 children [ Shape { geometry Box { } } PlaneSensor { maxPosition 1 1 } ] }
+Group { children [ Shape { geometry IndexedLineSet { coord Coordinate { point [ 0 0 0, 1 1 0 ] } coordIndex [ 0 1 ] } }
+  DEF L TouchSensor { } ] }
+DEF G Group { })";
+  // Its box is behind another one, where no pixel shows it.
+  CHECK(pointed(world, "", "{\"t\":0.1,\"press\":[512,384]}\n{\"t\":0.2,\"release\":[512,384]}\n").empty());
+  CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"release\":true}\n") ==
+        "946684800.1 T.isOver TRUE\n946684800.1 T.hitPoint_changed 0 0 1\n946684800.1 T.hitNormal_changed 0 0 1\n"
+        "946684800.1 T.hitTexCoord_changed 0.5 0.5\n946684800.1 T.isActive TRUE\n946684800.2 T.isActive FALSE\n"
+        "946684800.2 T.touchTime 946684800.2\n");
+  // Dragged off it, nothing was touched.
+  const std::string left =
+      pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"drag\":[300,0]}\n{\"t\":0.3,\"release\":true}\n");
+  CHECK(left.find("946684800.2 T.isOver FALSE\n946684800.3 T.isActive FALSE\n") != std::string::npos);
+  CHECK(left.find("touchTime") == std::string::npos);
+  // Behind the viewer; to the left of who turns to it is to the right in the world.
+  const std::string dragged = pointed(world, "",
+                                      "{\"t\":0.1,\"press\":\"PlaneSensor#1\"}\n{\"t\":0.2,\"drag\":[-9,-9]}\n"
+                                      "{\"t\":0.3,\"release\":true}\n");
+  INFO(dragged);
+  const std::size_t moved = dragged.find("946684800.2 PlaneSensor#1.translation_changed 0.");
+  REQUIRE(moved != std::string::npos);
+  CHECK(dragged.find(" 0.", moved + 52) < dragged.find('\n', moved));
+  CHECK(dragged.find("PlaneSensor#1.offset_changed 0.") != std::string::npos);
+  // Lines cannot be met.
+  CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"L\"}\n")
+            .find("in.jsonl:1:10: warning: nothing is shown that 'L' senses, or it is disabled; it is not pressed\n") !=
+        std::string::npos);
+  const ScratchFolder folder;
+  const std::string file = folder.write("world.wrl", world);
+  const auto wrong = [&](const std::string& row) {
+    const Run result = run("trace " + quoted(file) + " --until 1 --input " + quoted(folder.write("in.jsonl", row)));
+    CHECK(result.status == kFailed);
+    return result.output;
+  };
+  CHECK(wrong("{\"t\":0.1,\"press\":\"G\"}\n").find("Group is no pointing-device sensor") != std::string::npos);
+  CHECK(wrong("{\"t\":0.1,\"press\":\"N\"}\n").find("no node 'N'") != std::string::npos);
+}
+
+TEST_CASE("--press-sensors presses each sensor and visits each place, and says how many (4.6.7)") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.wrl", kSensors + R"(
+Transform { translation 100 0 0 children DEF Near ProximitySensor { center 0 5 0 size 1 1 1 } }
+Switch { whichChoice -1 choice Group { children [ Shape { geometry Box { } } DEF Hidden TouchSensor { } ] } }
+Inline { url "part.wrl" }
+DEF Open Script { directOutput TRUE eventIn SFTime go url "javascript: function go() { print('pressed'); }" }
+ROUTE T.touchTime TO Open.go)");
+  (void)folder.write("part.wrl",
+                     "#VRML V2.0 utf8\nGroup { children [ Shape { geometry Cone { } } DEF Part TouchSensor { } ] }");
+  const Run first = run("trace " + quoted(world) + " --until 3 --press-sensors");
+  CHECK(first.status == kDone);
+  for (const char* line : {" T.touchTime ", " P.translation_changed ", " S.rotation_changed ", " C.rotation_changed ",
+                           " Part.touchTime ", " Near.isActive TRUE\n", " Near.isActive FALSE\n", " print pressed\n"}) {
+    INFO(line);
+    CHECK(first.output.find(line) != std::string::npos);
+  }
+  CHECK(first.output.find("note: 6 of 7 sensors and Anchors pressed, 1 of 1 ProximitySensors visited") !=
+        std::string::npos);
+  CHECK(run("trace " + quoted(world) + " --until 3 --press-sensors").output == first.output);
+  CHECK(run("--press-sensors " + quoted(world)).status == kUsage);
+}
+
+TEST_CASE("a row of --input takes the viewer somewhere (6.38)") {
+  const std::string world = "#VRML V2.0 utf8\nViewpoint { }\nDEF P ProximitySensor { center 50 0 0 size 2 2 2 }";
+  const std::string lines = pointed(world, "", "{\"t\":0.5,\"viewer\":[50,0.5,0]}");
+  CHECK(lines.find(" P.isActive TRUE\n") != std::string::npos);
+  CHECK(lines.find(" P.position_changed 50 0.5 0\n") != std::string::npos);
 }
 
 TEST_CASE("without a Viewpoint the pointer points at the whole of the world, as --snapshot frames it") {

@@ -133,6 +133,57 @@ TEST_CASE("Browser.addRoute and deleteRoute (4.12.10)") {
   CHECK(world.events() == Lines{"1 S.out 1 0 0", "1 T.translation 1 0 0", "2 S.out 2 0 0"});
 }
 
+TEST_CASE("What a Script has asked for comes later, as an event with a timestamp of its own (4.12.6)") {
+  World world(
+      "DEF A Script { field SFNode me USE A eventIn SFBool go eventIn MFNode came eventOut SFInt32 out url "
+      "\"javascript: "
+      "function go() { Browser.createVrmlFromURL('x.wrl', me, 'came'); } function came(nodes, t) { print(t);"
+      "out = nodes.length; }\" }"
+      "DEF B Script { field SFNode a USE A eventIn SFInt32 in_ directOutput TRUE url \"javascript: function in_(v, t) {"
+      "print('b ' + t); a.came = new MFNode(); }\" } ROUTE A.out TO B.in_");
+  world.start();
+  world.step(1);
+  world.send("A.go", true);
+  CHECK(world.printed() == Lines{});
+  const std::vector<ScriptRequest> requests = world.runner().take_requests();
+  REQUIRE(requests.size() == 1);
+  // It came between two steps of the world: sorted in behind the earlier one, and its loop ends (4.10.4).
+  world.step(2.5);
+  CHECK(world.runner().created(requests[0], "#VRML V2.0 utf8\nGroup {}", "x.wrl"));
+  CHECK(world.events("A.out") == Lines{"2.5 A.out 1"});
+  CHECK(world.printed() == Lines{"1002.5", "b 1002.5", "1002.5"});
+}
+
+TEST_CASE("Date and Math.random are the same each time in simulated time") {
+  const auto seen = [] {
+    World world(
+        "DEF S Script { eventIn SFBool go url \"javascript: function go() { print(Date.now(), new Date().getTime(), "
+        "+new "
+        "Date(0), Math.random()); var end = Date.now() + 500, looks = 0; while (Date.now() < end) ++looks; print(looks "
+        "> "
+        "0); }\" }");
+    world.start();
+    world.step(1.25);
+    world.send("S.go", true);
+    world.step(2);
+    world.send("S.go", true);
+    CHECK(world.problems() == Lines{});
+    return world.printed();
+  };
+  const Lines lines = seen();
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0].starts_with("1001250 1001250 0 0."));
+  CHECK(lines[1] == "true");
+  CHECK(lines[2].starts_with("1002000 1002000 0 0."));
+  CHECK(lines[0].substr(18) != lines[2].substr(18));
+  CHECK(seen() == lines);
+  // In a window the clock is that of the machine.
+  World window("DEF S Script { url \"javascript: function initialize() { print(Date.now() > 1500000000000); }\" }", {},
+               {0, false});
+  window.start();
+  CHECK(window.printed() == Lines{"true"});
+}
+
 TEST_CASE("createVrmlFromString gives nodes that can be put into the world (4.12.10)") {
   World world(
       "DEF G Group {} DEF S Script { directOutput TRUE field SFNode g USE G eventIn SFInt32 go url \"javascript: "

@@ -46,6 +46,25 @@ TEST_CASE("Strings over several lines, names that are reserved words by now, com
   CHECK(world.printed() == Lines{"4"});
 }
 
+TEST_CASE("for each, functions without braces, comments without an end, toSource and uneval of JavaScript 1.x") {
+  const auto printed = [](const std::string& program) {
+    World world("DEF S Script { field MFInt32 list [ 7, 8 ] url \"javascript: " + program + "\" }");
+    world.start();
+    CHECK(world.problems() == Lines{});
+    return world.printed();
+  };
+  CHECK(printed(
+            "function initialize() { var o = { a: 1, b: 2 }; for each (var v in o) print(v); for each (v in list) { "
+            "print(v); } var s = 'x'; for each(v in [[3][0], s]) print(v); }") == Lines{"1", "2", "7", "8", "3", "x"});
+  CHECK(printed("var twice = function (x) x * 2; function add(a, b) a + (b, b);\n"
+                "function initialize() { print(twice(2), add(1, 2)); print([1, 2].map(function (x) x + 1)); }") ==
+        Lines{"4 3", "2,3"});
+  CHECK(printed("function initialize() { print('runs'); } /* and so on") == Lines{"runs"});
+  CHECK(printed("function initialize() { print([1].toSource() + uneval('a').length); }") == Lines{"[1]3"});
+  // What has a meaning today is left as it is.
+  CHECK(printed("var each = 2; function initialize() { for (var each in { k: 1 }) print(each); }") == Lines{"k"});
+}
+
 TEST_CASE("A brace that is missing at the end is taken to be there") {
   World world("DEF S Script { url \"javascript: function initialize() { print('runs');\" }");
   world.start();

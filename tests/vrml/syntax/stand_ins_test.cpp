@@ -9,10 +9,11 @@
 namespace gs::vrml::traces {
 
 TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
-  for (const std::string name : {"BlaxxunZone", "BspGroup", "DeviceSensor", "HUD", "Layer", "Layer2D", "Layer3D",
-                                 "LayerSet", "Occlusion", "Particles", "SharedEvent", "SharedObject", "CullGroup",
-                                 "InlineLoadControl", "KambiNavigationInfo", "KeySensor", "LoadSensor", "MenuSensor",
-                                 "MouseSensor", "ParticleSystem", "SpaceSensor", "StringSensor"}) {
+  for (const std::string name :
+       {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",         "Layer",       "Layer2D",
+        "Layer3D",     "LayerSet",          "Occlusion",           "Particles",   "SharedEvent", "SharedObject",
+        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "KeySensor",   "LoadSensor",  "MenuSensor",
+        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "StringSensor"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
@@ -29,8 +30,28 @@ TEST_CASE("a stand-in is a PROTO of the name it is asked for") {
     REQUIRE(stand_in(scene, name));
     CHECK(has(stand_in(scene, name)->role, Role::material));
   }
+  for (const std::string name : {"Rectangle2D", "Circle2D"}) {
+    INFO(name);
+    REQUIRE(stand_in(scene, name));
+    CHECK(has(stand_in(scene, name)->role, Role::geometry));
+  }
   CHECK(stand_in(scene, "Nobody") == nullptr);
   CHECK(stand_in(scene, "") == nullptr);
+}
+
+TEST_CASE("a node type that nobody knows is told of once") {
+  SceneGraph scene("text.wrl");
+  Diagnostics diagnostics;
+  (void)parse(
+      "#VRML V2.0 utf8\nShape { geometry Rectangle2D { size 2 2 } }\nShape { geometry Rectangle2D { } } Gyro { a 1 } "
+      "Gyro { } DEF G Gyro { } Other { }",
+      scene, diagnostics);
+  Lines said;
+  for (const Diagnostic& one : diagnostics.entries()) said.push_back(one.text());
+  CHECK(said == Lines{"text.wrl:2:18: warning: 'Rectangle2D' is no node of VRML97, but of other browsers; a stand-in "
+                      "takes its place",
+                      "text.wrl:3:36: error: unknown node type 'Gyro'; the node is skipped",
+                      "text.wrl:3:73: error: unknown node type 'Other'; the node is skipped"});
 }
 
 TEST_CASE("a stand-in for an EXTERNPROTO needs its name or its children") {

@@ -1,0 +1,126 @@
+#include "app/session/sensor_tour.h"
+
+#include "app/view/picking.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr std::uint64_t kPressesOfVisit = 4;  // a ProximitySensor is visited behind so many presses
+
+void add_scenes(const vrml::SceneGraph& scene, std::vector<const vrml::SceneGraph*>& scenes) {
+  scenes.push_back(&scene);
+  std::vector<std::uint32_t> places;
+  for (const auto& [place, content] : scene.inlines())
+    if (content) places.push_back(place);
+  std::sort(places.begin(), places.end());
+  for (const std::uint32_t place : places) add_scenes(*scene.inlined(scene.id_at(place)), scenes);
+}
+
+}  // namespace
+
+vrml::Execution* SensorTour::world() {
+  const View* const seen = session_.view();
+  return seen && seen->document->living ? &seen->document->living->execution() : nullptr;
+}
+
+// Pointing-device sensors, or those that sense the viewer.
+std::vector<SensorTour::Found> SensorTour::nodes(bool pointing) {
+  std::vector<Found> result;
+  std::vector<const vrml::SceneGraph*> scenes;
+  add_scenes(world()->root(), scenes);
+  for (const vrml::SceneGraph* const scene : scenes)
+    for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
+      const vrml::Node& node = scene->node_at(i);
+      if (!scene->contains(scene->id_at(i)) || node.in_prototype_body || !node.type->behaviour) continue;
+      const vrml::Behaviour& behaviour = *node.type->behaviour;
+      if (pointing ? behaviour.pointing != nullptr : behaviour.sensed_place != nullptr)
+        result.push_back({scene, scene->id_at(i)});
+    }
+  return result;
+}
+
+bool SensorTour::press_next() {
+  const View& seen = *session_.view();
+  struct Candidate {
+    std::uint32_t presses;
+    const vrml::Node* node;
+    vrml::NodePlace sensor;
+  };
+  std::vector<Candidate> candidates;
+  for (const SensorGeometry& one : sensor_geometry(*world(), *seen.list)) {
+    const vrml::Node* const node = &one.sensor.scene->node(one.sensor.node);
+    candidates.push_back({presses_[node], node, one.sensor});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.presses < b.presses; });
+  // Of those that cannot be met, lines for example, no more than a few are tried.
+  constexpr std::size_t kTries = 4;
+  for (std::size_t i = 0; i < std::min(kTries, candidates.size()); ++i) {
+    const Candidate& one = candidates[i];
+    drags_ = one.node->type->behaviour->pointing->drag != nullptr;
+    ++presses_[one.node];
+    if (session_.press_sensor(one.sensor)) return true;
+  }
+  return false;
+}
+
+void SensorTour::visit_next() {
+  if (came_from_) return session_.move_viewer_to(*std::exchange(came_from_, std::nullopt));
+  std::vector<Found> found = nodes(false);
+  if (found.empty()) return;
+  const auto visits = [&](const Found& one) { return visits_[&one.scene->node(one.node)]; };
+  const auto next = std::min_element(found.begin(), found.end(),
+                                     [&](const Found& a, const Found& b) { return visits(a) < visits(b); });
+  ++visits_[&next->scene->node(next->node)];
+  vrml::Execution& execution = *world();
+  const vrml::EventNode sensor = execution.event_node(*next->scene, next->node);
+  if (sensor == 0) return;
+  const glm::dvec3 place = next->scene->node(next->node).type->behaviour->sensed_place(execution, sensor);
+  const auto frames = execution.places_of(sensor);
+  if (frames.empty()) return;
+  came_from_ = session_.view()->navigation.pose.position;
+  session_.move_viewer_to(glm::dvec3(frames.front() * glm::dvec4(place, 1)));
+}
+
+void SensorTour::step() {
+  if (!world()) return;
+  constexpr glm::dvec2 kWay(60, -25);  // pixels
+  switch (phase_) {
+    case 0:
+      if (came_from_ || round_ % kPressesOfVisit == 0) visit_next();
+      ++round_;
+      if (!press_next()) return;
+      break;
+    case 1:
+      session_.drag_sensor(round_ % 2 == 0 ? kWay : -kWay);
+      break;
+    case 2:
+      // What is clicked is released where it was pressed, what is dragged is left there.
+      if (!drags_) session_.drag_sensor(round_ % 2 == 0 ? -kWay : kWay);
+      break;
+    default:
+      session_.release_sensor();
+  }
+  phase_ = (phase_ + 1) % 4;
+}
+
+SensorTour::Counts SensorTour::counts() {
+  Counts result;
+  if (!world()) return result;
+  for (const Found& one : nodes(true)) {
+    ++result.sensors;
+    const auto found = presses_.find(&one.scene->node(one.node));
+    if (found != presses_.end() && found->second > 0) ++result.pressed;
+  }
+  for (const Found& one : nodes(false)) {
+    ++result.places;
+    const auto found = visits_.find(&one.scene->node(one.node));
+    if (found != visits_.end() && found->second > 0) ++result.visited;
+  }
+  return result;
+}
+
+}  // namespace gs::app
