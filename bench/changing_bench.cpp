@@ -70,6 +70,7 @@ void run(std::size_t side, int frames, bool beside, bool picks) {
   const auto worker = std::make_shared<render::MeshWorker>(
       std::function<void()>{}, [trees = bvh.trees()](const auto& mesh) { trees->prepare(mesh); });
   if (beside) living.set_mesh_worker(worker);
+  if (picks) bvh.prepare(seen->scene.list());
   // What a frame's events bring is made before its time is taken.
   std::vector<vrml::MFVec3f> waves;
   for (int i = 0; i < 8; ++i) waves.push_back(points(0.3 * i));

@@ -160,6 +160,7 @@ void Session::show_loaded() {
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) frame_.show_log = true;
     if (linked_ && change.pane != panes_.active()) panes_.link(panes_.active());
+    if (!options_.simulated) picker_.items().prepare(*seen.list);
   }
   for (const std::size_t i : panes_.visible()) enter_by_link(panes_.at(i));
 }

@@ -50,8 +50,7 @@ bool is_sought(const DrawItem& item, Sought sought) {
   }
 }
 
-void describe(const DrawItem& item, const SightLine& line, SurfaceHit& hit) {
-  const vrml::Mesh& mesh = *item.mesh;
+void describe(const DrawItem& item, const vrml::Mesh& mesh, const SightLine& line, SurfaceHit& hit) {
   const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * hit.triangle.triangle;
   const auto blend = [&](const auto& values) {
     using Value = std::decay_t<decltype(values[0])>;
@@ -97,7 +96,9 @@ void ItemBvh::update(const RenderList& list) {
     const bool same_mesh = !known.mesh.owner_before(item.mesh) && !item.mesh.owner_before(known.mesh);
     if (counted && same_mesh && known.world_from_node == item.world_from_node) continue;
     others += same_mesh ? 0 : 1;
-    known = {item.mesh, item.world_from_node};
+    known.mesh = item.mesh;
+    known.world_from_node = item.world_from_node;
+    if (!counted) known.searched = nullptr, known.tree = nullptr;
     boxes_[i] = world_box(item);
     changed = true;
   }
@@ -152,11 +153,29 @@ std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml
   return tree;
 }
 
+ItemBvh::Searched ItemBvh::searched_for(std::size_t place, const DrawItem& item, std::size_t max_triangles) {
+  const std::shared_ptr<Tree> tree = tree_of(item.mesh, max_triangles);
+  if (!tree) return {};
+  Item& known = items_[place];
+  if (!tree->ready) return known.tree ? Searched{known.searched.get(), &*known.tree->tree} : Searched{item.mesh.get()};
+  if (item.mesh->indices.size() / 3 >= MeshTrees::kLargeMesh) known.searched = item.mesh, known.tree = tree;
+  return {item.mesh.get(), &*tree->tree};
+}
+
+void ItemBvh::prepare(const RenderList& list) {
+  ++searches_;
+  for (const DrawItem& item : list.items)
+    if (item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles &&
+        item.mesh->indices.size() / 3 >= MeshTrees::kLargeMesh)
+      (void)tree_of(item.mesh, kMostTriangles);
+}
+
 std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles,
                                            Sought sought) {
   ++searches_;
   update(list);
   std::optional<SurfaceHit> found;
+  const vrml::Mesh* found_in = nullptr;
   const glm::dvec3 usable = line.origin * 0.0 + line.direction * 0.0;
   if (usable != glm::dvec3(0) || line.direction == glm::dvec3(0)) return found;
   const BoxTree::Walker walker(line);
@@ -167,16 +186,18 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return farthest;
-    const std::shared_ptr<Tree> tree = tree_of(item.mesh, max_triangles);
-    if (!tree) return farthest;
+    const Searched searched = searched_for(place, item, max_triangles);
+    if (!searched.mesh) return farthest;
     const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
                            glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
-    const auto hit = tree->ready ? tree->tree->nearest(*item.mesh, inside) : nearest_of_all(*item.mesh, inside);
+    const auto hit =
+        searched.tree ? searched.tree->nearest(*searched.mesh, inside) : nearest_of_all(*searched.mesh, inside);
     if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
     found = SurfaceHit{place, *hit};
+    found_in = searched.mesh;
     return hit->distance;
   });
-  if (found) describe(list.items[found->item], line, *found);
+  if (found) describe(list.items[found->item], *found_in, line, *found);
   return found;
 }
 
@@ -191,13 +212,13 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
     if (!is_sought(item, Sought::met) || boxes_[place].empty()) return true;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return true;
-    const std::shared_ptr<Tree> tree = tree_of(item.mesh, kMostTriangles);
-    if (!tree) return true;
+    const Searched searched = searched_for(place, item, kMostTriangles);
+    if (!searched.mesh) return true;
     const glm::dvec3 center((lower + upper) * 0.5), half((upper - lower) * 0.5);
     const glm::dvec3 inside(node_from_world * glm::dvec4(center, 1));
     glm::dvec3 extent(0);
     for (int i = 0; i < 3; ++i) extent += glm::abs(glm::dvec3(node_from_world[i])) * half[i];
-    const vrml::Mesh& mesh = *item.mesh;
+    const vrml::Mesh& mesh = *searched.mesh;
     // Without a tree most are far away, and told so by their own coordinates.
     const glm::dvec3 least_inside = inside - extent, greatest_inside = inside + extent;
     const auto is_near = [&](std::uint32_t triangle) {
@@ -223,8 +244,8 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
       if (touches) found.push_back(met);
       return found.size() < most;
     };
-    if (tree->ready) {
-      tree->tree->near(mesh, inside - extent, inside + extent, take);
+    if (searched.tree) {
+      searched.tree->near(mesh, inside - extent, inside + extent, take);
     } else {
       for (std::uint32_t i = 0; i < mesh.indices.size() / 3; ++i)
         if (is_near(i) && !take(i)) break;

@@ -18,7 +18,7 @@ namespace gs::render {
 /// Where a line meets a triangle of a RenderList, in world space.
 struct SurfaceHit {
   std::size_t item = 0;  // of RenderList::items
-  TriangleHit triangle;  // of its mesh
+  TriangleHit triangle;  // of its mesh; of a former one of the item, where the tree of that is still made
   glm::dvec3 point{0};
   /// Of length 1: of the mesh's normals if it has some, else of the triangle, towards where its corners go
   /// counter-clockwise. 0 where there is none.
@@ -42,8 +42,8 @@ enum class Sought : std::uint8_t { seen, met, overlay };
 class ItemBvh {
  public:
   /// Triangles count from both sides; lines and points are too thin to meet. Takes time for each item that has changed
-  /// since the last call, and some microseconds; for a large mesh, until its tree is made meanwhile, some 10 ns a
-  /// triangle.
+  /// since the last call, and some microseconds. Until the tree of a large mesh is made meanwhile, the item's former
+  /// one counts; of the first one all triangles are looked at, in some 10 ns each.
   /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
   [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
                                                   std::size_t max_triangles = std::size_t{1} << 24,
@@ -56,6 +56,8 @@ class ItemBvh {
   [[nodiscard]] std::size_t bytes() const;
   /// The trees of large meshes, for who makes such meshes on another thread.
   [[nodiscard]] const std::shared_ptr<MeshTrees>& trees() const { return trees_; }
+  /// Has the trees of large meshes made, so that they are there when somebody asks.
+  void prepare(const RenderList& list);
 
  private:
   using Tree = MeshTrees::Tree;
@@ -68,7 +70,15 @@ class ItemBvh {
   struct Item {
     std::weak_ptr<const vrml::Mesh> mesh;
     glm::dmat4 world_from_node{1.0};
+    std::shared_ptr<const vrml::Mesh> searched;  // a large one, the last whose tree was ready
+    std::shared_ptr<Tree> tree;                  // of that
   };
+  /// What is searched for an item now: its mesh, or a former one.
+  struct Searched {
+    const vrml::Mesh* mesh = nullptr;  // null: there are too many triangles
+    const MeshBvh* tree = nullptr;     // null: all triangles
+  };
+  Searched searched_for(std::size_t place, const DrawItem& item, std::size_t max_triangles);
   void update(const RenderList& list);
   std::shared_ptr<Tree> tree_of(const std::shared_ptr<const vrml::Mesh>& mesh, std::size_t max_triangles);
 

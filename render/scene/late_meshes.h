@@ -57,7 +57,7 @@ class MeshWorker {
 class LateMeshes {
  public:
   /// In elements; see vrml::tessellation_cost.
-  static constexpr std::size_t kFrameWork = 100'000;
+  static constexpr std::size_t kFrameWork = 200'000;
   /// What costs less is not worth a copy.
   static constexpr std::size_t kSmallWork = 1'000;
 

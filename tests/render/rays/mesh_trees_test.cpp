@@ -4,7 +4,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <chrono>
+#include <cmath>
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -89,6 +92,40 @@ TEST_CASE("What is near is the same before and after the tree of a large mesh is
   };
   const glm::dvec3 difference = sum(after) - sum(before);
   CHECK(std::abs(difference.x) + std::abs(difference.y) + std::abs(difference.z) < 1e-9);
+}
+
+TEST_CASE("Until the tree of a large mesh is there, lines meet the item's former one") {
+  ItemBvh bvh;
+  RenderList list = list_of(floor_at(0));
+  const SightLine line{{0.4, 9, 0.6}, {0, -1, 0}};
+  bvh.trees()->ask();
+  bvh.trees()->prepare(list.items[0].mesh);
+  REQUIRE(bvh.nearest(list, line));
+  CHECK(bvh.nearest(list, line)->point.y == Approx(0));
+  const auto next = floor_at(1);
+  list.items[0].mesh = next;
+  // The tree is made meanwhile: one of the two floors is met, with its own point, and in the end the new one.
+  double y = 0;
+  for (int i = 0; i < 100'000 && y != 1; ++i) {
+    const auto hit = bvh.nearest(list, line);
+    REQUIRE(hit);
+    CHECK(std::abs(hit->normal.y) == Approx(1));
+    y = hit->point.y;
+    CHECK((y == 0 || y == 1));
+  }
+  CHECK(y == 1);
+  CHECK(bvh.near(list, {0.3, 0.9, 0.3}, {0.32, 1.1, 0.32}, 1000).size() > 20);
+}
+
+TEST_CASE("Trees are there when somebody asks who has had them made before") {
+  ItemBvh bvh;
+  const RenderList list = list_of(floor_at(2));
+  bvh.prepare(list);
+  for (int i = 0; i < 100'000 && bvh.bytes() == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(bvh.bytes() > 0);
+  const auto hit = bvh.nearest(list, {{0.5, 9, 0.5}, {0, -1, 0}});
+  REQUIRE(hit);
+  CHECK(hit->point.y == Approx(2));
 }
 
 }  // namespace gs::render::mesh_trees_test
