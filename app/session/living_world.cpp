@@ -1,4 +1,6 @@
 #include "app/session/living_world.h"
+
+#include "app/formats/qnv/cloud_reader.h"
 #include "net/base/url.h"
 #include "render/scene/late_meshes.h"
 
@@ -15,6 +17,27 @@ namespace {
 // Of changes that are remembered; a list that is further behind, since nobody looked at it, is gathered anew.
 constexpr std::size_t kMostBatches = 8;
 constexpr std::size_t kMostRequests = 10'000;  // that nobody takes
+
+// Of a QNV node of a text read at run time, or of a body that has come; they go before what its url names. False: it
+// has none of its own.
+bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
+  if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
+  const vrml::Node& node = scene.node(id);
+  if (world.clouds.contains(&node)) return true;
+  auto made = inline_cloud(scene, id);
+  std::string problem;
+  if (auto* cloud = std::get_if<qnv::Cloud>(&made)) {
+    if (auto held = hold_cloud(std::move(*cloud), scene.budget()))
+      world.clouds[&node] = std::move(held);
+    else
+      problem = scene.budget()->refusal(vrml::Resource::vectors) + "; left out";
+  } else {
+    problem = std::get<std::string>(made);
+  }
+  if (!problem.empty())
+    world.diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location, "QNV: " + problem});
+  return true;
+}
 
 }  // namespace
 
@@ -240,6 +263,8 @@ void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const int slot = fields[i]->slot;
       if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMostRequests) continue;
+      if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
+        continue;
       const vrml::SourceText& text = change.scene->text_of(change.node, slot);
       url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
                                &node,

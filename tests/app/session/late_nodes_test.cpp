@@ -1,104 +1,18 @@
-#include "app/session/living_world.h"
 #include "app/session/world_reader.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
-#include "vrml/syntax/parser.h"
+#include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
 
 #include <chrono>
 #include <memory>
-#include <span>
 #include <string>
 #include <thread>
-#include <vector>
 
 namespace gs::app::late_nodes_test {
-namespace {
 
-const std::string kHeader = "#VRML V2.0 utf8\n";
-
-struct Site {
-  void put(const std::string& name, const std::string& text, std::uint64_t rate = 0) {
-    options.memory->put("memory://a/" + name, [text, rate](const net::TransferRequest&, unsigned) {
-      net::MemoryAnswer answer;
-      answer.head.content_length = text.size();
-      const auto bytes = std::as_bytes(std::span(text));
-      answer.body = {bytes.begin(), bytes.end()};
-      if (rate > 0) {
-        answer.bytes_per_second = rate;
-        answer.block = 1;
-      }
-      return answer;
-    });
-  }
-  void never(const std::string& name) {
-    options.memory->put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
-      net::MemoryAnswer answer;
-      answer.answers = false;
-      return answer;
-    });
-  }
-  LoadOptions options = [] {
-    LoadOptions made;
-    made.memory = std::make_shared<net::MemoryNetwork>();
-    return made;
-  }();
-};
-
-/// A world that began as soon as its own file was there.
-struct World {
-  explicit World(const Site& site) : loading("memory://a/world.wrl", site.options) {
-    while (!loading.root_is_read()) (void)loading.step(std::chrono::milliseconds(10));
-    opened = loading.take();
-    REQUIRE(opened.scene);
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
-  }
-  vrml::SceneGraph& scene() { return *opened.scene; }
-  vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
-  /// All that comes, with what that asks for.
-  void load() {
-    do {
-      loading.request(living->take_url_requests());
-      while (!loading.done()) {
-        (void)loading.step(std::chrono::milliseconds(1000));
-        living->arrive(loading.take_arrivals());
-      }
-      living->arrive(loading.take_arrivals());
-      living->step(time += 1);
-    } while (requests_wait());
-  }
-  /// So long.
-  void step_for(std::chrono::milliseconds span) {
-    const auto end = std::chrono::steady_clock::now() + span;
-    while (std::chrono::steady_clock::now() < end) (void)loading.step(std::chrono::milliseconds(5));
-    living->arrive(loading.take_arrivals());
-    living->step(time += 1);
-  }
-  bool requests_wait() {
-    auto requests = living->take_url_requests();
-    const bool any = !requests.empty();
-    loading.request(std::move(requests));
-    return any && !loading.done();
-  }
-  const render::RenderList& list() {
-    (void)living->show(*seen, {0, 0, 10});
-    return seen->scene.list();
-  }
-  std::size_t items() { return list().items.size(); }
-
-  WorldLoading loading;
-  OpenedWorld opened;
-  render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
-  double time = 1000;
-};
-
-}  // namespace
+using late_worlds::kHeader;
+using late_worlds::Site;
+using late_worlds::World;
 
 TEST_CASE("an Inline and an EXTERNPROTO that never come delay no event of the rest (4.5.3, 4.9.1)") {
   Site site;
@@ -294,6 +208,55 @@ TEST_CASE("an EXTERNPROTO in a text that is read at run time gets its body like 
   (void)world.living->execution().remove_unheld();
   world.loading.request(std::move(requests));
   world.load();
+  CHECK(world.items() == 1);
+}
+
+TEST_CASE("A LOD whose levels come late shows that of the viewer's place as each comes (6.26, 6.25)") {
+  Site site;
+  site.put("world.wrl", kHeader +
+                            "LOD { range [ 20, 40 ] level [ Inline { url \"near.wrl\" } Inline { url \"middle.wrl\" } "
+                            "Inline { url \"far.wrl\" } ] }");
+  site.put("near.wrl", kHeader + std::string(40, ' ') + "Shape { geometry Box { } } Shape { geometry Box { } }", 1000);
+  site.put("middle.wrl", kHeader + "Shape { geometry Cone { } }");
+  site.put("far.wrl",
+           kHeader + std::string(40, ' ') +
+               "Shape { geometry Sphere { } } Shape { geometry Sphere { } } Shape { geometry Sphere { } }",
+           2000);
+  World world(site);
+  const auto at = [&](double distance) { return world.list({0, 0, distance}).items.size(); };
+  CHECK(at(10) == 0);  // nothing has come, and no other level stands in
+  world.load();
+  CHECK(at(10) == 2);
+  CHECK(at(30) == 1);
+  CHECK(at(50) == 3);
+  CHECK(at(10) == 2);
+}
+
+TEST_CASE("A QNV node's own vectors, and the body that stands for a stream, show in what comes late") {
+  Site site;
+  site.put("world.wrl",
+           kHeader +
+               "Inline { url \"part.wrl\" } EXTERNPROTO Cloud [ field MFInt32 own ] \"lib.wrl\" Cloud { own "
+               "[ 1 2 3 4 5 6 ] } Inline { url \"fallback.wrl\" }");
+  site.put("part.wrl", kHeader + "Shape { geometry QNV { vectors [ 1 2 3 4 ] bboxSize 2 2 2 } }", 1000);
+  site.put("lib.wrl",
+           kHeader +
+               "PROTO Cloud [ field MFInt32 own [ ] ] { Shape { geometry QNV { vectors IS own bboxSize 2 2 2 } } "
+               "}",
+           1000);
+  site.put("fallback.wrl",
+           kHeader +
+               "PROTO QNV [ exposedField MFString url [ ] ] { Box { } } Shape { geometry QNV { url \"none.qnv\" } "
+               "}",
+           1000);
+  World world(site);
+  CHECK(world.items() == 0);
+  CHECK(world.list().splats.empty());
+  world.load();
+  const auto& splats = world.list().splats;
+  REQUIRE(splats.size() == 2);
+  CHECK(splats[0].cloud->size() == 2);
+  CHECK(splats[1].cloud->size() == 3);
   CHECK(world.items() == 1);
 }
 

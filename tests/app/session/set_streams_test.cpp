@@ -1,47 +1,23 @@
 #include "app/encode/outline_model.h"
-#include "app/session/living_world.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
 #include "qnv/codec/payloads.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/outline/outline_groups.h"
 #include "qnv/outline/outline_stream.h"
-#include "vrml/syntax/parser.h"
 
 #include "tests/app/clouds.h"
+#include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
 
-#include <chrono>
-#include <memory>
-#include <span>
 #include <string>
-#include <vector>
+#include <utility>
 
 namespace gs::app::set_streams_test {
 namespace {
 
-const std::string kHeader = "#VRML V2.0 utf8\n";
-
-using Bytes = std::vector<std::byte>;
-
-void put(const LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0) {
-  options.memory->put("memory://a/" + name, [bytes = std::move(bytes), rate](const net::TransferRequest&, unsigned) {
-    net::MemoryAnswer answer;
-    answer.head.content_length = bytes.size();
-    answer.body = bytes;
-    answer.bytes_per_second = rate;
-    if (rate > 0) answer.block = 64;
-    return answer;
-  });
-}
-
-Bytes text(const std::string& body) {
-  const std::string whole = kHeader + body;
-  const auto bytes = std::as_bytes(std::span(whole));
-  return {bytes.begin(), bytes.end()};
-}
+using late_worlds::Bytes;
+using late_worlds::kHeader;
+using late_worlds::Site;
 
 /// A ball of so many vectors.
 Bytes ball(std::size_t vectors) {
@@ -72,35 +48,12 @@ Bytes outlines(const std::string& shapes) {
   return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
 }
 
-struct World {
-  explicit World(const LoadOptions& options) : loading("memory://a/world.wrl", options) {
-    while (!loading.root_is_read()) (void)loading.step(std::chrono::milliseconds(10));
-    opened = loading.take();
-    REQUIRE(opened.scene);
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
-  }
-  vrml::NodeId geometry() { return opened.scene->get<vrml::SFNode>(opened.scene->roots()[0], "geometry"); }
-  void set_url(const std::string& url) {
-    vrml::MFString list;
-    if (!url.empty()) list.push_back(url);
-    CHECK(living->send(*opened.scene, geometry(), "set_url", vrml::FieldValue(list)));
-    living->step(time += 1);
-    loading.request(living->take_url_requests());
-  }
-  Arrivals come() {
-    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
-    return loading.take_arrivals();
-  }
-  void arrive() {
-    living->arrive(come());
-    living->step(time += 1);
-  }
-  const render::RenderList& list() {
-    (void)living->show(*seen, {0, 0, 10});
-    return seen->scene.list();
-  }
+struct World : late_worlds::World {
+  explicit World(const Site& site) : late_worlds::World(site) {}
+  vrml::NodeId geometry() { return scene().get<vrml::SFNode>(root(0), "geometry"); }
+  void set_url(const std::string& url) { late_worlds::World::set_url(geometry(), url); }
+  Arrivals come() { return fetch(); }
+  void arrive() { late_worlds::World::arrive(come()); }
   std::size_t vectors() {
     const auto& splats = list().splats;
     return splats.empty() || !splats[0].cloud ? 0 : splats[0].cloud->size();
@@ -109,32 +62,19 @@ struct World {
     const auto& items = list().items;
     return items.empty() ? 0 : items[0].mesh->indices.size() / 3;
   }
-
-  WorldLoading loading;
-  OpenedWorld opened;
-  render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
-  double time = 1000;
 };
-
-LoadOptions memory() {
-  LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
-  return options;
-}
 
 }  // namespace
 
 TEST_CASE("set_url of a QNV node shows the vectors that it names then, and former ones are dropped") {
-  const LoadOptions options = memory();
-  put(options, "world.wrl", text("Shape { geometry QNV { url \"small.qnv\" } }"));
-  put(options, "small.qnv", ball(300));
-  put(options, "large.qnv", ball(2000));
+  Site site;
+  site.put("world.wrl", kHeader + "Shape { geometry QNV { url \"small.qnv\" } }");
+  site.put("small.qnv", ball(300));
+  site.put("large.qnv", ball(2000));
   const std::size_t small = size_of(ball(300)), large = size_of(ball(2000));
   REQUIRE(0 < small);
   REQUIRE(small < large);
-  World world(options);
+  World world(site);
   world.arrive();
   CHECK(world.vectors() == small);
   world.set_url("large.qnv");
@@ -156,17 +96,18 @@ TEST_CASE("set_url of a QNV node shows the vectors that it names then, and forme
 }
 
 TEST_CASE("set_url of an OutlineGroup shows the polygons that it names then, and former ones are dropped") {
-  const LoadOptions options = memory();
-  put(options, "world.wrl", text("Shape { geometry OutlineGroup { url \"box.qnv\" } }"));
-  put(options, "box.qnv", outlines("Shape { geometry Box { } }"));
-  put(options, "tetrahedron.qnv",
-      outlines("Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ] } "
-               "coordIndex [ 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1 ] } }"));
-  World world(options);
+  Site site;
+  site.put("world.wrl", kHeader + "Shape { geometry OutlineGroup { url \"box.qnv\" } }");
+  site.put("box.qnv", outlines("Shape { geometry Box { } }"));
+  site.put("tetrahedron.qnv",
+           outlines("Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ] } "
+                    "coordIndex [ 0 2 1 -1 0 1 3 -1 1 2 3 -1 2 0 3 -1 ] } }"));
+  World world(site);
   CHECK(world.triangles() == 0);
   world.arrive();
   CHECK(world.triangles() == 12);
-  const auto complete = [&] { return world.opened.scene->get<vrml::SFBool>(world.geometry(), "complete"); };
+  const auto complete = [&] {
+    return world.opened.scene->get<vrml::SFBool>(world.geometry(), "complete"); };
   CHECK(complete());
   for (int round = 0; round < 3; ++round) {
     world.set_url("tetrahedron.qnv");
@@ -202,12 +143,14 @@ TEST_CASE("set_url of an OutlineGroup shows the polygons that it names then, and
 }
 
 TEST_CASE("polygons of a file's OutlineGroup that come late are added to its own, and delay nothing") {
-  const LoadOptions options = memory();
-  put(options, "world.wrl",
-      text("Shape { geometry OutlineGroup { url \"box.qnv\" point [ 5 0 0, 6 0 0, 5 1 0 ] coordIndex [ 0 1 2 -1 ] } } "
-           "DEF T TimeSensor { loop TRUE }"));
-  put(options, "box.qnv", outlines("Shape { geometry Box { } }"), 4000);
-  World world(options);
+  Site site;
+  site.put(
+      "world.wrl",
+      kHeader +
+          "Shape { geometry OutlineGroup { url \"box.qnv\" point [ 5 0 0, 6 0 0, 5 1 0 ] coordIndex [ 0 1 2 -1 ] } } "
+          "DEF T TimeSensor { loop TRUE }");
+  site.put("box.qnv", outlines("Shape { geometry Box { } }"), 4000);
+  World world(site);
   CHECK(world.triangles() == 1);
   CHECK(world.living->next_time().has_value());
   world.arrive();

@@ -1,10 +1,6 @@
-#include "app/session/living_world.h"
 #include "app/session/simulation.h"
 #include "app/session/world_reader.h"
-#include "app/world/world_loader.h"
-#include "app/world/world_loading.h"
-#include "net/load/transport_memory.h"
-#include "vrml/syntax/parser.h"
+#include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
 
@@ -12,78 +8,44 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace gs::app::url_requests_test {
 namespace {
 
-const std::string kHeader = "#VRML V2.0 utf8\n";
+using late_worlds::kHeader;
+using late_worlds::Site;
 
 std::string picture(unsigned char shade) {
   // One pixel of grey (binary PGM).
   return std::string("P5 1 1 255\n") + static_cast<char>(shade);
 }
 
-void put(LoadOptions& options, const std::string& name, const std::string& text, std::uint64_t rate = 0) {
-  options.memory->put("memory://a/" + name, [text, rate](const net::TransferRequest&, unsigned) {
-    net::MemoryAnswer answer;
-    answer.head.content_length = text.size();
-    const auto bytes = std::as_bytes(std::span(text));
-    answer.body = {bytes.begin(), bytes.end()};
-    if (rate > 0) {
-      answer.bytes_per_second = rate;
-      answer.block = 1;
-    }
-    return answer;
-  });
-}
-
-LoadOptions site() {
-  LoadOptions options;
-  options.memory = std::make_shared<net::MemoryNetwork>();
-  put(options, "world.wrl",
-      kHeader +
-          "Inline { url \"one.wrl\" } Shape { geometry Box { } appearance Appearance { "
-          "texture ImageTexture { url \"dark.pgm\" } } } Group { }");
-  put(options, "one.wrl", kHeader + "Viewpoint { } Shape { geometry Box { } }");
-  put(options, "two.wrl",
+Site site() {
+  Site made;
+  made.put("world.wrl", kHeader +
+                            "Inline { url \"one.wrl\" } Shape { geometry Box { } appearance Appearance { "
+                            "texture ImageTexture { url \"dark.pgm\" } } } Group { }");
+  made.put("one.wrl", kHeader + "Viewpoint { } Shape { geometry Box { } }");
+  made.put(
+      "two.wrl",
       kHeader + "EXTERNPROTO Cone2 [ ] \"lib.wrl\" Shape { geometry Box { } } Inline { url \"inner.wrl\" } Cone2 { }");
-  put(options, "inner.wrl",
+  made.put(
+      "inner.wrl",
       kHeader + "Shape { geometry Sphere { } appearance Appearance { texture ImageTexture { url \"light.pgm\" } } }");
-  put(options, "lib.wrl", kHeader + "PROTO Cone2 [ ] { Shape { geometry Cone { } } }");
-  put(options, "dark.pgm", picture(10));
-  put(options, "light.pgm", picture(200));
-  put(options, "slow.wrl", kHeader + std::string(4000, ' ') + "Shape { geometry Cone { } }", 100);
-  return options;
+  made.put("lib.wrl", kHeader + "PROTO Cone2 [ ] { Shape { geometry Cone { } } }");
+  made.put("dark.pgm", picture(10));
+  made.put("light.pgm", picture(200));
+  made.put("slow.wrl", kHeader + std::string(4000, ' ') + "Shape { geometry Cone { } }", 100);
+  return made;
 }
 
-struct World {
-  explicit World(const LoadOptions& options)
-      : loading("memory://a/world.wrl", options), opened(load_world(loading, "memory://a/world.wrl")) {
-    REQUIRE(opened.scene);
-    living = std::make_unique<LivingWorld>(opened, meshes);
-    living->start(1000);
-    seen = living->look({0, 0, 10}, true);
-  }
-  vrml::SceneGraph& scene() { return *opened.scene; }
+struct World : late_worlds::World {
+  explicit World(const Site& site) : late_worlds::World(site, Begins::with_all_that_it_names) {}
   vrml::NodeId texture() {
-    const auto appearance = scene().get<vrml::SFNode>(scene().roots()[1], "appearance");
+    const auto appearance = scene().get<vrml::SFNode>(root(1), "appearance");
     return scene().get<vrml::SFNode>(appearance, "texture");
-  }
-  void set_url(vrml::NodeId node, const std::string& url) {
-    vrml::MFString list;
-    if (!url.empty()) list.push_back(url);
-    CHECK(living->send(scene(), node, "set_url", vrml::FieldValue(list)));
-    living->step(time += 1);
-  }
-  Arrivals fetch() {
-    loading.request(living->take_url_requests());
-    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
-    return loading.take_arrivals();
-  }
-  const render::RenderList& list() {
-    (void)living->show(*seen, {0, 0, 10});
-    return seen->scene.list();
   }
   // Shades of the pictures on the items, -1 for those without.
   std::vector<int> shades() {
@@ -92,13 +54,6 @@ struct World {
       all.push_back(item.texture.image ? item.texture.image->pixels[0] : -1);
     return all;
   }
-
-  WorldLoading loading;
-  OpenedWorld opened;
-  render::MeshCache meshes;
-  std::unique_ptr<LivingWorld> living;
-  std::shared_ptr<LivingScene> seen;
-  double time = 1000;
 };
 
 using Shades = std::vector<int>;
@@ -128,9 +83,9 @@ TEST_CASE("set_url of an ImageTexture shows the picture that it names then (6.22
 }
 
 TEST_CASE("the faces of a Background are set one by one (6.5)") {
-  LoadOptions options = site();
-  put(options, "world.wrl", kHeader + "Background { frontUrl \"dark.pgm\" backUrl \"light.pgm\" }");
-  World world(options);
+  Site files = site();
+  files.put("world.wrl", kHeader + "Background { frontUrl \"dark.pgm\" backUrl \"light.pgm\" }");
+  World world(files);
   const vrml::NodeId background = world.scene().roots()[0];
   const auto face = [&](render::Background::Face which) {
     const auto& picture = world.list().background.panorama[which];
@@ -225,7 +180,7 @@ TEST_CASE("nodes that are made at run time get what their urls name, in the name
 }
 
 TEST_CASE("a reader goes on to read what is asked for while the world lives") {
-  WorldReader reader("memory://a/world.wrl", site(), {});
+  WorldReader reader("memory://a/world.wrl", site().options, {});
   WorldReader::News news;
   const auto wait_for = [&](const auto& there) {
     for (news = reader.take(); !there(); news = reader.take())

@@ -1,0 +1,136 @@
+#pragma once
+
+#include "app/session/living_world.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "vrml/syntax/parser.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+// Worlds whose parts come while they live, from servers that answer as the test says.
+namespace gs::app::late_worlds {
+
+inline const std::string kHeader = "#VRML V2.0 utf8\n";
+
+using Bytes = std::vector<std::byte>;
+
+inline Bytes bytes_of(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// The files of memory://a/.
+struct Site {
+  /// `rate`: bytes a second, 0 for all at once; `block`: how many come together then.
+  void put(const std::string& name, Bytes bytes, std::uint64_t rate = 0, std::size_t block = 64) {
+    options.memory->put("memory://a/" + name,
+                        [bytes = std::move(bytes), rate, block](const net::TransferRequest&, unsigned) {
+                          net::MemoryAnswer answer;
+                          answer.head.content_length = bytes.size();
+                          answer.body = bytes;
+                          answer.bytes_per_second = rate;
+                          if (rate > 0) answer.block = block;
+                          return answer;
+                        });
+  }
+  void put(const std::string& name, const std::string& text, std::uint64_t rate = 0) {
+    put(name, bytes_of(text), rate, 1);
+  }
+  /// A server that never answers.
+  void never(const std::string& name) {
+    options.memory->put("memory://a/" + name, [](const net::TransferRequest&, unsigned) {
+      net::MemoryAnswer answer;
+      answer.answers = false;
+      return answer;
+    });
+  }
+  LoadOptions options = [] {
+    LoadOptions made;
+    made.memory = std::make_shared<net::MemoryNetwork>();
+    return made;
+  }();
+};
+
+/// memory://a/world.wrl, which lives, and one who looks at it.
+struct World {
+  enum class Begins : std::uint8_t { with_its_own_file, with_all_that_it_names };
+
+  explicit World(const Site& site, Begins begins = Begins::with_its_own_file)
+      : loading("memory://a/world.wrl", site.options) {
+    if (begins == Begins::with_all_that_it_names) {
+      opened = load_world(loading, "memory://a/world.wrl");
+    } else {
+      while (!loading.root_is_read()) (void)loading.step(std::chrono::milliseconds(10));
+      opened = loading.take();
+    }
+    REQUIRE(opened.scene);
+    living = std::make_unique<LivingWorld>(opened, meshes);
+    living->start(1000);
+    seen = living->look({0, 0, 10}, true);
+  }
+  vrml::SceneGraph& scene() { return *opened.scene; }
+  vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
+  /// One url, or none.
+  void set_url(vrml::NodeId node, const std::string& url) {
+    vrml::MFString list;
+    if (!url.empty()) list.push_back(url);
+    CHECK(living->send(scene(), node, "set_url", vrml::FieldValue(list)));
+    living->step(time += 1);
+  }
+  /// What has been asked for, when it is there.
+  Arrivals fetch() {
+    loading.request(living->take_url_requests());
+    while (!loading.done()) (void)loading.step(std::chrono::milliseconds(1000));
+    return loading.take_arrivals();
+  }
+  void arrive(Arrivals&& arrivals) {
+    living->arrive(std::move(arrivals));
+    living->step(time += 1);
+  }
+  /// All that comes, with what that asks for.
+  void load() {
+    do {
+      loading.request(living->take_url_requests());
+      while (!loading.done()) {
+        (void)loading.step(std::chrono::milliseconds(1000));
+        living->arrive(loading.take_arrivals());
+      }
+      arrive(loading.take_arrivals());
+    } while (requests_wait());
+  }
+  /// So long.
+  void step_for(std::chrono::milliseconds span) {
+    const auto end = std::chrono::steady_clock::now() + span;
+    while (std::chrono::steady_clock::now() < end) (void)loading.step(std::chrono::milliseconds(5));
+    arrive(loading.take_arrivals());
+  }
+  bool requests_wait() {
+    auto requests = living->take_url_requests();
+    const bool any = !requests.empty();
+    loading.request(std::move(requests));
+    return any && !loading.done();
+  }
+  const render::RenderList& list(const glm::dvec3& viewer = {0, 0, 10}) {
+    (void)living->show(*seen, viewer);
+    return seen->scene.list();
+  }
+  std::size_t items() { return list().items.size(); }
+
+  WorldLoading loading;
+  OpenedWorld opened;
+  render::MeshCache meshes;
+  std::unique_ptr<LivingWorld> living;
+  std::shared_ptr<LivingScene> seen;
+  double time = 1000;
+};
+
+}  // namespace gs::app::late_worlds
