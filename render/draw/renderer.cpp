@@ -84,6 +84,23 @@ FormerPicture make_picture(const Gl& gl, int width, int height) {
   return picture;
 }
 
+/// How the picture is drawn off screen. Drivers on the processor take three times as long for samples of their own as
+/// for four times the pixels, which are `reduced` afterwards. Clouds have samples of their own.
+DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
+  DrawOptions local = options;
+  local.x = local.y = 0;
+  const int most = gl.max_renderbuffer_size / kPixelSide;
+  if (reduced && gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide &&
+      list.splats.empty() && list.lights.size() <= kLightsOfManyPixels && options.width <= most &&
+      options.height <= most) {
+    local.width *= kPixelSide;
+    local.height *= kPixelSide;
+    local.samples = 1;
+    local.pixel_side = kPixelSide;
+  }
+  return local;
+}
+
 /// The mean of two pixels of RGBA in one row and two in the next, as RGB: two components at a time.
 void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
   static_assert(std::endian::native == std::endian::little);
@@ -192,11 +209,11 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
   gl.GetIntegerv(GL_SAMPLES, &outer_samples);
   const int coarseness = std::clamp(options.coarseness, 1, kMostCoarseness);
-  DrawOptions local = options;
-  local.x = local.y = 0;
-  local.width = (options.width + coarseness - 1) / coarseness;
-  local.height = (options.height + coarseness - 1) / coarseness;
-  if (!bind_target(local.width, local.height, options.samples)) {
+  DrawOptions coarse = options;
+  coarse.width = (options.width + coarseness - 1) / coarseness;
+  coarse.height = (options.height + coarseness - 1) / coarseness;
+  const DrawOptions local = for_target(gl, list, coarse, outer_samples == 0);
+  if (!bind_target(local.width, local.height, local.samples)) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
     return {};
   }
@@ -208,6 +225,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   // One that is stretched must have nothing beside it that could be blended in.
   if (options.go_on || coarseness > 1) keep_whole_picture(options, statistics.given_up, width, height);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(outer));
+  // Between four pixels that are one, a linear filter takes their mean.
   const bool same_size = width == options.width && height == options.height;
   gl.BlitFramebuffer(0, 0, width, height, options.x, options.y, options.x + options.width, options.y + options.height,
                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
@@ -310,34 +328,20 @@ void Renderer::draw_overlays(const RenderList& list, const Camera& given, const 
 std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list, const Camera& camera,
                                                           const DrawOptions& options, FrameStatistics* statistics) {
   const Gl& gl = state_->gl;
-  int width = options.width, height = options.height;
   const int most = gl.max_renderbuffer_size;
-  if (width < 1 || height < 1 || width > most || height > most)
-    return ContextError{"a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+  if (options.width < 1 || options.height < 1 || options.width > most || options.height > most)
+    return ContextError{"a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
                         " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
-  // Drivers on the processor take three times as long for samples of their own as for four times the pixels. Clouds
-  // have samples of their own.
-  const bool more_pixels = gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide &&
-                           list.splats.empty() && list.lights.size() <= kLightsOfManyPixels &&
-                           width <= most / kPixelSide && height <= most / kPixelSide;
-  const int side = more_pixels ? kPixelSide : 1;
-  width *= side;
-  height *= side;
-  if (!bind_target(width, height, more_pixels ? 1 : options.samples)) {
+  const DrawOptions local = for_target(gl, list, options, true);
+  if (!bind_target(local.width, local.height, local.samples)) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-    return ContextError{"the driver has no memory for a picture of " + std::to_string(width) + "x" +
-                        std::to_string(height)};
+    return ContextError{"the driver has no memory for a picture of " + std::to_string(local.width) + "x" +
+                        std::to_string(local.height)};
   }
-  DrawOptions local = options;
-  local.x = local.y = 0;
-  local.width = width;
-  local.height = height;
-  if (more_pixels) local.samples = 1;
-  local.pixel_side = side;
   const FrameStatistics drawn = draw_in_target(list, camera, local);
   if (statistics) *statistics = drawn;
-  resolve(width, height);
-  Image image = read_back(gl, width, height, side);
+  resolve(local.width, local.height);
+  Image image = read_back(gl, local.width, local.height, local.pixel_side);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return image;
 }

@@ -165,8 +165,8 @@ void main() {
 }
 )glsl";
 
-/// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first.
-/// Colours as in VRML97 Tables 4.5 and 4.6.
+/// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first,
+/// and SMOOTH_EDGES, where alpha becomes samples. Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
@@ -218,8 +218,12 @@ void main() {
   color.rgb = replaces.x != 0 ? texel.rgb : color.rgb * texel.rgb;
   if (replaces.y != 0) color.a = texel.a;
 #ifdef CUT_OUT
+#ifdef SMOOTH_EDGES
+  // How much of the pixel is inside becomes that many of its samples.
+  color.a *= clamp((texel.a - 0.5) / max(fwidth(texel.a), 0.004) + 0.5, 0.0, 1.0);
+#else
   if (texel.a < 0.5) discard;
-  color.a = 1.0;
+#endif
 #endif
 #endif
 #ifdef LIT

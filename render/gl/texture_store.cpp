@@ -9,6 +9,7 @@ namespace {
 
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
 constexpr float kAnisotropy = 8;
+constexpr std::size_t kOfMasks = 4;  // the first sampler
 
 bool can_be_uploaded(const Image& image) {
   return image.width > 0 && image.height > 0 && image.components >= 1 && image.components <= 4 &&
@@ -28,21 +29,50 @@ TextureStore::Alpha alpha_of(const Image& image) {
   return result;
 }
 
-/// Half as large in each direction in which it has more than one pixel; 2 x 2 means.
+/// The means of what each pixel covers of the image, half as large in each direction in which that has more than one
+/// pixel. Of an odd number of pixels each of the fewer ones covers parts of three.
 Image halved(const Image& image) {
+  struct Cover {  // of one pixel along one direction: the first of up to three, and how much of each, of `whole`
+    std::size_t first;
+    std::array<std::uint32_t, 3> weights;
+  };
+  const auto cover = [](std::uint32_t from, std::uint32_t to) {
+    std::vector<Cover> covers(to);
+    for (std::uint32_t i = 0; i < to; ++i)
+      covers[i] = from == 1       ? Cover{0, {1, 0, 0}}
+                  : from % 2 == 0 ? Cover{std::size_t{2} * i, {1, 1, 0}}
+                                  : Cover{std::size_t{2} * i, {to - i, to, i + 1}};
+    return covers;
+  };
   Image half{std::max(image.width / 2, 1u), std::max(image.height / 2, 1u), image.components, {}};
   half.pixels.resize(std::size_t{half.width} * half.height * half.components);
-  const std::size_t components = image.components;
-  const std::size_t step_x = image.width > 1 ? components : 0, step_y = image.height > 1 ? components * image.width : 0;
+  const std::size_t components = image.components, stride = components * image.width;
   std::uint8_t* to = half.pixels.data();
-  for (std::size_t y = 0; y < half.height; ++y) {
-    const std::uint8_t* row = image.pixels.data() + 2 * y * step_y;
-    for (std::size_t x = 0; x < half.width; ++x)
-      for (std::size_t c = 0; c < components; ++c) {
-        const std::uint8_t* from = row + 2 * x * step_x + c;
-        *to++ = static_cast<std::uint8_t>((from[0] + from[step_x] + from[step_y] + from[step_x + step_y] + 2) / 4);
-      }
+  if (image.width % 2 == 0 && image.height % 2 == 0) {
+    for (std::size_t y = 0; y < half.height; ++y) {
+      const std::uint8_t* row = image.pixels.data() + 2 * y * stride;
+      for (std::size_t x = 0; x < half.width; ++x, row += 2 * components)
+        for (std::size_t c = 0; c < components; ++c)
+          *to++ = static_cast<std::uint8_t>(
+              (row[c] + row[c + components] + row[c + stride] + row[c + stride + components] + 2) / 4);
+    }
+    return half;
   }
+  const std::vector<Cover> columns = cover(image.width, half.width), rows = cover(image.height, half.height);
+  const auto whole = [](const Cover& part) {
+    return std::uint64_t{part.weights[0]} + part.weights[1] + part.weights[2];
+  };
+  const std::uint64_t area = whole(rows[0]) * whole(columns[0]);
+  for (const Cover& row : rows)
+    for (const Cover& column : columns)
+      for (std::size_t c = 0; c < components; ++c) {
+        std::uint64_t sum = area / 2;
+        for (std::size_t y = 0; y < 3 && row.weights[y] > 0; ++y)
+          for (std::size_t x = 0; x < 3 && column.weights[x] > 0; ++x)
+            sum += std::uint64_t{row.weights[y]} * column.weights[x] *
+                   image.pixels[(row.first + y) * stride + (column.first + x) * components + c];
+        *to++ = static_cast<std::uint8_t>(sum / area);
+      }
   return half;
 }
 
@@ -56,8 +86,12 @@ TextureStore::TextureStore(const Gl& gl) : gl_(gl) {
     gl.SamplerParameteri(name, GL_TEXTURE_WRAP_T, i & 2 ? GL_REPEAT : GL_CLAMP_TO_EDGE);
     gl.SamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     gl.SamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    if (gl.max_anisotropy > 1)
+    if (i >= kOfMasks) {
+      gl.SamplerParameteri(name, GL_TEXTURE_MIN_FILTER, i == kOfMasks ? GL_NEAREST : GL_LINEAR);
+      gl.SamplerParameteri(name, GL_TEXTURE_MAG_FILTER, i == kOfMasks ? GL_NEAREST : GL_LINEAR);
+    } else if (gl.max_anisotropy > 1) {
       gl.SamplerParameterf(name, kTextureMaxAnisotropy, std::min(gl.max_anisotropy, kAnisotropy));
+    }
   }
 }
 
@@ -71,6 +105,32 @@ const TextureStore::Entry* TextureStore::find(const std::shared_ptr<const Image>
   return entry.texture ? &entry : nullptr;
 }
 
+const TextureStore::Entry* TextureStore::find_mask(const std::shared_ptr<const Image>& image) {
+  Entry& entry = entries_[image.get()];
+  if (entry.image.expired()) {
+    entry = {};
+    entry.image = image;
+    if (can_be_uploaded(*image) && image->components == 1) upload_mask(*image, entry);
+  }
+  return entry.texture ? &entry : nullptr;
+}
+
+void TextureStore::upload_mask(const Image& image, Entry& entry) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
+  entry.mask = entry.intensity = true;
+  entry.alpha = Alpha::cut_out;
+  entry.order = next_order_++;
+  entry.texture = make_texture(gl_);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
+  static constexpr GLint kSwizzle[] = {GL_ONE, GL_ONE, GL_ONE, GL_RED};
+  gl_.TexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, kSwizzle);
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height), 0,
+                 GL_RED, GL_UNSIGNED_BYTE, image.pixels.data());
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+}
+
 void TextureStore::forget_unused() {
   std::erase_if(entries_, [](const auto& entry) { return entry.second.image.expired(); });
 }
@@ -79,6 +139,12 @@ void TextureStore::bind(const Entry& entry, bool repeat_s, bool repeat_t) {
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
   gl_.BindSampler(0, samplers_[(repeat_s ? 1 : 0) | (repeat_t ? 2 : 0)].name());
+}
+
+void TextureStore::bind_mask(const Entry& entry, bool smooth) {
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
+  gl_.BindSampler(0, samplers_[smooth ? kOfMasks + 1 : kOfMasks].name());
 }
 
 void TextureStore::upload(const Image& given, Entry& entry) {

@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_pass.h"
 
 #include "render/gl/shaders.h"
+#include "render/text/system_fonts.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -21,8 +22,8 @@ constexpr float kPointSize = 2;
 constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
 // Transparent triangles of one frame that are sorted within their meshes; the meshes behind keep their order.
 constexpr std::size_t kMostSorted = std::size_t{1} << 17;
-constexpr const char* kDefines[] = {"LIT",          "NORMALS",  "TEXTURE",  "CUT_OUT",
-                                    "LOCAL_LIGHTS", "SPECULAR", "EMISSIVE", "FOG"};
+constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",     "LOCAL_LIGHTS",
+                                    "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES"};
 
 /// The affine product in double: the difference of two large coordinates must survive. Of the node's space about
 /// `origin`.
@@ -175,7 +176,15 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const Material& material = item.material;
   const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
   const TextureStore::Entry* texture = nullptr;
-  if (surface && item.texture.image && last_slice_->texture_coordinates) texture = textures_.find(item.texture.image);
+  if ((*mesh_seen)->pictured) {
+    if (!glyphs_) {
+      glyph_picture_ = system_fonts().glyph_picture();
+      glyphs_ = textures_.find_mask(glyph_picture_);
+    }
+    if (!glyphs_) return;
+  } else if (surface && item.texture.image && last_slice_->texture_coordinates) {
+    texture = textures_.find(item.texture.image);
+  }
 
   // VRML97 Tables 4.5 and 4.6; lines and points show the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
@@ -196,6 +205,10 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     instance.shininess = material.shininess * kShininessScale;
   }
   bool transparent = instance.alpha < 1;
+  if (item.mesh->pictured) {
+    state.variant |= kTexture | kCutOut | (several_samples_ ? kSmoothEdges : 0u);
+    state.texture = texture_number({}, *glyphs_);
+  }
   if (texture) {
     state.variant |= kTexture;
     state.texture = texture_number(item.texture, *texture);
@@ -236,6 +249,24 @@ std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uin
   return layer;
 }
 
+/// Bits of all lit items, whether they are in view or not, so that no program is missing when the viewer turns.
+unsigned MeshPass::variant_of_all(const RenderList& list) {
+  unsigned lights = 0;
+  for (const Light& light : list.lights)
+    if (light.ambient_intensity > 0) lights |= kEmissive;
+  if (list.generation != 0 && list.generation == variant_generation_ && list.dressed == variant_dressed_)
+    return lights | items_variant_;
+  items_variant_ = 0;
+  for (const DrawItem& item : list.items) {
+    if (!item.material.lit) continue;
+    if (item.material.specular != glm::vec3(0)) items_variant_ |= kSpecular;
+    if (item.material.emissive != glm::vec3(0)) items_variant_ |= kEmissive;
+  }
+  variant_generation_ = list.generation;
+  variant_dressed_ = list.dressed;
+  return lights | items_variant_;
+}
+
 void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) {
   prepared_.clear();
   opaque_.clear();
@@ -243,18 +274,15 @@ void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) 
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
   filled_.clear();
+  glyphs_ = nullptr;
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
-  frame_variant_ = 0;
-  for (const Light& light : list.lights)
-    if (light.ambient_intensity > 0) frame_variant_ |= kEmissive;
-  for (const DrawItem& item : list.items) {
-    if (!item.material.lit) continue;
-    if (item.material.specular != glm::vec3(0)) frame_variant_ |= kSpecular;
-    if (item.material.emissive != glm::vec3(0)) frame_variant_ |= kEmissive;
-  }
-  for (const DrawItem& item : list.items)
-    if (item.overlay == overlays) prepare_item(item, view);
+  frame_variant_ = variant_of_all(list);
+  const auto* found =
+      visible_.find(list, Frustum(view.camera_from_world, view.tangents, view.near_plane, view.far_plane));
+  const std::size_t count = found ? found->size() : list.items.size();
+  for (std::size_t i = 0; i < count; ++i)
+    if (const DrawItem& item = list.items[found ? (*found)[i] : i]; item.overlay == overlays) prepare_item(item, view);
 
   // Near ones first where the order is free: what they hide is not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
@@ -278,7 +306,7 @@ void MeshPass::sort_triangles() {
     Prepared& prepared = prepared_[key.prepared];
     const vrml::Mesh& mesh = *prepared.mesh;
     const std::size_t triangles = mesh.indices.size() / 3;
-    const bool hides_nothing = mesh.convex && mesh.solid;
+    const bool hides_nothing = (mesh.convex && mesh.solid) || mesh.font_size > 0;  // text is flat
     if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
     left -= triangles;
     const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the least is the farthest
@@ -314,11 +342,16 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
     lights_.bind(state.lights);
   if ((state.variant & kTexture) && (switched || state.texture != applied_.texture)) {
     const TextureBinding& binding = texture_bindings_[state.texture];
-    textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
+    if (binding.entry->mask)
+      textures_.bind_mask(*binding.entry, several_samples_ || !gl_.software);
+    else
+      textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
     gl_.UniformMatrix3fv(shader.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
     const TextureStore::Entry& texture = *binding.entry;
     gl_.Uniform2i(shader.replaces, texture.intensity ? 0 : 1, texture.alpha == TextureStore::Alpha::blended ? 1 : 0);
   }
+  if (several_samples_ && (all || ((state.variant ^ applied_.variant) & kSmoothEdges)))
+    (state.variant & kSmoothEdges ? gl_.Enable : gl_.Disable)(GL_SAMPLE_ALPHA_TO_COVERAGE);
   if (all || state.mirrored != applied_.mirrored) gl_.FrontFace(state.mirrored ? GL_CW : GL_CCW);
   if (all || state.cull != applied_.cull) (state.cull ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
   applied_ = state;
@@ -439,6 +472,9 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
+  GLint samples = 0;  // that the target really has
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  several_samples_ = samples > 1;
   prepare(list, view, overlays);
   if (instances_.empty()) {
     between();
@@ -472,6 +508,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
+  gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   if (!pacer.given_up()) between();
   anything_applied_ = false;
   meshes_.forget_binding();
@@ -487,6 +524,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }
+  gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);

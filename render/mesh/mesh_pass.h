@@ -6,6 +6,7 @@
 #include "render/gl/texture_store.h"
 #include "render/mesh/draw_pacer.h"
 #include "render/mesh/mesh_store.h"
+#include "render/mesh/visible_items.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
 #include "render/scene/fog.h"
@@ -49,7 +50,8 @@ class MeshPass {
     kSpecular = 32,
     kEmissive = 64,
     kFog = 128,
-    kFirstLightBit = 256,  // from here on: LightSets::variant
+    kSmoothEdges = 256,
+    kFirstLightBit = 512,  // from here on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
@@ -107,6 +109,7 @@ class MeshPass {
   /// The program of a variant, built on first use; null when the driver refused it.
   VariantProgram* program(unsigned variant);
   void prepare(const RenderList& list, const View& view, bool overlays);
+  [[nodiscard]] unsigned variant_of_all(const RenderList& list);
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
@@ -144,9 +147,15 @@ class MeshPass {
     std::uint32_t layer;
   };
   std::unordered_multimap<std::uint64_t, Filled> filled_;  // by centre and radius
+  std::shared_ptr<const Image> glyph_picture_;
+  const TextureStore::Entry* glyphs_ = nullptr;  // its texture; null until it is first asked for
+  bool several_samples_ = false;
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
   unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs
+  std::uint64_t variant_generation_ = 0, variant_dressed_ = 0;  // of the list that the bits of items are of
+  unsigned items_variant_ = 0;
+  VisibleItems visible_;
   CameraFog fog_;
   unsigned last_variant_ = 0;
   VariantProgram* last_program_ = nullptr;

@@ -54,6 +54,10 @@ class BoxTree {
   /// Calls `meet(thing)` for things that may have boxes that touch `lower` to `upper`, until it returns false.
   template <class Meet>
   void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
+  /// Calls `meet(thing)` for things of boxes that `outside(lower, upper)` is not true of, nor of any around them, and
+  /// of some beside those.
+  template <class Outside, class Meet>
+  void visit_unless(const Outside& outside, const Meet& meet) const;
 
  private:
   // Its first child, if it has children, is the next node.
@@ -134,6 +138,23 @@ void BoxTree::visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet
     if (apart) continue;
     for (std::uint32_t i = 0; i < node.count; ++i)
       if (!meet(order_[node.place + i])) return;
+    if (node.count > 0) continue;
+    open[count++] = node.place;
+    open[count++] = place + 1;
+  }
+}
+
+template <class Outside, class Meet>
+void BoxTree::visit_unless(const Outside& outside, const Meet& meet) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, kDeepest> open;
+  std::size_t count = 0;
+  open[count++] = 0;
+  while (count > 0) {
+    const std::uint32_t place = open[--count];
+    const Node& node = nodes_[place];
+    if (!(node.lower.x <= node.upper.x) || outside(node.lower, node.upper)) continue;
+    for (std::uint32_t i = 0; i < node.count; ++i) meet(order_[node.place + i]);
     if (node.count > 0) continue;
     open[count++] = node.place;
     open[count++] = place + 1;

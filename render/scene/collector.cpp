@@ -373,8 +373,8 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     Primitives& all = primitives_[item.mesh.get()];
     for (std::size_t i = 0; all.count == 0 && i < all.meshes.size(); ++i)
       all.meshes[i] = resources_.primitive(*parent.scene, geometry, i);
-    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, all.meshes.back()->indices.size() / 3))
-      return;
+    const vrml::Mesh& coarsest = *all.meshes[ShapeResources::kCoarsestPrimitive];
+    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, coarsest.indices.size() / 3)) return;
     ++all.count;
   } else {
     // A texture may still come.
@@ -392,7 +392,8 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   item.place = add_place(parent, id);
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   if (item.mesh->font_size > 0) {
-    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
+                                         sources_ && !source.appearance.texture);
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
     source.text_level = ShapeResources::kCoarsestText;
     // Where the picture has no room for the finer one, the coarsest is shown.
@@ -460,7 +461,7 @@ bool Collector::take_triangles(std::size_t count) {
 
 void Collector::coarsen_primitives() {
   std::size_t fineness = 0;
-  for (; fineness + 1 < ShapeResources::kSegments.size(); ++fineness) {
+  for (; fineness < ShapeResources::kCoarsestPrimitive; ++fineness) {
     std::size_t triangles = 0;
     for (const auto& [finest, all] : primitives_) triangles += all.count * (all.meshes[fineness]->indices.size() / 3);
     if (triangles <= kManyTriangles) break;

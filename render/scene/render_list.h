@@ -138,6 +138,11 @@ struct LeftOut {
 /// its centimetres ten thousand kilometres from the origin; boxes are not.
 struct RenderList {
   std::vector<DrawItem> items;
+  /// What the list was gathered as, unlike any other list of the process; then `moved` has the items whose places or
+  /// meshes have changed since, some more than once, and `dressed` counts changes of materials. 0: nobody keeps
+  /// account.
+  std::uint64_t generation = 0, dressed = 0;
+  std::vector<std::uint32_t> moved;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start

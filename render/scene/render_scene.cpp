@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace gs::render {
@@ -44,6 +45,7 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   *list_ = Collector(resources_, viewer_, clouds_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
                .collect(scene_);
   ++gathered_;
+  begin_generation();
   frame_uses_known_ = item_uses_known_ = false;
   frame_uses_.clear();
   item_uses_.clear();
@@ -302,7 +304,8 @@ bool RenderScene::refine_texts() {
   for (const std::uint32_t i : sources_.texts) {
     DrawItem& item = list_->items[i];
     RenderSources::Item& source = sources_.items[i];
-    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_);
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
+                                         !source.appearance.texture);
     if (level == source.text_level || item.place == kNoPlace) continue;
     const Place& place = list_->places[item.place];
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
@@ -343,6 +346,7 @@ void RenderScene::dress_item(std::uint32_t index) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   if (!splat) {
     resources_.dress(list_->items[index], *place.scene, shape);
+    ++list_->dressed;
     return;
   }
   DrawItem dressed;
@@ -386,7 +390,18 @@ void RenderScene::renew_bindables() {
 
 // ---- What all items fill
 
+// As long as anybody draws the list, it has no number twice.
+void RenderScene::begin_generation() {
+  static std::atomic<std::uint64_t> last{0};
+  list_->generation = ++last;
+  list_->moved.clear();
+}
+
 void RenderScene::item_moved(std::uint32_t item) {
+  // Where everything moves all the time, it is told anew from time to time.
+  constexpr std::size_t kLongest = 64;  // times the items
+  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
+  list_->moved.push_back(item);
   const std::uint32_t block = item / kBoundsBlock;
   if (block_stale_[block]) return;
   block_stale_[block] = true;

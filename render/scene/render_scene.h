@@ -71,6 +71,7 @@ class RenderScene {
   void renew_light(std::uint32_t light);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
+  void begin_generation();
   void item_moved(std::uint32_t item);
   [[nodiscard]] bool fills_bounds(std::size_t item) const;
   void sum_bounds();

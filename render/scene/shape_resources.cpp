@@ -1,6 +1,7 @@
 #include "render/scene/shape_resources.h"
 
 #include "render/scene/late_meshes.h"
+#include "render/text/glyph_sheet.h"
 #include "render/text/system_fonts.h"
 
 #include <glm/glm.hpp>
@@ -15,6 +16,27 @@ namespace {
 
 // What a picture's pixels cost beside themselves: the copy of who draws, of 4 bytes each, and its smaller ones.
 constexpr std::size_t kPixelCopy = 6;
+
+/// The radius of a regular polygon with the area of a circle of radius 1: what fills few pixels keeps its brightness.
+float outside_of_circle(int segments) {
+  const auto count = static_cast<float>(segments);
+  return std::sqrt(glm::two_pi<float>() / (count * std::sin(glm::two_pi<float>() / count)));
+}
+
+/// Away from the Y axis.
+void widen(vrml::Mesh& mesh, float factor) {
+  std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+  mesh.bounds = {};
+  for (glm::vec3& position : positions) {
+    position.x *= factor;
+    position.z *= factor;
+    mesh.bounds.add(position);
+  }
+  mesh.positions.clear();
+  glm::vec3* to = mesh.positions.prepare(positions.size());
+  std::copy(positions.begin(), positions.end(), to);
+  mesh.positions.commit(positions.size());
+}
 
 }  // namespace
 
@@ -103,11 +125,14 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   options.default_measures = true;
   options.segments = kSegments[fineness];
   vrml::Mesh mesh = vrml::tessellate(scene, geometry, options);
+  if (fineness > kCoarsestPrimitive) widen(mesh, outside_of_circle(kSegments[fineness]));
   if (fineness + 1 < kSegments.size()) {
     auto coarser = primitive(scene, geometry, fineness + 1);
     if (coarser->indices.size() < mesh.indices.size()) {
       // Of a circle of radius 1, as all default measures have it, with as many segments.
-      const float away = 1 - std::cos(glm::pi<float>() / static_cast<float>(kSegments[fineness + 1]));
+      const int segments = kSegments[fineness + 1];
+      const float outside = fineness + 1 > kCoarsestPrimitive ? outside_of_circle(segments) : 1;
+      const float away = std::max(outside - 1, 1 - outside * std::cos(glm::pi<float>() / static_cast<float>(segments)));
       mesh.coarser_error = away / (glm::length(mesh.bounds.size()) / 2);
       mesh.coarser = std::move(coarser);
     }
@@ -197,7 +222,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 }
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const vrml::Bounds& bounds,
-                       const glm::dvec3& viewer, float pixels_per_radian) {
+                       const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
   constexpr double kMostPixels = 0.4;  // that outlines may be off
   constexpr double kLeastLetters = 4;  // pixels of an em, of which small letters take half: below, nobody reads any
   const glm::dmat3 matrix(world_from_node);
@@ -206,7 +231,10 @@ std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
   if (pixels <= kLeastLetters * distance) return vrml::kTextBars;
-  std::size_t level = vrml::kTextBars - 1;
+  // A pixel of the picture of glyphs is then as large as those that pictures have in place of samples, or smaller.
+  constexpr double kMostOfPictures = GlyphSheet::kPixelsPerEm / 2.0;
+  if (pictures && pixels <= kMostOfPictures * distance) return vrml::kTextPictures;
+  std::size_t level = vrml::kTextPictures - 1;
   while (level > 0 && !(pixels * vrml::kTextTolerances[level] <= kMostPixels * distance)) --level;
   return level;
 }

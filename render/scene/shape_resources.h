@@ -22,8 +22,9 @@ namespace gs::render {
 /// and the cache must outlive it.
 class ShapeResources {
  public:
-  /// Segments of primitives, from fine to coarse.
-  static constexpr std::array<int, 4> kSegments = {64, 32, 16, 8};
+  /// Segments of primitives, from fine to coarse. Those behind kCoarsestPrimitive are for what fills a few pixels.
+  static constexpr std::array<int, 6> kSegments = {64, 32, 16, 8, 6, 4};
+  static constexpr std::size_t kCoarsestPrimitive = 3;
 
   static constexpr std::size_t kCoarsestText = vrml::kTextBars;
 
@@ -82,8 +83,9 @@ class ShapeResources {
 
 /// How finely text is to be cut (a place in vrml::kTextTolerances), so that nobody sees corners in it: by how large its
 /// font is at the nearest place of its box. `bounds` in world space. `pixels_per_radian`: of the picture, in its
-/// middle.
+/// middle. `pictures`: small text may be cut out of the picture of glyphs.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
-                                     const vrml::Bounds& bounds, const glm::dvec3& viewer, float pixels_per_radian);
+                                     const vrml::Bounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
+                                     bool pictures);
 
 }  // namespace gs::render

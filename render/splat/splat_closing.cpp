@@ -114,7 +114,8 @@ int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view)
   if (survey.discs == 0) return kLeastClosing;
   // The bounds of a disc are about 2.7 edges of its voxel wide.
   const double edge = std::sqrt(survey.samples / static_cast<double>(survey.discs)) / 2.7 / view.supersample;
-  return static_cast<int>(std::clamp(edge / 2, double{kLeastClosing}, double{kMostClosing}));
+  // Of a hole that is as wide, the pixels at both of its ends count.
+  return static_cast<int>(std::clamp(std::ceil(edge / 2), double{kLeastClosing}, double{kMostClosing}));
 }
 
 void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {

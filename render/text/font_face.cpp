@@ -114,6 +114,34 @@ std::size_t bytes_of(const vrml::GlyphShape& shape) {
   return sizeof(shape) + shape.points.size() * sizeof(glm::vec2) + shape.triangles.size() * sizeof(std::uint32_t);
 }
 
+/// The bars of glyphs beside each other, as one that is filled as much as they fill it.
+struct Word {
+  double left = HUGE_VAL, right = -HUGE_VAL, area = 0, low = 0, high = 0;  // low, high: times area
+
+  void add(const vrml::GlyphShape& bar, const glm::dvec2& at) {
+    const glm::dvec2 lower = at + glm::dvec2(bar.points[0]), upper = at + glm::dvec2(bar.points[2]);
+    const double more = (upper.x - lower.x) * (upper.y - lower.y);
+    left = std::min(left, lower.x);
+    right = std::max(right, upper.x);
+    area += more;
+    low += more * lower.y;
+    high += more * upper.y;
+  }
+  void finish(std::vector<vrml::PlacedGlyph>& glyphs) {
+    if (area > 0 && right > left) {
+      const auto width = static_cast<float>(right - left), bottom = static_cast<float>(low / area),
+                 top = static_cast<float>(high / area);
+      const auto [from, to] = GlyphSheet::grey(area / ((right - left) * (high - low) / area), {width, top - bottom});
+      auto bar = std::make_shared<vrml::GlyphShape>();
+      bar->points = {{0, bottom}, {width, bottom}, {width, top}, {0, top}};
+      bar->coordinates = {from, {to.x, from.y}, to, {from.x, to.y}};
+      bar->triangles = {0, 1, 2, 0, 2, 3};
+      glyphs.push_back({std::move(bar), glm::vec2(static_cast<float>(left), 0)});
+    }
+    *this = {};
+  }
+};
+
 }  // namespace
 
 struct FontFace::Handles {
@@ -137,14 +165,15 @@ struct FontFace::Handles {
   Handles& operator=(const Handles&) = delete;
 };
 
-FontFace::FontFace(std::unique_ptr<Handles> handles, Synthetic synthetic)
+FontFace::FontFace(std::unique_ptr<Handles> handles, Synthetic synthetic, GlyphSheet* sheet)
     : handles_(std::move(handles)),
+      sheet_(sheet),
       synthetic_(synthetic),
       units_per_em_(std::max<double>(handles_->outlines->units_per_EM, 1)) {}
 
 FontFace::~FontFace() = default;
 
-std::unique_ptr<FontFace> FontFace::open(const std::string& path, int index, Synthetic synthetic) {
+std::unique_ptr<FontFace> FontFace::open(const std::string& path, int index, Synthetic synthetic, GlyphSheet* sheet) {
   auto handles = std::make_unique<Handles>();
   handles->blob.reset(hb_blob_create_from_file_or_fail(path.c_str()));
   if (!handles->blob || !free_type()) return nullptr;
@@ -161,7 +190,7 @@ std::unique_ptr<FontFace> FontFace::open(const std::string& path, int index, Syn
   const unsigned instance = static_cast<unsigned>(index) >> 16;
   if (instance > 0) hb_font_set_var_named_instance(handles->font.get(), instance - 1);
   handles->buffer.reset(hb_buffer_create());
-  return std::unique_ptr<FontFace>(new FontFace(std::move(handles), synthetic));
+  return std::unique_ptr<FontFace>(new FontFace(std::move(handles), synthetic, sheet));
 }
 
 bool FontFace::has(char32_t character) const {
@@ -206,17 +235,33 @@ Contours FontFace::contours(std::uint32_t glyph, double tolerance) {
 std::shared_ptr<const vrml::GlyphShape> FontFace::glyph(std::uint32_t index, std::size_t level) {
   const auto [found, fresh] = outlines_[level].try_emplace(index);
   if (fresh) {
-    const std::size_t cut = std::min(level, vrml::kTextBars - 1);
-    vrml::GlyphShape shape = fill(contours(index, vrml::kTextTolerances[cut]), triangulator_);
-    if (level == vrml::kTextBars) shape = bar_of(shape);
-    kept_ += bytes_of(shape);
+    vrml::GlyphShape shape;
+    if (level == vrml::kTextPictures) {
+      shape = picture_of(index);
+    } else {
+      const std::size_t cut = std::min(level, vrml::kTextPictures - 1);
+      shape = fill(contours(index, vrml::kTextTolerances[cut]), triangulator_);
+      if (level == vrml::kTextBars) shape = bar_of(shape);
+      kept_ += bytes_of(shape);
+    }
     if (!shape.triangles.empty()) found->second = std::make_shared<const vrml::GlyphShape>(std::move(shape));
   }
   return found->second;
 }
 
+// What the sheet has no room for is triangles, all of whose points stand where it is solid.
+vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
+  if (sheet_)
+    if (auto rectangle = sheet_->add(contours(index, vrml::kTextTolerances[1]))) return std::move(*rectangle);
+  vrml::GlyphShape shape = fill(contours(index, vrml::kTextTolerances[vrml::kTextPictures]), triangulator_);
+  shape.coordinates.assign(shape.points.size(), GlyphSheet::solid());
+  return shape;
+}
+
 void FontFace::forget_outlines() {
-  for (auto& level : outlines_) level.clear();
+  // Places in the sheet are taken for good.
+  for (std::size_t level = 0; level < outlines_.size(); ++level)
+    if (level != vrml::kTextPictures) outlines_[level].clear();
   kept_ = 0;
 }
 
@@ -237,13 +282,23 @@ double FontFace::shape(std::span<const char32_t> text, std::size_t first, std::s
   const hb_glyph_position_t* positions = hb_buffer_get_glyph_positions(buffer, &count);
   const bool vertical = HB_DIRECTION_IS_VERTICAL(direction_of(style.direction));
   double extent = 0;
+  Word word;
   for (unsigned i = 0; i < count; ++i) {
     const double x = positions[i].x_offset / units_per_em_, y = positions[i].y_offset / units_per_em_;
     const double advance = (vertical ? -positions[i].y_advance : positions[i].x_advance) / units_per_em_;
     const glm::dvec2 at = vertical ? glm::dvec2(x, y - pen - extent) : glm::dvec2(pen + extent + x, y);
-    if (auto shape = glyph(infos[i].codepoint, level)) glyphs.push_back({std::move(shape), glm::vec2(at)});
+    auto shape = glyph(infos[i].codepoint, level);
+    if (level == vrml::kTextBars && !vertical) {
+      if (shape)
+        word.add(*shape, at);
+      else
+        word.finish(glyphs);
+    } else if (shape) {
+      glyphs.push_back({std::move(shape), glm::vec2(at)});
+    }
     extent += advance;
   }
+  word.finish(glyphs);
   return std::max(extent, 0.0);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/text/glyph_outline.h"
+#include "render/text/glyph_sheet.h"
 #include "vrml/mesh/text_shaper.h"
 
 #include <array>
@@ -27,8 +28,10 @@ class FontFace {
   struct Synthetic {
     bool slanted = false, bold = false;
   };
-  /// Null where the file is no font with outlines.
-  static std::unique_ptr<FontFace> open(const std::string& path, int index, Synthetic synthetic);
+  /// Null where the file is no font with outlines. `sheet`: for glyphs of vrml::kTextPictures, outlives it; null:
+  /// those are triangles, too.
+  static std::unique_ptr<FontFace> open(const std::string& path, int index, Synthetic synthetic,
+                                        GlyphSheet* sheet = nullptr);
   ~FontFace();
   FontFace(const FontFace&) = delete;
   FontFace& operator=(const FontFace&) = delete;
@@ -45,11 +48,13 @@ class FontFace {
 
  private:
   struct Handles;
-  explicit FontFace(std::unique_ptr<Handles> handles, Synthetic synthetic);
+  FontFace(std::unique_ptr<Handles> handles, Synthetic synthetic, GlyphSheet* sheet);
   std::shared_ptr<const vrml::GlyphShape> glyph(std::uint32_t index, std::size_t level);
+  vrml::GlyphShape picture_of(std::uint32_t index);
   [[nodiscard]] Contours contours(std::uint32_t glyph, double tolerance);
 
   std::unique_ptr<Handles> handles_;
+  GlyphSheet* sheet_;
   Synthetic synthetic_;
   double units_per_em_ = 1;
   std::array<std::unordered_map<std::uint32_t, std::shared_ptr<const vrml::GlyphShape>>, vrml::kTextTolerances.size()>

@@ -54,7 +54,7 @@ FontFace* SystemFonts::face(Choice& choice, std::size_t place) {
   auto found = faces_.find(key);
   if (found == faces_.end()) {
     if (faces_.size() >= kMostFaces) return nullptr;
-    found = faces_.emplace(key, FontFace::open(file.path, file.index, synthetic)).first;
+    found = faces_.emplace(key, FontFace::open(file.path, file.index, synthetic, &sheet_)).first;
   }
   return choice.faces[place] = found->second.get();
 }
@@ -136,6 +136,11 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
   if (direction == vrml::TextDirection::up)
     for (vrml::PlacedGlyph& glyph : shaped.glyphs) glyph.at.y += back;
   return shaped;
+}
+
+std::shared_ptr<const Image> SystemFonts::glyph_picture() {
+  const std::lock_guard lock(mutex_);
+  return sheet_.image();
 }
 
 FontFile SystemFonts::main_font(const vrml::FontRequest& font) {

@@ -2,6 +2,7 @@
 
 #include "render/text/font_catalogue.h"
 #include "render/text/font_face.h"
+#include "render/text/glyph_sheet.h"
 #include "vrml/mesh/text_shaper.h"
 
 #include <cstddef>
@@ -22,6 +23,8 @@ class SystemFonts : public vrml::TextShaper {
   [[nodiscard]] vrml::LineEdges edges(const vrml::FontRequest& font) override;
   [[nodiscard]] vrml::ShapedText shape(const vrml::FontRequest& font, std::string_view text,
                                        vrml::TextDirection direction, std::size_t level) override;
+  /// What vrml::kTextPictures of the texts shaped so far is cut out of: one component, 255 where the glyphs are.
+  [[nodiscard]] std::shared_ptr<const Image> glyph_picture();
   /// The file of the font that has most of the text; empty where the system has none.
   [[nodiscard]] FontFile main_font(const vrml::FontRequest& font);
 
@@ -43,6 +46,7 @@ class SystemFonts : public vrml::TextShaper {
   std::unique_ptr<FontCatalogue> catalogue_;  // made when it is first asked for
   std::map<std::string, Choice> choices_;
   std::set<std::string> languages_;  // that were asked for
+  GlyphSheet sheet_;                 // outlives faces_
   std::map<FaceKey, std::unique_ptr<FontFace>> faces_;
 };
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <random>
+#include <vector>
 
 using namespace gs;
 using namespace gs::render;
@@ -106,6 +108,36 @@ TEST_CASE("A closed surface has no holes at any distance, whatever the budget", 
           CHECK(holes.open <= (budget == 1000 ? holes.pixels / 1000 : 0));
         }
   }
+}
+
+TEST_CASE("A closed surface has no holes whatever was looked at before", "[optimised]") {
+  struct View {
+    std::size_t budget;
+    float distance;
+    int samples;
+  };
+  std::vector<View> views;
+  for (const std::size_t budget : {4000u, 20000u, 100000u, 1000000u})
+    for (const float distance : {1.25f, 1.7f, 2.5f, 4.0f, 8.0f, 20.0f, 60.0f})
+      for (const int samples : {1, 4}) views.push_back({budget, distance, samples});
+  std::reverse(views.begin(), views.end());
+  Drawing drawing;
+  const RenderList list = white(bumpy_stream(60000));
+  drawing.options.background = glm::vec3(1, 0, 1);
+  drawing.options.headlight = false;
+  drawing.options.width = drawing.options.height = 120;
+  drawing.options.splats = SplatPath::cpu;
+  std::mt19937 random(5);
+  for (int order = 0; order < 3; ++order, std::shuffle(views.begin(), views.end(), random))
+    for (const View& view : views) {
+      drawing.options.budget = view.budget;
+      drawing.options.samples = view.samples;
+      const Holes holes = holes_in(drawing, list, view.distance, 0.9f);
+      INFO("order " << order << ", budget " << view.budget << ", distance " << view.distance << ", " << view.samples
+                    << " samples, " << holes.pixels << " pixels");
+      CHECK(holes.pixels > 0);
+      CHECK(holes.open == 0);
+    }
 }
 
 TEST_CASE("A surface that turns slowly changes as smoothly as one of polygons", "[optimised]") {

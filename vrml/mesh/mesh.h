@@ -52,6 +52,7 @@ struct Mesh {
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)
   bool convex = false;                   // no front face hides another: they belong to a convex body
   bool left_out = false;                 // the limit for meshes, or the end of the time, took some or all of it
+  bool pictured = false;                 // texture_coordinates are of the TextShaper's picture of glyphs
   float font_size = 0;                   // of a Text, in node space; 0 of what MeshOptions::text_level does not change
   Bounds bounds;                         // of the positions that are used
   /// The same surface with fewer triangles, for who sees it small; null: there is none. No point of it is farther from
@@ -74,7 +75,8 @@ struct MeshOptions {
   bool default_measures = false;
   /// Of an OutlineGroup: the one that refines it, whose polygons are drawn with it; null: none.
   NodeId refiner{};
-  /// Who knows fonts; without one, Text is empty. Must outlive the call.
+  /// Who knows fonts; without one, Text is empty. Must outlive the call. At kTextPictures it has a picture of glyphs,
+  /// in whose place no texture of the Shape can be.
   TextShaper* text_shaper = nullptr;
   std::size_t text_level = 1;  // of kTextTolerances (vrml/mesh/text_shaper.h): how finely glyphs are cut
 };

@@ -145,6 +145,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
     std::size_t more_points = 0, more_corners = 0;
     for (const PlacedGlyph& glyph : shaped.glyphs) {
       if (!glyph.shape) continue;
+      mesh.pictured = mesh.pictured || !glyph.shape->coordinates.empty();
       more_points += glyph.shape->points.size();
       more_corners += glyph.shape->triangles.size();
     }
@@ -172,7 +173,9 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
 
   glm::dvec2 origin(0);  // of the first string, where textures begin (6.47.3)
   glm::vec3* position = mesh.positions.prepare(points);
-  glm::vec2* coordinate = options.texture_coordinates ? mesh.texture_coordinates.prepare(points) : nullptr;
+  if (options.texture_coordinates && options.text_level != kTextPictures) mesh.pictured = false;
+  glm::vec2* coordinate =
+      options.texture_coordinates || mesh.pictured ? mesh.texture_coordinates.prepare(points) : nullptr;
   std::uint32_t* index = mesh.indices.prepare(corners);
   std::uint32_t made = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -186,10 +189,11 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
     for (const PlacedGlyph& glyph : line.shaped.glyphs) {
       if (!glyph.shape) continue;
       for (const std::uint32_t corner : glyph.shape->triangles) *index++ = made + corner;
-      for (const glm::vec2& point : glyph.shape->points) {
-        const glm::dvec2 p = from + scale * (glm::dvec2(glyph.at) + glm::dvec2(point));
+      const bool in_picture = mesh.pictured && glyph.shape->coordinates.size() == glyph.shape->points.size();
+      for (std::size_t k = 0; k < glyph.shape->points.size(); ++k) {
+        const glm::dvec2 p = from + scale * (glm::dvec2(glyph.at) + glm::dvec2(glyph.shape->points[k]));
         *position++ = glm::vec3(static_cast<float>(p.x), static_cast<float>(p.y), 0);
-        if (coordinate) *coordinate++ = glm::vec2((p - origin) / style.size);
+        if (coordinate) *coordinate++ = in_picture ? glyph.shape->coordinates[k] : glm::vec2((p - origin) / style.size);
         ++made;
       }
     }

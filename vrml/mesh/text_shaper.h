@@ -14,14 +14,18 @@ namespace gs::vrml {
 
 /// How far the outlines of glyphs may lie from the font's curves, in ems, from fine to coarse: MeshOptions::text_level
 /// is a place in it.
-inline constexpr std::array<float, 5> kTextTolerances = {1.0f / 2000, 1.0f / 250, 1.0f / 40, 1.0f / 14, 1.0f / 8};
-/// The coarsest level: a bar for each glyph, as dark as the glyph. For text that is too small to be read.
+inline constexpr std::array<float, 6> kTextTolerances = {1.0f / 2000, 1.0f / 250, 1.0f / 40,
+                                                         1.0f / 14,   1.0f / 40,  1.0f / 8};
+/// The coarsest level: a bar for each word, as dark as its glyphs. For text that is too small to be read.
 inline constexpr std::size_t kTextBars = kTextTolerances.size() - 1;
+/// The level before it: a rectangle for each glyph, which a picture of all glyphs is cut out of. For small text.
+inline constexpr std::size_t kTextPictures = kTextTolerances.size() - 2;
 
 /// A glyph's outline cut into triangles, counter-clockwise. Ems, y up, from the glyph's origin on the base line.
 struct GlyphShape {
   std::vector<glm::vec2> points;
   std::vector<std::uint32_t> triangles;  // three indices into points each
+  std::vector<glm::vec2> coordinates;    // of kTextPictures: of each point, in the picture of glyphs; else empty
 };
 
 /// One glyph of a line; its shape is null where there is nothing to see.

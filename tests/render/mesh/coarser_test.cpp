@@ -49,7 +49,7 @@ TEST_CASE("A coarser mesh of a primitive is as near to it as it says, and has fe
     for (; mesh->coarser; mesh = mesh->coarser.get(), ++levels) {
       INFO(geometry << " level " << levels);
       const vrml::Mesh& coarser = *mesh->coarser;
-      CHECK(coarser.indices.size() * 3 < mesh->indices.size() * 2);
+      CHECK(coarser.indices.size() * 4 <= mesh->indices.size() * 3);
       CHECK(coarser.bounds.upper.y == mesh->bounds.upper.y);
       const float most = mesh->coarser_error * glm::length(mesh->bounds.size()) / 2;
       float worst = 0;

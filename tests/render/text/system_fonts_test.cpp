@@ -159,8 +159,13 @@ TEST_CASE("Coarser levels have fewer triangles and the same extent") {
   const ShapedText least = fonts.shape(kFamilies[0], text, TextDirection::right, 3),
                    bars = fonts.shape(kFamilies[0], text, TextDirection::right, vrml::kTextBars);
   CHECK(triangles_of(least) < triangles_of(coarse));
+  CHECK(bars.glyphs.size() == 3);  // words
   CHECK(triangles_of(bars) == 2 * bars.glyphs.size());
-  CHECK(area_of(bars) == Approx(area_of(least)));
+  CHECK(area_of(bars) > area_of(least));  // of which the picture of glyphs fills a part
+  CHECK(area_of(bars) < 2 * area_of(least));
+  const ShapedText rectangles = fonts.shape(kFamilies[0], text, TextDirection::right, vrml::kTextPictures);
+  CHECK(triangles_of(rectangles) == 2 * (text.size() - 2));
+  CHECK(rectangles.extent == fine.extent);
   CHECK(area_of(coarse) == Approx(area_of(fine)).epsilon(0.15));
 }
 

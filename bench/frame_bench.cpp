@@ -1,0 +1,117 @@
+// How long a frame takes that is drawn with software: `frame_bench [--frames N] FILE...` prints, for each world, the
+// triangles, items and draw calls of a frame of 1024 x 768 pixels with 4 samples, and the medians of its time as a
+// picture and as a window has it: at rest, and while the viewer goes to the side by a thousandth of what he sees.
+// Milliseconds of the clock, and of the processor (all threads).
+#include "render/draw/renderer.h"
+#include "render/gl/context.h"
+#include "render/gl/gl.h"
+#include "render/scene/render_scene.h"
+#include "vrml/syntax/parser.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace {
+
+using namespace gs;
+
+double processor_milliseconds() {
+  std::timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+/// Medians of what `draw` takes.
+template <class Draw>
+std::string measured(int frames, const Draw& draw) {
+  std::vector<double> clock, processor;
+  draw(0);
+  for (int frame = 1; frame <= frames; ++frame) {
+    const auto begin = std::chrono::steady_clock::now();
+    const double busy = processor_milliseconds();
+    draw(frame);
+    clock.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    processor.push_back(processor_milliseconds() - busy);
+  }
+  std::sort(clock.begin(), clock.end());
+  std::sort(processor.begin(), processor.end());
+  char text[64];
+  std::snprintf(text, sizeof text, "%8.1f / %7.1f", clock[clock.size() / 2], processor[processor.size() / 2]);
+  return text;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  int frames = 20, first = 1;
+  if (count > 2 && std::strcmp(arguments[1], "--frames") == 0) {
+    frames = std::max(std::atoi(arguments[2]), 1);
+    first = 3;
+  }
+  auto opened = render::open_headless_context("osmesa");
+  if (auto* error = std::get_if<render::ContextError>(&opened)) return std::fputs(error->message.c_str(), stderr), 1;
+  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
+  auto created = render::Renderer::create(*context);
+  if (auto* error = std::get_if<render::ContextError>(&created)) return std::fputs(error->message.c_str(), stderr), 1;
+  const auto renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
+  auto loaded = render::Gl::load(*context);
+  if (auto* error = std::get_if<render::ContextError>(&loaded)) return std::fputs(error->message.c_str(), stderr), 1;
+  const render::Gl& gl = std::get<render::Gl>(loaded);
+  std::printf("%-28s %9s %7s %7s %18s %18s %18s\n", "world, ms clock / processor", "triangles", "items", "calls",
+              "picture", "window", "window, moving");
+  for (int i = first; i < count; ++i) {
+    std::ifstream file(arguments[i], std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf();
+    vrml::SceneGraph scene(arguments[i]);
+    vrml::Diagnostics diagnostics;
+    (void)vrml::parse(text.str(), scene, diagnostics);
+    const render::Images images;
+    const render::Clouds clouds;
+    render::MeshCache meshes;
+    render::RenderScene world(scene, images, clouds, meshes);
+    world.gather({}, {0, 0, 10});
+    render::Camera camera;
+    if (world.list().viewpoints.empty()) {
+      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f, 1024, 768);
+    } else {
+      camera.world_from_camera = world.list().viewpoints[0].world_from_camera;
+      camera.field_of_view = world.list().viewpoints[0].field_of_view;
+    }
+    const glm::dvec3 place(camera.world_from_camera[3]), side(camera.world_from_camera[0]);
+    const double step = 1e-3 * glm::length(glm::dvec3(world.list().bounds.size()));
+    const auto look = [&](int frame) {
+      const glm::dvec3 at = place + side * (step * frame);
+      camera.world_from_camera[3] = glm::dvec4(at, 1);
+      (void)world.update({}, {}, at);
+    };
+    look(0);
+    render::DrawOptions draw;
+    render::FrameStatistics statistics;
+    const std::string picture =
+        measured(frames, [&](int) { (void)renderer->draw_to_image(world.list(), camera, draw, &statistics); });
+    const auto window = [&](int frame) {
+      look(frame);
+      (void)renderer->draw(world.list(), camera, draw);
+      gl.Finish();
+    };
+    const std::string rest = measured(frames, [&](int) { window(0); });
+    const std::string moving = measured(frames, window);
+    const std::string name = std::string(arguments[i]).substr(std::string(arguments[i]).find_last_of('/') + 1);
+    std::printf("%-28s %9zu %7zu %7zu %18s %18s %18s\n", name.c_str(), statistics.triangles, statistics.items,
+                statistics.draw_calls, picture.c_str(), rest.c_str(), moving.c_str());
+  }
+  return 0;
+}
