@@ -26,7 +26,7 @@ packages=(
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
   # tests
-  catch2 nginx-light
+  catch2 nginx-light python3
   "$@"
 )
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# tsan.sh: builds what has threads with ThreadSanitizer and runs its tests: the loader, its servers, cells, and the worlds
+# tsan.sh: builds what has threads with ThreadSanitizer and runs its tests: the loader, its servers, cells, control, and the worlds
 # and streams that come by them. Fails on any race. Takes about fifteen minutes on two cores.
 set -euo pipefail
 
@@ -10,5 +10,5 @@ cmake --preset tsan >/dev/null
 cmake --build --preset tsan --target ghostspace net_tests app_tests
 export TSAN_OPTIONS="exitcode=66 suppressions=$root/scripts/tsan.supp ${TSAN_OPTIONS:-}"
 build/tsan/tests/net_tests
-build/tsan/tests/app_tests -# "[#world_loading_test],[#world_reader_test],[#world_loader_test],[#cell_stream_test],[#serve_test],[#documents_test],[#outline_world_test],[#session_test],[#url_requests_test]"
+build/tsan/tests/app_tests -# "[#world_loading_test],[#world_reader_test],[#world_loader_test],[#cell_stream_test],[#serve_test],[#documents_test],[#outline_world_test],[#session_test],[#url_requests_test],[#control_files_test],[#control_program_test]"
 echo "tsan.sh: no races"

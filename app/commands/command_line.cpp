@@ -93,6 +93,11 @@ int parse_and_run(int count, char** arguments) {
     if ((options.time > 0 || !options.input.empty() || options.press_sensors) && chosen == &command_rows().front() &&
         options.snapshot.empty())
       throw CLI::ValidationError("--time, --input and --press-sensors", "expected with --snapshot");
+    const bool controlled = !options.control_paths.empty() || !options.control_ports.empty();
+    if (controlled && !options.snapshot.empty())
+      throw CLI::ValidationError("--control", "expected without --snapshot: clients can ask for pictures");
+    if (!controlled && !options.control_token.empty())
+      throw CLI::ValidationError("--control-token", "expected with --control");
     if (!options.confine.empty() && chosen == &command_rows().front() && options.snapshot.empty())
       throw CLI::ValidationError("--confine", "a window needs more than that; expected --snapshot");
     if (chosen->check)

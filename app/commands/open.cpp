@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
 #include "app/world/world_loader.h"
 
@@ -25,14 +26,23 @@ int run_open(const Options& options) {
   viewer.viewpoint = options.viewpoint;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);
+  viewer.control = {options.control_paths, options.control_ports, options.control_token};
   LoadOptions load = load_options(options);
   // Who looks at a window sees how far it is, and can cancel.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
   load.by_view = true;
   std::string error;
+  const bool windowless = options.backend == "osmesa" || options.backend == "egl";
+  if (windowless && viewer.control.any()) {
+    const int status = run_headless(viewer, load, options.backend, error);
+    return status == kDone ? kDone : fail(error);
+  }
   const int status = run_viewer(viewer, load, error);
   if (status != kDone)
-    complain("ghostspace: error: %s; a picture without a window: ghostspace --snapshot OUT.png FILE", error.c_str());
+    complain(
+        "ghostspace: error: %s; a picture without a window: ghostspace --snapshot OUT.png FILE; to be controlled "
+        "without one: ghostspace --backend osmesa --control PATH",
+        error.c_str());
   return status;
 }
 

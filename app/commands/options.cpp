@@ -194,6 +194,17 @@ Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
   return {};
 }
 
+Problem set_control(Options& options, const std::string& value) {
+  std::optional<std::uint16_t> port;
+  if (value.find_first_not_of("0123456789") == std::string::npos) {
+    const Problem problem = set_port(port, value);
+    if (!problem) options.control_ports.push_back(*port);
+    return problem;
+  }
+  options.control_paths.push_back(value);
+  return {};
+}
+
 Problem set_rate(Options& options, const std::string& value) {
   return read(value, options.rate) && options.rate > 0 ? Problem{} : "expected bits a second, more than 0";
 }
@@ -300,6 +311,17 @@ constexpr OptionRow kOptions[] = {
      [](Options& o, const std::string&) {
        o.press_sensors = true;
        return Problem{};
+     }},
+    {"--control", "PATH|PORT", "",
+     "let other programs of this machine control it: JSON-RPC over a Unix socket that is made at PATH, or over "
+     "WebSockets on PORT (0: any free one) of 127.0.0.1; may be given several times. They must know a token. With "
+     "--backend osmesa or egl there is no window, and it runs until it is told to end",
+     "open ", set_control, true},
+    {"--control-token", "FILE", "",
+     "write the token for --control into FILE, which only its owner may read, and not to standard error", "open ",
+     [](Options& o, const std::string& v) {
+       o.control_token = v;
+       return v.empty() ? Problem("expected a file") : Problem{};
      }},
     {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},
     {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)", "open ",

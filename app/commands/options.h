@@ -64,7 +64,10 @@ struct Options {
   std::size_t groups = 0;           // about; 0: as few as the tolerance allows
   int position_bits = 16;
   std::uint64_t seed = 1;
-  RawVolume raw;  // dimensions 0: the file has a header
+  RawVolume raw;                             // dimensions 0: the file has a header
+  std::vector<std::string> control_paths;    // Unix sockets for those who control the program
+  std::vector<std::uint16_t> control_ports;  // and ports of this machine
+  std::string control_token;                 // file for the token; empty: on standard error
 };
 
 /// One option: the row from which parsing, --help and the manual page are made.

@@ -3,6 +3,7 @@
 #include "app/session/links.h"
 #include "app/session/simulation.h"
 #include "app/view/navigation.h"
+#include "app/viewer/offscreen.h"
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
@@ -93,38 +94,6 @@ void limit_drawing(double timeout_seconds) {
   timer.it_value.tv_sec = static_cast<time_t>(seconds);
   timer.it_value.tv_usec = static_cast<suseconds_t>((seconds - std::floor(seconds)) * 999'999);
   setitimer(ITIMER_REAL, &timer, nullptr);
-}
-
-/// What draws; `problem` where there is no renderer.
-struct OpenedRenderer {
-  std::unique_ptr<render::GlContext> context;
-  std::unique_ptr<render::Renderer> renderer;
-  std::string problem;
-
-  OpenedRenderer() = default;
-  OpenedRenderer(OpenedRenderer&&) = default;
-  OpenedRenderer& operator=(OpenedRenderer&&) = delete;
-  ~OpenedRenderer() { renderer.reset(); }  // while its context is there
-};
-
-/// A context that is current nowhere, whose renderer is ready for pictures such as are wanted.
-OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptions& draw) {
-  OpenedRenderer result;
-  auto opened = render::open_headless_context(backend);
-  if (auto* problem = std::get_if<render::ContextError>(&opened)) {
-    result.problem = std::move(problem->message);
-    return result;
-  }
-  result.context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto created = render::Renderer::create(*result.context);
-  if (auto* problem = std::get_if<render::ContextError>(&created)) {
-    result.problem = std::move(problem->message);
-  } else {
-    result.renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
-    result.renderer->prepare(draw);
-  }
-  result.context->release_current();
-  return result;
 }
 
 render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {

@@ -1,3 +1,4 @@
+#include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
 
 #include <js/Array.h>
@@ -99,9 +100,8 @@ bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
   if (!box || !world.execution().has_scene(box->scene) || !box->scene->contains(box->id))
     return fail(context, "createVrmlFromURL expects a node that gets the nodes");
-  request.event_in = box->scene->node(box->id).type->find_event_in(event);
-  if (!request.event_in || request.event_in->type != vrml::FieldType::MFNode)
-    return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
+  request.event_in = event_for_nodes(*box->scene, box->id, event);
+  if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
   request.scene = box->scene;
   request.node = box->id;
   world.request(std::move(request));
@@ -120,12 +120,9 @@ bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!from || !to || from->scene != to->scene || !world.execution().has_scene(from->scene) ||
       !from->scene->contains(from->id) || !to->scene->contains(to->id))
     return fail(context, "expected two nodes of one file");
-  vrml::Route route{from->id, to->id, from->scene->node(from->id).type->find_event_out(out),
-                    to->scene->node(to->id).type->find_event_in(in)};
-  if (!route.event_out) return fail(context, "no eventOut '" + out.substr(0, 80) + "'");
-  if (!route.event_in) return fail(context, "no eventIn '" + in.substr(0, 80) + "'");
-  if (route.event_out->type != route.event_in->type)
-    return fail(context, "'" + out + "' and '" + in + "' are of different types");
+  const auto found = route_between(*from->scene, from->id, out, to->id, in);
+  if (const auto* const why = std::get_if<std::string>(&found)) return fail(context, *why);
+  const vrml::Route& route = std::get<vrml::Route>(found);
   // One more of the same changes nothing (4.10.2).
   if (kAdd)
     (void)world.execution().add_route(*from->scene, route);

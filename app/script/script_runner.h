@@ -69,8 +69,6 @@ class ScriptRunner : public vrml::ScriptHost {
   /// The same in front of the Script itself: it does not ask.
   virtual void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                        const std::string& url) = 0;
-  /// The text of create_from_url has come. False: the node is not there any more.
-  virtual bool created(const ScriptRequest& request, const std::string& text, const std::string& url) = 0;
   [[nodiscard]] virtual std::vector<ScriptMessage> take_messages() = 0;
   /// Is given each message at once, in place of take_messages.
   virtual void observe(std::function<void(const ScriptMessage&)> observer) = 0;

@@ -1,6 +1,6 @@
 #include "app/script/script_world.h"
 
-#include "vrml/syntax/parser.h"
+#include "app/script/run_time_nodes.h"
 
 #include <js/CallAndConstruct.h>
 #include <js/CompilationAndEvaluation.h>
@@ -322,18 +322,6 @@ void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::opt
   if (const vrml::EventNode node = execution_.event_node(scene, script)) texts_[node] = {std::move(text), url};
 }
 
-bool World::created(const ScriptRequest& request, const std::string& text, const std::string& url) {
-  if (!execution_.has_scene(request.scene) || !request.scene->contains(request.node)) return false;
-  vrml::Diagnostics diagnostics;
-  const vrml::RunTimeNodes made = vrml::read_into(*request.scene, url, text, diagnostics, request.origin);
-  for (const vrml::Diagnostic& one : diagnostics.entries()) tell({one, false});
-  execution_.attach(*request.scene);
-  for (const vrml::NodeId id : made.roots) execution_.hold(*request.scene, id);
-  (void)execution_.send(*request.scene, request.node, *request.event_in, vrml::FieldValue(made.roots));
-  for (const vrml::NodeId id : made.roots) execution_.release(*request.scene, id);
-  return true;
-}
-
 // ---- What programs call
 
 // In simulated time the clock stands while a function runs; but who waits in a loop for it to go on is not left there.
@@ -426,11 +414,10 @@ bool World::create_from_string(JSContext* context, std::string_view text, vrml::
   if (ends_) return fail(context, "no nodes are made in shutdown()");
   const vrml::Node& script = scene->node(running_->id);
   vrml::Diagnostics diagnostics;
-  vrml::RunTimeNodes made = vrml::read_into(*scene, label(*running_), text, diagnostics, &script.text->origin());
+  vrml::RunTimeNodes made = make_nodes(execution_, *scene, label(*running_), text, diagnostics, &script.text->origin());
   for (const vrml::Diagnostic& one : diagnostics.entries())
     if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "the text is no VRML97");
-  execution_.attach(*scene);
   engine_.note_nodes(std::max(kWorthCollecting, made.roots.size()));
   nodes = std::move(made.roots);
   // Held by objects, which a collection may take away before the list has them: hold them by making the objects now.

@@ -80,7 +80,6 @@ class World final : public ScriptRunner {
              const std::string& url) override;
   void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                const std::string& url) override;
-  bool created(const ScriptRequest& request, const std::string& text, const std::string& url) override;
   [[nodiscard]] std::vector<ScriptMessage> take_messages() override { return std::exchange(messages_, {}); }
   void observe(std::function<void(const ScriptMessage&)> observer) override { observer_ = std::move(observer); }
   [[nodiscard]] std::vector<ScriptRequest> take_requests() override { return std::exchange(requests_, {}); }

@@ -1,6 +1,7 @@
 #include "app/session/living_world.h"
 
 #include "app/formats/qnv/cloud_reader.h"
+#include "app/script/run_time_nodes.h"
 #include "net/base/url.h"
 #include "render/scene/late_meshes.h"
 
@@ -17,6 +18,7 @@ namespace {
 // Of changes that are remembered; a list that is further behind, since nobody looked at it, is gathered anew.
 constexpr std::size_t kMostBatches = 8;
 constexpr std::size_t kMostRequests = 10'000;  // that nobody takes
+constexpr std::size_t kMostMessages = 1000;    // likewise
 
 // Of a QNV node of a text read at run time, or of a body that has come; they go before what its url names. False: it
 // has none of its own.
@@ -51,6 +53,12 @@ double world_time() {
 
 LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
+  browser_.world_url = world_.path;
+  if (net::parse_url(world_.path).scheme.empty()) {
+    std::error_code error;
+    const std::filesystem::path whole = std::filesystem::absolute(world_.path, error);
+    if (!error) browser_.world_url = net::url_of_path(whole.lexically_normal().string()).text();
+  }
   execution_.observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
@@ -66,12 +74,6 @@ void LivingWorld::want_scripts() {
   scripts_ = ScriptRunner::make(execution_, script_settings_);
   if (!scripts_) return;
   if (script_observer_) scripts_->observe(script_observer_);
-  browser_.world_url = world_.path;
-  if (net::parse_url(world_.path).scheme.empty()) {
-    std::error_code error;
-    const std::filesystem::path whole = std::filesystem::absolute(world_.path, error);
-    if (!error) browser_.world_url = net::url_of_path(whole.lexically_normal().string()).text();
-  }
   scripts_->set_browser(browser_);
   execution_.set_script_host(scripts_.get());
   for (ProgramText& one : world_.programs)
@@ -82,30 +84,33 @@ void LivingWorld::want_scripts() {
 // Texts are asked for like what a url names that was set: each has a number of its own.
 void LivingWorld::ask_for_texts() {
   if (!scripts_) return;
-  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
   for (ScriptRequest& one : scripts_->take_requests()) {
-    const bool program = one.kind == ScriptRequest::Kind::program;
-    if (!program && one.kind != ScriptRequest::Kind::create_from_url) {
+    if (one.kind == ScriptRequest::Kind::program || one.kind == ScriptRequest::Kind::create_from_url) {
+      ask_for_text(std::move(one));
+    } else {
       script_requests_.push_back(std::move(one));
-      continue;
     }
-    if (!one.scene->contains(one.node)) continue;
-    const vrml::Node& node = one.scene->node(one.node);
-    const std::size_t number = kAsked + next_text_++;
-    UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]},
-                       &node,
-                       vrml::UrlContent::none,
-                       true,
-                       nullptr,
-                       {},
-                       one.origin,
-                       node.type->name,
-                       node.text->file_name(),
-                       one.location};
-    for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
-    url_requests_.push_back(std::move(request));
-    asked_texts_[number] = std::move(one);
   }
+}
+
+void LivingWorld::ask_for_text(ScriptRequest&& one) {
+  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
+  if (!one.scene->contains(one.node)) return;
+  const vrml::Node& node = one.scene->node(one.node);
+  const std::size_t number = kAsked + next_text_++;
+  UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]},
+                     &node,
+                     vrml::UrlContent::none,
+                     true,
+                     nullptr,
+                     {},
+                     one.origin,
+                     node.type->name,
+                     node.text->file_name(),
+                     one.location};
+  for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
+  url_requests_.push_back(std::move(request));
+  asked_texts_[number] = std::move(one);
 }
 
 void LivingWorld::take_text(Arrivals::Text&& arrival) {
@@ -118,12 +123,30 @@ void LivingWorld::take_text(Arrivals::Text&& arrival) {
       scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
     return;
   }
-  if (gone || !scripts_) return;
+  if (gone) return;
   url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
-  if (asked.mapped().kind == ScriptRequest::Kind::program)
-    scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
-  else if (arrival.text)
-    (void)scripts_->created(asked.mapped(), *arrival.text, arrival.url);
+  if (asked.mapped().kind == ScriptRequest::Kind::program) {
+    if (scripts_) scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    return;
+  }
+  if (!arrival.text) return;
+  vrml::Diagnostics diagnostics;
+  const ScriptRequest& request = asked.mapped();
+  const vrml::RunTimeNodes made = create(*request.scene, arrival.url, *arrival.text, diagnostics, request.origin);
+  (void)send_made(execution_, request, made.roots);
+  for (const vrml::Diagnostic& one : diagnostics.entries()) tell_message({one, false});
+}
+
+vrml::RunTimeNodes LivingWorld::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
+                                       vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by) {
+  vrml::RunTimeNodes made = make_nodes(execution_, scene, label, text, diagnostics, written_by);
+  want_scripts();
+  return made;
+}
+
+void LivingWorld::tell_message(ScriptMessage message) {
+  if (script_observer_) return script_observer_(message);
+  if (script_messages_.size() < kMostMessages) script_messages_.push_back(std::move(message));
 }
 
 void LivingWorld::observe_scripts(std::function<void(const ScriptMessage&)> observer) {
@@ -132,7 +155,10 @@ void LivingWorld::observe_scripts(std::function<void(const ScriptMessage&)> obse
 }
 
 std::vector<ScriptMessage> LivingWorld::take_script_messages() {
-  return scripts_ ? scripts_->take_messages() : std::vector<ScriptMessage>{};
+  std::vector<ScriptMessage> messages = std::exchange(script_messages_, {});
+  if (!scripts_) return messages;
+  for (ScriptMessage& one : scripts_->take_messages()) messages.push_back(std::move(one));
+  return messages;
 }
 
 std::vector<ScriptRequest> LivingWorld::take_script_requests() {
@@ -151,14 +177,14 @@ void LivingWorld::start(double now) {
 
 // Speed and frame rate are those between the last two steps.
 void LivingWorld::tell_programs(double now) {
-  if (!scripts_) return;
-  scripts_->begin_step();
+  if (scripts_) scripts_->begin_step();
+  if (!scripts_ && !measures_viewer_) return;
   const glm::dvec3 place(execution_.viewer()[3]);
   const double seconds = now - execution_.now();
   if (viewer_ && seconds > 0) {
     browser_.speed = glm::length(place - *viewer_) / seconds;
     browser_.frame_rate = 1 / seconds;
-    scripts_->set_browser(browser_);
+    if (scripts_) scripts_->set_browser(browser_);
   }
   viewer_ = place;
 }

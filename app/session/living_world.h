@@ -5,6 +5,7 @@
 #include "app/world/opened_world.h"
 #include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
+#include "vrml/syntax/parser.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -49,6 +50,15 @@ class LivingWorld {
   /// What the programs print and what is wrong with them; else take_script_messages has it.
   void observe_scripts(std::function<void(const ScriptMessage&)> observer);
   [[nodiscard]] std::vector<ScriptMessage> take_script_messages();
+  /// Makes nodes of a text, see make_nodes; Scripts among them run from the next event on.
+  [[nodiscard]] vrml::RunTimeNodes create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
+                                          vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by);
+  /// A file's nodes are to be sent to an eventIn (createVrmlFromURL): see ScriptRequest::Kind::create_from_url.
+  void create_from_url(ScriptRequest request) { ask_for_text(std::move(request)); }
+  /// What programs may ask about the browser: as of the last step; its speed and frame rate, where there are Scripts or
+  /// `measure_viewer` was called.
+  [[nodiscard]] const BrowserState& browser() const { return browser_; }
+  void measure_viewer() { measures_viewer_ = true; }
   [[nodiscard]] std::vector<ScriptRequest> take_script_requests();
   /// Of the world's thread from `start` on; null: the world has no Script.
   [[nodiscard]] ScriptRunner* scripts() { return scripts_.get(); }
@@ -90,6 +100,8 @@ class LivingWorld {
   void want_scripts();
   void tell_programs(double now);
   void ask_for_texts();
+  void ask_for_text(ScriptRequest&& one);
+  void tell_message(ScriptMessage message);
   void take_text(Arrivals::Text&& arrival);
   void tell_progress();
   void add_changes(std::vector<vrml::NodeChange> changes);
@@ -121,6 +133,8 @@ class LivingWorld {
   /// Arrivals::Place::request of the newest, where not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
   std::weak_ptr<LivingScene> shared_;
+  std::vector<ScriptMessage> script_messages_;  // of what no program has said
+  bool measures_viewer_ = false;
 };
 
 }  // namespace gs::app

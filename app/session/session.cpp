@@ -39,6 +39,7 @@ Frame Session::step(double now, const SessionInput& input) {
   if (feed_streams()) frame_.changed = true;
   prioritize();
   if (let_live(input.look)) frame_.changed = true;
+  if (let_guest_act(input.look)) frame_.changed = true;
   if (input.area) {
     area_ = *input.area;
     show_loaded();
@@ -47,6 +48,7 @@ Frame Session::step(double now, const SessionInput& input) {
     if (std::exchange(pointer_moved_, false)) point_again();
   }
   was_moving_ = moving();
+  if (guest_) guest_->step_is_over();
   Frame frame = std::exchange(frame_, {});
   const std::vector<std::size_t> sight = panes_.visible();
   const std::vector<Viewport> rectangles = places();
@@ -82,6 +84,8 @@ std::optional<double> Session::next_life() const {
   std::optional<double> next;
   for (const Document* document : living())
     if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
+  // What a guest has done leads to events, and to files that are wanted.
+  if (acted_) next = life_due_;
   return next ? std::optional(std::max(*next, life_due_)) : std::nullopt;
 }
 
@@ -103,6 +107,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
 // Lets time go on in the worlds that are seen. True when there is something else to be seen.
 bool Session::let_live(bool look) {
   if (now_ < life_due_) return false;
+  acted_ = false;
   const double started = world_time();
   bool any = false;
   for (Document* document : living()) {
@@ -137,6 +142,16 @@ bool Session::let_live(bool look) {
   // Worlds whose events take long leave time for what the user does.
   const double took = world_time() - started;
   life_due_ = now_ + std::max(kLifeStep, took > kLongLife ? 3 * took : 0);
+  return any;
+}
+
+bool Session::let_guest_act(bool look) {
+  if (!guest_ || !guest_->act(*this)) return false;
+  acted_ = true;
+  bool any = true;
+  if (look)
+    for (const std::size_t i : panes_.visible())
+      if (View* seen = panes_.at(i).view(); seen && seen->document->living) any = follow_world(*seen) || any;
   return any;
 }
 

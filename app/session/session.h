@@ -27,6 +27,8 @@ class MeshWorker;
 
 namespace gs::app {
 
+class Session;
+
 struct SessionOptions {
   std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
   std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
@@ -76,6 +78,16 @@ struct Frame {
   bool show_log = false;
 };
 
+/// Who does something in a session beside the user, in each step: see Session::set_guest.
+class SessionGuest {
+ public:
+  virtual ~SessionGuest() = default;
+  /// Time has gone on to that of the step; what the user does comes next. True: worlds or views are others than before.
+  virtual bool act(Session& session) = 0;
+  /// The step is over.
+  virtual void step_is_over() = 0;
+};
+
 /// How a view is picked in, in a viewport of `size` pixels.
 [[nodiscard]] PickOptions pick_options(const View& view, const glm::vec2& size);
 
@@ -96,6 +108,10 @@ class Session {
   /// Takes in what has arrived and what the user has done, and lets time go on to `now`, in seconds since 1970. Times
   /// never go back.
   Frame step(double now, const SessionInput& input);
+  /// Who acts in each step from now on; null: nobody. It must outlive this, or be taken away before.
+  void set_guest(SessionGuest* guest) { guest_ = guest; }
+  /// What programs and guests want of the session, in the name of a world that it shows (VRML97 4.12.10).
+  void serve(const Document& document, const ScriptRequest& request);
   /// After a picture was drawn: asks for what it lacked of streams.
   void ask_for_streams();
   /// Shows a world that was opened elsewhere, and lives, in the active viewport.
@@ -154,9 +170,9 @@ class Session {
 
   [[nodiscard]] std::vector<Document*> living() const;
   void take_script_news(Document& document);
-  void do_for_script(const Document& document, const ScriptRequest& request);
   void place_viewer(Document& document, const View& leader) const;
   bool let_live(bool look);
+  bool let_guest_act(bool look);
   /// In simulated time nobody is on the way to a Viewpoint.
   void end_journey(View& view) const;
   [[nodiscard]] std::optional<double> next_life() const;
@@ -235,6 +251,8 @@ class Session {
   bool was_moving_ = false;  // with the step before
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
+  SessionGuest* guest_ = nullptr;
+  bool acted_ = false;  // the guest has, since time went on in the worlds
 };
 
 }  // namespace gs::app

@@ -15,11 +15,11 @@ void Session::take_script_news(Document& document) {
     document.world.diagnostics.add(std::move(message.diagnostic));
   }
   if (told) panes_.log_changed(document);
-  for (const ScriptRequest& request : document.living->take_script_requests()) do_for_script(document, request);
+  for (const ScriptRequest& request : document.living->take_script_requests()) serve(document, request);
 }
 
 // In the viewport that shows the world, the active one if there are several.
-void Session::do_for_script(const Document& document, const ScriptRequest& request) {
+void Session::serve(const Document& document, const ScriptRequest& request) {
   const auto shows = [&](std::size_t pane) {
     const View* const seen = panes_.at(pane).view();
     return seen && seen->document.get() == &document;

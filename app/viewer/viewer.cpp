@@ -1,6 +1,8 @@
 #include "app/viewer/viewer.h"
 
+#include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
+#include "render/image/image.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,6 +14,8 @@ constexpr int kSettlingFrames = 3;     // the interface needs a second look afte
 constexpr double kIdleWait = 30;       // seconds; any event ends it
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
+}  // namespace
+
 SessionOptions session_options(const ViewerOptions& options) {
   SessionOptions result;
   result.files = options.files;
@@ -20,7 +24,22 @@ SessionOptions session_options(const ViewerOptions& options) {
   return result;
 }
 
-}  // namespace
+std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer, const ViewerOptions& options,
+                                                        const View& view, const glm::ivec2& size) {
+  render::DrawOptions draw;
+  draw.width = size.x;
+  draw.height = size.y;
+  draw.samples = options.samples;
+  draw.background = options.background;
+  draw.splats = options.splats;
+  draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
+  draw.headlight = view.headlight;
+  draw.unit = static_cast<float>(view.scale);
+  draw.clouds = view.look;
+  auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
+  if (auto* problem = std::get_if<render::ContextError>(&made)) return std::move(problem->message);
+  return render::encode_png(std::get<render::Image>(made));
+}
 
 Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
                std::unique_ptr<render::Renderer> renderer)
@@ -31,8 +50,19 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       session_(session_options(options), load, &Window::wake),
       frames_wanted_(kSettlingFrames) {}
 
+std::optional<std::string> Viewer::start_control() {
+  auto started = ControlService::start(options_.control, &Window::wake);
+  if (auto* problem = std::get_if<std::string>(&started)) return std::move(*problem);
+  control_ = std::move(std::get<std::unique_ptr<ControlService>>(started));
+  control_->control().set_painter([this](const View& view, int width, int height) {
+    return paint(*renderer_, options_, view, {width, height});
+  });
+  session_.set_guest(&control_->control());
+  return std::nullopt;
+}
+
 void Viewer::run() {
-  while (!window_->should_close()) {
+  while (!window_->should_close() && !(control_ && control_->control().wants_to_end())) {
     wait_for_something();
     const glm::ivec2 size = window_->framebuffer_size();
     const bool in_sight = size.x > 0 && size.y > 0;
@@ -132,6 +162,11 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
     return 1;
   }
   Viewer viewer(options, load, std::move(context), std::move(std::get<std::unique_ptr<render::Renderer>>(renderer)));
+  if (options.control.any())
+    if (auto problem = viewer.start_control()) {
+      error = "cannot be controlled: " + *problem;
+      return 1;
+    }
   viewer.run();
   return 0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/control/control_service.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
@@ -24,6 +25,7 @@ struct ViewerOptions {
   std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
   std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
   render::SplatPath splats = render::SplatPath::automatic;
+  ControlPlaces control;  // where others may control it
 };
 
 /// Opens a window and runs until the user quits. `load`: how worlds are read. Main thread. Returns the exit status: 0,

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ class Viewer {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
+  /// Who asks may control it from now on. What is wrong, if anything.
+  [[nodiscard]] std::optional<std::string> start_control();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
@@ -51,7 +54,8 @@ class Viewer {
   std::unique_ptr<render::Renderer> renderer_;
   UiOverlay ui_;
   Session session_;
-  Frame frame_;  // what the last step has led to
+  std::unique_ptr<ControlService> control_;  // null: nobody may control it
+  Frame frame_;                              // what the last step has led to
   Refinement refinement_;
   std::array<PictureDetail, kMostViewports> details_;
   std::string title_;

@@ -8,7 +8,7 @@
 #include "qnv/encode/encode_volume.h"
 #include "qnv/lod/lod.h"
 #include "render/scene/render_list.h"
-#include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/app_targets.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
@@ -247,7 +247,8 @@ bool run_program(std::span<const std::byte> bytes) {
 
 std::vector<FuzzTarget> fuzz_targets() {
   constexpr std::size_t kMostBytes = 8192;
-  std::vector<FuzzTarget> targets = {{"gzip", run_gzip}, {"programs", run_program}};
+  std::vector<FuzzTarget> targets = {
+      {"gzip", run_gzip}, {"programs", run_program}, {"control_messages", run_control_messages}};
   using Bytes = std::span<const std::byte>;
   for (const ContentType& type : content_types()) {
     const std::string name = target_name(type.name);

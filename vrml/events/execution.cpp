@@ -337,6 +337,12 @@ void Execution::begin(double now) {
   work_ = 0;
 }
 
+void Execution::begin_update() {
+  now_ = std::nextafter(now_, std::numeric_limits<double>::infinity());
+  ++stamp_;
+  work_ = 0;
+}
+
 void Execution::step(double now) {
   begin(now);
   while (!alarms_.empty() && alarms_.front().time <= now_) {

@@ -75,6 +75,12 @@ class Execution {
   /// part of the world, or where there is no room.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
 
+  /// The next events from outside are of a moment of their own, the least bit later than the present, so that each
+  /// eventOut may send again (4.10.4). Nodes that run look at the time with the next step.
+  void begin_update();
+  /// What was posted since is delivered, as one cascade: see `post`.
+  void end_update() { drain(); }
+
   /// False where there is such a ROUTE already (they count once), where it is none between nodes of one scene with
   /// equal types, or where there is no room. Not added to SceneGraph::routes.
   bool add_route(SceneGraph& scene, const Route& route);
@@ -242,7 +248,8 @@ class Execution {
   void own_value_changed(EventNode node, std::uint32_t interface);
   /// An eventOut or exposedField sends the value that own_value has now.
   void send_own(EventNode node, std::uint32_t interface);
-  /// An event for a node of this world, from a program that runs: delivered in this cascade behind what has been sent.
+  /// An event for a node of this world, from a program that runs: delivered in this cascade behind what has been sent;
+  /// or from outside, for end_update.
   /// False as of `send`.
   bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
   /// What an eventOut sent last, or what an exposedField or field has; null: no such thing.

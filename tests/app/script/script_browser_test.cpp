@@ -1,3 +1,4 @@
+#include "app/script/run_time_nodes.h"
 #include "scripts.h"
 
 namespace gs::app::script_browser_test {
@@ -47,7 +48,10 @@ TEST_CASE("createVrmlFromURL sends the nodes of a file to an eventIn (4.12.10)")
   CHECK(requests[0].kind == ScriptRequest::Kind::create_from_url);
   CHECK(requests[0].urls == std::vector<std::string>{"x.wrl"});
   world.step(2);
-  CHECK(world.runner().created(requests[0], "#VRML V2.0 utf8\nShape {} Transform {}", "x.wrl"));
+  vrml::Diagnostics diagnostics;
+  const vrml::RunTimeNodes made = make_nodes(world.execution(), *requests[0].scene, "x.wrl",
+                                             "#VRML V2.0 utf8\nShape {} Transform {}", diagnostics, requests[0].origin);
+  CHECK(send_made(world.execution(), requests[0], made.roots));
   CHECK(world.printed() == Lines{"2 1002"});
   CHECK(world.events() == Lines{"2 G.children [ Shape, Transform ]"});
 }

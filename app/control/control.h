@@ -1,0 +1,90 @@
+#pragma once
+
+#include "app/control/control_channel.h"
+#include "app/control/services.h"
+#include "app/session/session.h"
+#include "vrml/events/execution.h"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace gs::app {
+
+/// Lets clients outside of the program control the worlds of a session: the services of ISO/IEC 14772-2 as JSON-RPC 2.0
+/// (docs/control.md). One thread, that of the session, in whose steps it acts: what has come is done behind the step of
+/// time and before what the user does.
+class Control final : public SessionGuest {
+ public:
+  /// A picture of a view, of so many pixels, as a file of PNG; or why there is none.
+  using Painter =
+      std::function<std::variant<std::vector<std::byte>, std::string>(const View& view, int width, int height)>;
+
+  /// The channel must outlive it. `wake`: another step is to follow at once, since messages of this one took longer
+  /// than `most_of_step`.
+  Control(ControlChannel& channel, std::function<void()> wake,
+          std::chrono::steady_clock::duration most_of_step = std::chrono::milliseconds(10));
+  ~Control() override;
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+
+  void set_painter(Painter painter) { painter_ = std::move(painter); }
+  /// A client has asked that the program ends.
+  [[nodiscard]] bool wants_to_end() const { return ends_; }
+
+  bool act(Session& session) override;
+  void step_is_over() override;
+
+  // For services.
+
+  /// The number that stands for a node from now on; it is held.
+  [[nodiscard]] std::uint64_t number_of(ControlClient& client, vrml::SceneGraph& scene, vrml::NodeId node);
+  void dispose(ControlClient& client, std::uint64_t node);
+  [[nodiscard]] vrml::NodeId find_name(ControlClient& client, std::string_view name);
+  [[nodiscard]] std::uint64_t watch(ControlClient& client, const PlacedNode& node,
+                                    const vrml::InterfaceDeclaration& event);
+  [[nodiscard]] bool unwatch(ControlClient& client, std::uint64_t watch);
+  [[nodiscard]] const Painter& painter() const { return painter_; }
+  void end() { ends_ = true; }
+  /// It goes to its world as it is in that viewport.
+  void follow_viewport(Session& session, ControlClient& client);
+  /// Events that have come so far are told before what comes next.
+  void tell_events();
+
+ private:
+  void drop(ControlClient& client);
+  void leave_world(ControlClient& client);
+  void answer(Session& session, ControlClient& client, const std::string& message);
+  void answer_call(Session& session, ControlClient& client, JsonCursor json, std::string& out);
+  void tell_late();
+  void note(ControlledWorld& world, const vrml::SentEvent& event);
+  void tell_browser_event(ControlClient& client, std::string_view what, const Document* document);
+  void observe(ControlledWorld& world);
+  void prune();
+
+  /// An event that somebody watches.
+  struct Seen {
+    std::uint64_t client, watch;
+    double time;
+    vrml::FieldValue value;
+  };
+  void append_event(std::string& out, ControlClient& client, std::uint64_t number, const Watch& watch, double time,
+                    const vrml::FieldValue& value, std::uint64_t missed);
+
+  ControlChannel& channel_;
+  std::function<void()> wake_;
+  std::chrono::steady_clock::duration most_of_step_;
+  Painter painter_;
+  std::map<std::uint64_t, ControlClient> clients_;
+  std::vector<std::unique_ptr<ControlledWorld>> worlds_;
+  std::vector<Seen> seen_;
+  bool changed_ = false, ends_ = false;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,197 @@
+#include "app/control/control.h"
+#include "app/control/services.h"
+#include "app/session/living_world.h"
+#include "app/view/navigation.h"
+#include "net/control/digest.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+// Services of what the viewer sees: ours, where ISO/IEC 14772-2 has none.
+namespace gs::app {
+namespace {
+
+constexpr int kMostSide = 4096;  // of a side
+
+void put_numbers(std::string& out, std::string_view name, std::span<const double> numbers) {
+  out += (out.size() > 1 ? ",\"" : "\"") + std::string(name) + "\":[";
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i) out += ',';
+    append_json_number(out, numbers[i]);
+  }
+  out += ']';
+}
+
+bool get_viewpoints(ServiceCall& call) {
+  std::string& out = call.result = "[";
+  const std::vector<render::ViewpointState>& viewpoints = call.view->list->viewpoints;
+  for (std::size_t i = 0; i < viewpoints.size(); ++i) {
+    out += (i ? ",{\"viewpoint\":" : "{\"viewpoint\":") + std::to_string(i + 1) + ",\"description\":";
+    append_json_string(out, viewpoints[i].description);
+    out += ",\"name\":";
+    append_json_string(out, viewpoints[i].name);
+    out += call.view->viewpoint == i ? ",\"bound\":true}" : ",\"bound\":false}";
+  }
+  out += ']';
+  return true;
+}
+
+bool set_viewpoint(ServiceCall& call) {
+  JsonCursor json(*call.given[0]);
+  ScriptRequest request;
+  request.kind = ScriptRequest::Kind::viewpoint;
+  std::string made;
+  if (json.kind() == JsonKind::string) {
+    request.text = std::string(json.string(made));
+  } else {
+    const auto number = call.whole(0, 1, call.view->list->viewpoints.size());
+    if (!number) return false;
+    request.text = std::to_string(*number);
+  }
+  if (!find_viewpoint(call.view->list->viewpoints, request.text)) {
+    call.fail_at(0, "there is no Viewpoint '" + request.text.substr(0, 80) + "'; " +
+                        viewpoint_list(call.view->list->viewpoints));
+    return false;
+  }
+  call.session.serve(*call.document, request);
+  call.changes = true;
+  return true;
+}
+
+bool get_viewer(ServiceCall& call) {
+  const Pose& pose = call.view->navigation.pose;
+  const glm::dquat q(pose.orientation);
+  const glm::dvec3 v(q.x, q.y, q.z);
+  const double size = glm::length(v);
+  const double place[] = {pose.position.x, pose.position.y, pose.position.z};
+  const double turn[] = {size > 0 ? v.x / size : 0, size > 0 ? v.y / size : 0, size > 0 ? v.z / size : 1,
+                         2 * std::atan2(size, q.w)};
+  call.result = "{";
+  put_numbers(call.result, "position", place);
+  put_numbers(call.result, "orientation", turn);
+  call.result += ",\"fieldOfView\":";
+  append_json_number(call.result, pose.field_of_view);
+  call.result += '}';
+  return true;
+}
+
+bool set_viewer(ServiceCall& call) {
+  Pose pose = call.view->navigation.pose;
+  float place[3], turn[4];
+  if (call.has(0)) {
+    if (!call.numbers(0, place)) return false;
+    pose.position = {place[0], place[1], place[2]};
+  }
+  if (call.has(1)) {
+    if (!call.numbers(1, turn)) return false;
+    const glm::vec3 axis(turn[0], turn[1], turn[2]);
+    const float length = glm::length(axis);
+    if (!(length > 0) || !std::isfinite(length)) {
+      call.fail_at(1, "expected an axis and an angle in radians");
+      return false;
+    }
+    pose.orientation = glm::angleAxis(turn[3], axis / length);
+  }
+  // Made valid, whatever the numbers are.
+  pose = pose_of(world_from_viewer(pose), pose.field_of_view);
+  call.view->navigation.transition.reset();
+  call.view->navigation.pose = pose;
+  call.document->living->execution().viewer_jumped();
+  call.changes = true;
+  return true;
+}
+
+bool snapshot(ServiceCall& call) {
+  constexpr int kWidth = 1024, kHeight = 768;
+  const auto width = call.has(0) ? call.whole(0, 1, kMostSide) : kWidth;
+  const auto height = call.has(1) ? call.whole(1, 1, kMostSide) : kHeight;
+  if (!width || !height) return false;
+  if (!call.control.painter()) {
+    call.problem = "this program draws no pictures";
+    return false;
+  }
+  (void)follow_world(*call.view);
+  const auto made = call.control.painter()(*call.view, static_cast<int>(*width), static_cast<int>(*height));
+  if (const auto* why = std::get_if<std::string>(&made)) {
+    call.problem = *why;
+    return false;
+  }
+  call.result = "{\"width\":" + std::to_string(*width) + ",\"height\":" + std::to_string(*height) + ",\"png\":\"" +
+                net::base64(std::get<std::vector<std::byte>>(made)) + "\"}";
+  call.changes = true;
+  return true;
+}
+
+bool get_viewports(ServiceCall& call) {
+  const Panes& panes = call.session.panes();
+  std::string& out = call.result = "[";
+  std::size_t number = 0;
+  for (const std::size_t pane : panes.visible()) {
+    out += (number ? ",{\"viewport\":" : "{\"viewport\":") + std::to_string(number + 1) + ",\"file\":";
+    append_json_string(out, panes.at(pane).view() ? panes.at(pane).shown : std::string());
+    out += pane == panes.active() ? ",\"active\":true" : ",\"active\":false";
+    out += number == call.client.viewport ? ",\"used\":true}" : ",\"used\":false}";
+    ++number;
+  }
+  out += ']';
+  return true;
+}
+
+bool use_viewport(ServiceCall& call) {
+  const auto number = call.whole(0, 1, call.session.panes().visible().size());
+  if (!number) return false;
+  call.client.viewport = *number - 1;
+  call.control.follow_viewport(call.session, call.client);
+  return true;
+}
+
+constexpr ServiceRow kViewServices[] = {
+    {"getViewpoints",
+     {},
+     "[{\"viewpoint\":1,\"description\",\"name\",\"bound\"},...]",
+     "the Viewpoints of the world",
+     true,
+     get_viewpoints},
+    {"setViewpoint",
+     {{{"viewpoint", "string: description or DEF name; or number"}}},
+     "",
+     "binds a Viewpoint, and goes there",
+     true,
+     set_viewpoint},
+    {"getViewer",
+     {},
+     "{\"position\":[x,y,z],\"orientation\":[x,y,z,angle],\"fieldOfView\"}",
+     "where the viewer is, in coordinates of the world: metres, axis and radians",
+     true,
+     get_viewer},
+    {"setViewer",
+     {{{"position", "list of 3 numbers", true}, {"orientation", "list of 4 numbers: axis and radians", true}}},
+     "",
+     "puts the viewer there at once",
+     true,
+     set_viewer},
+    {"snapshot",
+     {{{"width", "number of pixels, 1 to 4096: 1024 if it lacks", true},
+       {"height", "number of pixels, 1 to 4096: 768 if it lacks", true}}},
+     "{\"width\",\"height\",\"png\":\"...\"}",
+     "what the viewer sees, as a file of PNG in base64",
+     true,
+     snapshot},
+    {"getViewports", {}, "[{\"viewport\":1,\"file\",\"active\",\"used\"},...]", "those in sight", false, get_viewports},
+    {"useViewport",
+     {{{"viewport", "number"}}},
+     "",
+     "calls of this client are about the world in that viewport from now on: the first one before. Numbers of nodes "
+     "and watches of the world before are gone",
+     false,
+     use_viewport},
+};
+
+}  // namespace
+
+std::span<const ServiceRow> view_services() { return kViewServices; }
+
+}  // namespace gs::app

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "app/script/script_runner.h"
+#include "vrml/events/execution.h"
+#include "vrml/syntax/parser.h"
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+// What programs of Scripts, and others from outside, do to a world that lives (VRML97 4.12.10, ISO/IEC 14772-2). On the
+// thread of the world.
+namespace gs::app {
+
+/// Makes nodes of a text (createVrmlFromString): they are in no field yet, and who may use them holds them before
+/// events go on. `label`: what messages call the text; `written_by`: in whose name.
+[[nodiscard]] vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scene,
+                                            const std::string& label, std::string_view text,
+                                            vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by);
+
+/// Sends nodes that were made to where create_from_url asked for them. False: that is not there any more.
+bool send_made(vrml::Execution& execution, const ScriptRequest& request, const vrml::MFNode& nodes);
+
+/// The eventIn that nodes of create_from_url go to; null: the node has no such eventIn of MFNode.
+[[nodiscard]] const vrml::InterfaceDeclaration* event_for_nodes(const vrml::SceneGraph& scene, vrml::NodeId node,
+                                                                std::string_view event_in);
+
+/// The ROUTE between two nodes of a scene, or why there can be none (4.10.2).
+[[nodiscard]] std::variant<vrml::Route, std::string> route_between(const vrml::SceneGraph& scene, vrml::NodeId from,
+                                                                   const std::string& event_out, vrml::NodeId to,
+                                                                   const std::string& event_in);
+
+}  // namespace gs::app

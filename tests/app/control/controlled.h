@@ -1,0 +1,137 @@
+#pragma once
+
+#include "app/control/control.h"
+#include "app/session/session.h"
+#include "tests/app/worlds.h"
+
+#include <nlohmann/json.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::app::controlled {
+
+using Json = nlohmann::json;
+
+/// Clients without sockets.
+class Channel final : public ControlChannel {
+ public:
+  [[nodiscard]] std::optional<net::ControlNews> next() override {
+    if (news.empty()) return std::nullopt;
+    net::ControlNews one = std::move(news.front());
+    news.pop_front();
+    return one;
+  }
+  void send(std::uint64_t client, std::string message) override {
+    INFO(message);
+    CHECK(message.find('\n') == std::string::npos);
+    sent[client].push_back(Json::parse(message));
+  }
+  [[nodiscard]] bool is_behind(std::uint64_t client) const override { return behind.contains(client); }
+
+  std::deque<net::ControlNews> news;
+  std::map<std::uint64_t, std::vector<Json>> sent;
+  std::set<std::uint64_t> behind;
+};
+
+/// A session of a world, which clients control, in simulated time.
+class World {
+ public:
+  static constexpr double kStart = 1000;
+
+  explicit World(const std::string& body, std::chrono::seconds most_of_step = std::chrono::hours(1))
+      : session({{}, {}, {}, true}, {}, [] {}),
+        control(
+            channel, [this] { ++wakes; }, most_of_step) {
+    session.set_guest(&control);
+    input.area = Viewport{0, 0, 200, 100};
+    open(body);
+  }
+  World() : session({{}, {}, {}, true}, {}, [] {}), control(channel, [this] { ++wakes; }) {
+    session.set_guest(&control);
+    input.area = Viewport{0, 0, 200, 100};
+  }
+  ~World() { session.set_guest(nullptr); }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  void open(const std::string& body) {
+    document = hold_world(world_of(body));
+    begin_world(*document, now);
+    session.show(document);
+    step(0);
+  }
+  Frame step(double seconds) {
+    now += seconds;
+    return session.step(now, input);
+  }
+  /// What a client says arrives in a step without time.
+  Frame say(const std::string& message, std::uint64_t client = 1) {
+    channel.news.push_back({client, false, message});
+    return step(0);
+  }
+  void leave(std::uint64_t client = 1) {
+    channel.news.push_back({client, true, {}});
+    step(0);
+  }
+  /// All that a client was sent since the last time.
+  std::vector<Json> take(std::uint64_t client = 1) { return std::exchange(channel.sent[client], {}); }
+  /// The answer to a call; events that came before it wait for `events`.
+  Json answer(const std::string& method, const Json& parameters = Json::object(), std::uint64_t client = 1) {
+    const int id = ++last_id;
+    say(Json{{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", parameters}}.dump(), client);
+    Json found;
+    for (Json& one : take(client)) {
+      if (one.contains("id") && one["id"] == id) {
+        found = std::move(one);
+      } else {
+        others[client].push_back(std::move(one));
+      }
+    }
+    return found;
+  }
+  Json call(const std::string& method, const Json& parameters = Json::object(), std::uint64_t client = 1) {
+    const Json got = answer(method, parameters, client);
+    INFO(method << ' ' << parameters.dump() << ": " << got.dump());
+    REQUIRE(got.contains("result"));
+    return got["result"];
+  }
+  std::string problem(const std::string& method, const Json& parameters = Json::object(), std::uint64_t client = 1) {
+    const Json got = answer(method, parameters, client);
+    INFO(method << ' ' << parameters.dump() << ": " << got.dump());
+    REQUIRE(got.contains("error"));
+    return got["error"]["message"];
+  }
+  /// What it was told of by itself, and a method of it.
+  std::vector<Json> told(const std::string& method, std::uint64_t client = 1) {
+    std::vector<Json> all = std::exchange(others[client], {});
+    for (Json& one : take(client)) all.push_back(std::move(one));
+    std::vector<Json> result;
+    for (Json& one : all)
+      if (one.value("method", "") == method) result.push_back(std::move(one["params"]));
+    return result;
+  }
+  [[nodiscard]] vrml::SceneGraph& scene() { return *document->world.scene; }
+
+  double now = kStart;
+  Channel channel;
+  SessionInput input;
+  std::shared_ptr<Document> document;
+  Session session;
+  Control control;
+  int wakes = 0;
+
+ private:
+  int last_id = 0;
+  std::map<std::uint64_t, std::vector<Json>> others;
+};
+
+}  // namespace gs::app::controlled

@@ -1,0 +1,134 @@
+#include "app/control/json_values.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+
+namespace gs::app::json_values_test {
+namespace {
+
+using vrml::FieldType;
+using vrml::FieldValue;
+
+std::optional<vrml::NodeId> read_node(JsonCursor& json, std::string& problem) {
+  if (json.kind() == JsonKind::number) return vrml::NodeId{static_cast<std::uint32_t>(json.number()), 1};
+  problem = "expected a node";
+  return std::nullopt;
+}
+
+std::optional<FieldValue> read(std::string_view text, FieldType type, std::string* why = nullptr) {
+  REQUIRE_FALSE(check_json(text));
+  JsonCursor json(text);
+  std::string problem;
+  auto value = read_json_value(json, type, read_node, problem);
+  CHECK(value.has_value() == problem.empty());
+  if (why) *why = problem;
+  return value;
+}
+
+std::string written(const FieldValue& value) {
+  std::string out;
+  append_json_value(out, value, [](std::string& to, vrml::NodeId node) { to += std::to_string(node.index); });
+  CHECK_FALSE(check_json(out));
+  return out;
+}
+
+/// Read and written again; empty where it is no such value.
+std::string again(std::string_view text, FieldType type) {
+  const auto value = read(text, type);
+  if (!value) return {};
+  CHECK(vrml::type_of(*value) == type);
+  return written(*value);
+}
+
+std::string problem_of(std::string_view text, FieldType type) {
+  std::string why;
+  CHECK_FALSE(read(text, type, &why));
+  return why;
+}
+
+}  // namespace
+
+TEST_CASE("Values of all twenty field types go through JSON and back") {
+  const std::pair<FieldType, const char*> values[] = {
+      {FieldType::SFBool, "true"},
+      {FieldType::SFColor, "[0.25,0.5,1]"},
+      {FieldType::SFFloat, "-1.5"},
+      {FieldType::SFImage, "[2,1,3,16711680,255]"},
+      {FieldType::SFInt32, "-2147483648"},
+      {FieldType::SFNode, "7"},
+      {FieldType::SFRotation, "[0,1,0,1.57]"},
+      {FieldType::SFString, "\"text\""},
+      {FieldType::SFTime, "946684800.125"},
+      {FieldType::SFVec2f, "[1,2]"},
+      {FieldType::SFVec3f, "[1,2,3]"},
+      {FieldType::MFColor, "[[0,0,1],[1,0,0]]"},
+      {FieldType::MFFloat, "[1,2.5]"},
+      {FieldType::MFInt32, "[0,1,-1]"},
+      {FieldType::MFNode, "[3,null,4]"},
+      {FieldType::MFRotation, "[[1,0,0,3]]"},
+      {FieldType::MFString, "[\"a\",\"\"]"},
+      {FieldType::MFTime, "[0,1.5]"},
+      {FieldType::MFVec2f, "[[1,2],[3,4]]"},
+      {FieldType::MFVec3f, "[[1,2,3],[4,5,6]]"},
+  };
+  CHECK(std::size(values) == vrml::kFieldTypeCount);
+  for (const auto& [type, text] : values) {
+    INFO(vrml::name_of(type));
+    CHECK(again(text, type) == text);
+    if (vrml::is_multiple(type)) CHECK(again("[]", type) == "[]");
+  }
+  CHECK(again("null", FieldType::SFNode) == "null");
+  CHECK(again("[0,0,0]", FieldType::SFImage) == "[0,0,0]");
+}
+
+TEST_CASE("Lists of vectors, colours and rotations may be flat") {
+  CHECK(again("[1,2,3,4,5,6]", FieldType::MFVec3f) == "[[1,2,3],[4,5,6]]");
+  CHECK(again("[1,2,3,4]", FieldType::MFVec2f) == "[[1,2],[3,4]]");
+  CHECK(again("[1,2,3,4]", FieldType::MFRotation) == "[[1,2,3,4]]");
+  CHECK(again("[0,0,1]", FieldType::MFColor) == "[[0,0,1]]");
+  CHECK(problem_of("[1,2,3,4]", FieldType::MFVec3f) == "expected a multiple of 3 numbers");
+  CHECK(problem_of("[1,2,3,[4,5,6]]", FieldType::MFVec3f) == "expected a number");
+  CHECK(problem_of("[[1,2,3],4,5,6]", FieldType::MFVec3f) == "expected a list of 3 numbers");
+}
+
+TEST_CASE("Values of other types, and numbers that are none, are refused by what was expected") {
+  CHECK(problem_of("1", FieldType::SFBool) == "expected true or false");
+  CHECK(problem_of("\"1\"", FieldType::SFFloat) == "expected a number");
+  CHECK(problem_of("\"NaN\"", FieldType::SFTime) == "expected a number");
+  CHECK(problem_of("1e39", FieldType::SFFloat) == "expected a number that is not as large");
+  CHECK(problem_of("1e400", FieldType::SFTime) == "expected a number that is not as large");
+  CHECK(problem_of("[1,2,1e39]", FieldType::SFVec3f) == "expected a number that is not as large");
+  CHECK(problem_of("1.5", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
+  CHECK(problem_of("2147483648", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
+  CHECK(problem_of("[1,2]", FieldType::SFVec3f) == "expected a list of 3 numbers");
+  CHECK(problem_of("[1,2,3,4]", FieldType::SFVec3f) == "expected a list of 3 numbers");
+  CHECK(problem_of("{}", FieldType::SFVec3f) == "expected a list of 3 numbers");
+  CHECK(problem_of("[1]", FieldType::SFString) == "expected a string");
+  CHECK(problem_of("[1]", FieldType::MFString) == "expected a string");
+  CHECK(problem_of("\"a\"", FieldType::MFString) == "expected a list");
+  CHECK(problem_of("\"a\"", FieldType::SFNode) == "expected a node");
+  CHECK(problem_of("[1,\"a\"]", FieldType::MFNode) == "expected a node");
+}
+
+TEST_CASE("An image has as many pixels as it says, in as many bytes (VRML97 5.5)") {
+  CHECK(problem_of("[2,1,1,5]", FieldType::SFImage) == "expected width, height, components and a number a pixel");
+  CHECK(problem_of("[1,1,1,5,6]", FieldType::SFImage) == "expected a number a pixel");
+  CHECK(problem_of("[1,1,5,6]", FieldType::SFImage) == "expected 0 to 4 components");
+  CHECK(problem_of("[1,1,1,256]", FieldType::SFImage) == "expected a whole number from 0 to 255");
+  CHECK(problem_of("[4294967295,4294967295,4]", FieldType::SFImage) ==
+        "expected width, height, components and a number a pixel");
+  CHECK(problem_of("[1,1]", FieldType::SFImage) == "expected width, height, components and a number a pixel");
+  CHECK(again("[1,1,4,4294967295]", FieldType::SFImage) == "[1,1,4,4294967295]");
+}
+
+TEST_CASE("What JSON has no numbers for is written as strings") {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  CHECK(written(FieldValue(vrml::SFVec3f(nan, infinity, -infinity))) == "[\"NaN\",\"Infinity\",\"-Infinity\"]");
+  CHECK(written(FieldValue(vrml::SFString("\xff"))) == "\"\xef\xbf\xbd\"");
+}
+
+}  // namespace gs::app::json_values_test

@@ -1,0 +1,84 @@
+// Messages to a world that is controlled from outside, a line each: whatever they are, answers are JSON, and what is
+// written of a value is what was read.
+#include "app/control/control.h"
+#include "app/session/session.h"
+#include "tests/fuzz/app_targets.h"
+#include "vrml/syntax/parser.h"
+
+#include <nlohmann/json.hpp>
+
+#include <deque>
+#include <memory>
+#include <string>
+
+using namespace gs::app;
+
+namespace gs::fuzz {
+namespace {
+
+class Lines final : public ControlChannel {
+ public:
+  [[nodiscard]] std::optional<net::ControlNews> next() override {
+    if (news.empty()) return std::nullopt;
+    net::ControlNews one = std::move(news.front());
+    news.pop_front();
+    return one;
+  }
+  void send(std::uint64_t, std::string message) override {
+    require(!check_json(message));
+    answered = answered || message.find("\"result\"") != std::string::npos;
+  }
+  [[nodiscard]] bool is_behind(std::uint64_t) const override { return false; }
+
+  std::deque<net::ControlNews> news;
+  bool answered = false;
+};
+
+constexpr char kWorld[] =
+    "#VRML V2.0 utf8\nDEF B Transform { children Shape { geometry DEF G IndexedFaceSet { coord DEF C Coordinate {} } } "
+    "}"
+    "DEF T TimeSensor { loop TRUE } DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 1 1 1 ] }"
+    "DEF V Viewpoint { description \"v\" } DEF P PixelTexture {} ROUTE T.fraction_changed TO I.set_fraction "
+    "ROUTE I.value_changed TO B.translation";
+
+OpenedWorld small_world() {
+  OpenedWorld world;
+  vrml::Limits limits;
+  limits.memory = std::size_t{16} << 20;
+  world.scene = std::make_unique<vrml::SceneGraph>("fuzz.wrl", limits);
+  vrml::Diagnostics diagnostics;
+  (void)vrml::parse(kWorld, *world.scene, diagnostics);
+  return world;
+}
+
+}  // namespace
+
+bool run_control_messages(std::span<const std::byte> bytes) {
+  Lines lines;
+  Session session({{}, {}, {}, true}, {}, [] {});
+  Control control(lines, [] {});
+  const std::shared_ptr<Document> document = hold_world(small_world());
+  document->living->set_script_settings({0.1, true});
+  begin_world(*document, 1000);
+  session.show(document);
+  session.set_guest(&control);
+  SessionInput input;
+  input.area = Viewport{0, 0, 64, 64};
+  double now = 1000;
+  (void)session.step(now, input);
+  std::string_view text = text_of(bytes);
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    // The other reader takes a byte order mark, and lists of any depth.
+    if (line.size() <= 64 && !line.starts_with('\xef') && nlohmann::json::accept(line)) require(!check_json(line));
+    lines.news.push_back({1, line == "left", std::string(line)});
+    now += 0.1;
+    while (!lines.news.empty()) (void)session.step(now, input);
+  }
+  session.set_guest(nullptr);
+  return lines.answered;
+}
+
+}  // namespace gs::fuzz

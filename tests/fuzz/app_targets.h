@@ -1,0 +1,9 @@
+#pragma once
+
+#include "tests/fuzz/fuzz_target.h"
+
+namespace gs::fuzz {
+
+[[nodiscard]] bool run_control_messages(std::span<const std::byte> bytes);
+
+}  // namespace gs::fuzz
