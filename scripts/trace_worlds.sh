@@ -28,10 +28,22 @@ messages=$(mktemp) || exit 2
 trap 'rm -f "$messages"' EXIT
 [ -z "${MESSAGES:-}" ] || : >"$MESSAGES"
 
+all_worlds() {
+  find -L "$folder" -type f \( -iname '*.wrl' -o -iname '*.wrz' -o -iname '*.vrml' -o -iname '*.wrl.gz' \) -print0
+}
+# Those with Scripts, gzip'd or not, whatever their names say.
+scripted_worlds() {
+  local pattern='(^|[^A-Za-z0-9_])Script[[:space:]]*(\{|$)'
+  all_worlds | xargs -0 -r grep -lZaE "$pattern"
+  while IFS= read -r -d '' world; do
+    gzip -dc <"$world" 2>/dev/null | grep -qaE "$pattern" && printf '%s\0' "$world"
+  done < <(all_worlds | LC_ALL=C xargs -0 -r grep -lZaP '\A\x1f\x8b')
+}
+worlds_to_trace() { if [ $play = 1 ]; then scripted_worlds; else all_worlds; fi | sort -zu; }
+
 worlds=0 faults=0 refused=0 events=0 sensors=0 pressed=0
 fault() { faults=$((faults + 1)); printf '%-8s %s\n' "$1" "$2"; }
 while IFS= read -r -d '' world; do
-  [ $play = 0 ] || zgrep -aqE '(^|[^A-Za-z0-9_])Script[[:space:]]*(\{|$)' "$world" 2>/dev/null || continue
   worlds=$((worlds + 1))
   # The events themselves are many: only their number is kept.
   lines=$(timeout -k 5 "$limit" "$program" trace "$world" "${options[@]}" --until "$until" 2>"$messages" | wc -l; exit "${PIPESTATUS[0]}")
@@ -53,7 +65,7 @@ while IFS= read -r -d '' world; do
   elif [ $status -ne 0 ]; then
     refused=$((refused + 1))
   fi
-done < <(find -L "$folder" -type f \( -iname '*.wrl' -o -iname '*.wrz' -o -iname '*.vrml' -o -iname '*.wrl.gz' \) -print0 | sort -z)
+done < <(worlds_to_trace)
 printf '%d worlds, %d events, %d faults, %d that could not be read\n' $worlds "$events" $faults $refused
 [ $play = 0 ] || printf '%d of %d sensors and Anchors pressed\n' $pressed $sensors
 [ $faults -eq 0 ]

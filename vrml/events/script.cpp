@@ -1,6 +1,7 @@
 #include "vrml/events/script_host.h"
 #include "vrml/events/states.h"
 
+#include <cstddef>
 #include <utility>
 
 namespace gs::vrml {
@@ -9,6 +10,9 @@ namespace {
 struct Script {
   enum : int { url };
 };
+
+// Elements of work: programs that send each other events without end are cut short before anybody waits for them.
+constexpr std::size_t kCall = 2048;
 
 ScriptState& state_of_script(Execution& execution, EventNode node) {
   std::uint32_t& place = execution.state_of(node);
@@ -39,6 +43,7 @@ void script_own_event(Execution& execution, EventNode node, std::uint32_t interf
   if (!host) return;
   ScriptState& state = state_of_script(execution, node);
   if (state.kept.empty() && !state.begins && !host->waits(node) && host->has_time()) {
+    if (!execution.spend(kCall)) return;
     state.owes_processed = host->deliver(node, interface, value, execution.now()) || state.owes_processed;
     if (state.owes_processed) execution.look_again(node);
     return;

@@ -128,8 +128,9 @@ class Array {
     if (capacity > (SIZE_MAX / 2 - kHeader) / sizeof(T)) throw std::bad_alloc();
     return kHeader + capacity * sizeof(T);
   }
+  // The room of a copy follows what is in it: that of a copy of a copy of a copy would grow without end.
   [[nodiscard]] std::size_t grown(std::size_t least) const {
-    const std::size_t doubled = capacity() * 2;
+    const std::size_t doubled = (shared() ? size() : capacity()) * 2;
     return least > doubled ? (least < 4 ? 4 : least) : doubled;
   }
   static Block* allocate(std::size_t capacity) {

@@ -26,6 +26,20 @@ TEST_CASE("addChildren appends what is not there, removeChildren takes out what 
   }
 }
 
+TEST_CASE("children that are added one at a time take no more room than twice as many (4.6.5)") {
+  std::string nodes = "DEF G Group { }";
+  for (int i = 0; i < 60; ++i) nodes += " DEF N" + std::to_string(i) + " Group { }";
+  World world(nodes);
+  world.start();
+  for (int i = 0; i < 60; ++i) {
+    world.step(1 + i);
+    world.send("G.addChildren", MFNode{world.node("N" + std::to_string(i))});
+  }
+  const MFNode& children = world.scene().get<MFNode>(world.node("G"), "children");
+  CHECK(children.size() == 60);
+  CHECK(children.capacity() <= 128);
+}
+
 TEST_CASE("addChildren and removeChildren of nothing new send nothing (4.6.5)") {
   World world("DEF G Group { children [ DEF A Group { } ] } DEF B Group { }");
   world.start();
