@@ -267,7 +267,9 @@ void ControlServer::State::run() {
     if (std::exchange(has_news, false) && wake) wake();
     wait();
   }
+  take_answers();  // of who was answered last
   for (const auto& peer : peers) {
+    if (peer->gone) continue;
     peer->connection.close(WebSocketClose::going_away, "the program ends");
     write(*peer);
   }

@@ -163,6 +163,16 @@ TEST_CASE("Who has said all gets the answers to it before the connection ends") 
   Served::until([&] { return served.server->connections() == 0; });
 }
 
+TEST_CASE("What was answered last is sent before the server goes, and that it goes") {
+  Served served;
+  LineClient client(served.path());
+  client.send(kToken + "\nquit\n");
+  const ControlNews news = served.next();
+  CHECK(served.server->send(news.client, "answer"));
+  served.server.reset();
+  CHECK(client.receive_all() == "answer\nBYE the program ends\n");
+}
+
 TEST_CASE("The socket is its owner's alone, goes with the server, and one that was left behind is replaced") {
   Served served;
   struct stat about {};
