@@ -289,7 +289,7 @@ void World::forget(vrml::EventNode node) {
 
 bool World::waits(vrml::EventNode node) const {
   const Program* const program = program_of(node);
-  return program && program->waits;
+  return !program || program->waits;
 }
 
 bool World::has_time() {

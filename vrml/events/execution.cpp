@@ -83,8 +83,12 @@ std::span<const NodeChange> Execution::take_changes() {
   return taken_changes_;
 }
 
+bool Execution::has_room_for(std::size_t elements) const {
+  return elements < kMostWork && work_ + elements <= kMostWork;
+}
+
 bool Execution::spend(std::size_t elements) {
-  if (elements < kMostWork && work_ + elements <= kMostWork) {
+  if (has_room_for(elements)) {
     work_ += elements;
     return true;
   }
@@ -136,7 +140,7 @@ void Execution::call_at(EventNode node, double time) {
 std::optional<double> Execution::next_time() const {
   for (const EventNode node : running_)
     if (nodes_[node].running) return now_;
-  if (pointing_->waits()) return now_;
+  if (pointing_->waits() || next_world_ || (started_ && !new_scripts_.empty())) return now_;
   return alarms_.empty() ? std::nullopt : std::optional<double>(alarms_.front().time);
 }
 
@@ -413,7 +417,8 @@ void Execution::drain() {
   } while (!queue_.empty());
   free_connections_.insert(free_connections_.end(), removed_connections_.begin(), removed_connections_.end());
   removed_connections_.clear();
-  if (next_world_) do_replace_world();
+  // A world that replaces itself as soon as it begins does so once in each moment.
+  if (next_world_ && replaced_at_ != stamp_) do_replace_world();
   remove_if_many();
 }
 

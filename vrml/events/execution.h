@@ -196,6 +196,7 @@ class Execution {
   [[nodiscard]] double previous() const { return previous_; }
   /// Counts work whose amount a file chooses, in elements. False: too much for one timestamp; leave it.
   [[nodiscard]] bool spend(std::size_t elements);
+  [[nodiscard]] bool has_room_for(std::size_t elements) const;
   /// Draws memory from the world's budget.
   [[nodiscard]] bool afford(std::size_t bytes);
   /// The same for a list of the node's own, which has `bytes` now: what exceeds the most that it has had.
@@ -400,6 +401,7 @@ class Execution {
   std::size_t made_since_ = 0, next_removal_ = 0;  // nodes at run time, since something was removed last
   bool removing_ = false;
   std::optional<NextWorld> next_world_;
+  std::uint64_t replaced_at_ = 0;  // the stamp of the moment in which the world was replaced last
   std::uint32_t replaced_ = 0;
   std::deque<FieldValue> out_values_;
   std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to
@@ -409,7 +411,7 @@ class Execution {
   std::vector<Sent> queue_;
   std::deque<FieldValue> posted_;
   ScriptHost* script_host_ = nullptr;
-  bool has_scripts_ = false, started_ = false;
+  bool has_scripts_ = false, started_ = false, starting_ = false;
   std::vector<EventNode> new_scripts_;
   std::size_t queue_next_ = 0;
   std::vector<std::uint32_t> path_;  // of walk

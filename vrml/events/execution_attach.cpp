@@ -293,8 +293,10 @@ bool Execution::remove_route(SceneGraph& scene, const Route& route) {
 void Execution::start(double now) {
   begin(now);
   previous_ = now_;
-  started_ = true;
+  started_ = starting_ = true;
   bind_first_nodes(scenes_.front(), false);
+  begin_scripts();
+  starting_ = false;
   drain();
 }
 

@@ -348,6 +348,7 @@ bool Execution::move_to_root(SceneGraph& scene) {
 
 void Execution::do_replace_world() {
   if (removing_) return;
+  replaced_at_ = stamp_;
   const NextWorld next = *std::exchange(next_world_, std::nullopt);
   const bool is_root = next.scene == &root_;
   const bool has_room = is_root || move_to_root(*next.scene);

@@ -11,14 +11,20 @@ void Execution::note_script(EventNode node) {
   new_scripts_.push_back(node);
 }
 
-// Before any event for them (4.12.3). A program may make Scripts.
+// Before any event for them (4.12.3). A program may make Scripts, whose programs make others: of those that come to a
+// world that has begun, 64 begin in each moment, and the others later.
 void Execution::begin_scripts() {
+  constexpr std::size_t kBegin = std::size_t{1} << 20;  // elements of work
   if (!started_) return;
-  for (std::size_t i = 0; i < new_scripts_.size() && script_host_; ++i) {
-    const EventNode node = new_scripts_[i];
+  if (!script_host_) return new_scripts_.clear();
+  std::size_t begun = 0;
+  for (; begun < new_scripts_.size() && (starting_ || has_room_for(kBegin)); ++begun) {
+    if (!starting_) (void)spend(kBegin);
+    const EventNode node = new_scripts_[begun];
     (void)script_host_->begin(node);
+    if (!starting_) look_again(node);  // for events that were kept meanwhile
   }
-  new_scripts_.clear();
+  new_scripts_.erase(new_scripts_.begin(), new_scripts_.begin() + static_cast<std::ptrdiff_t>(begun));
 }
 
 void Execution::end_scripts(const std::vector<EventNode>& nodes) {

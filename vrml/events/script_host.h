@@ -28,7 +28,7 @@ class ScriptHost {
   virtual void end(EventNode script) = 0;
   /// The node is gone.
   virtual void forget(EventNode script) = 0;
-  /// Whether the program waits for what is being fetched: events are kept for it meanwhile.
+  /// Whether the program has not begun, or waits for what is being fetched: events are kept for it meanwhile.
   [[nodiscard]] virtual bool waits(EventNode script) const = 0;
   /// False: what is left of the time for programs in this step is needed for other things. Events are kept until the
   /// next one.

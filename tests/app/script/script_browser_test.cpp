@@ -1,4 +1,3 @@
-#include "app/script/run_time_nodes.h"
 #include "scripts.h"
 
 namespace gs::app::script_browser_test {
@@ -48,10 +47,7 @@ TEST_CASE("createVrmlFromURL sends the nodes of a file to an eventIn (4.12.10)")
   CHECK(requests[0].kind == ScriptRequest::Kind::create_from_url);
   CHECK(requests[0].urls == std::vector<std::string>{"x.wrl"});
   world.step(2);
-  vrml::Diagnostics diagnostics;
-  const vrml::RunTimeNodes made = make_nodes(world.execution(), *requests[0].scene, "x.wrl",
-                                             "#VRML V2.0 utf8\nShape {} Transform {}", diagnostics, requests[0].origin);
-  CHECK(send_made(world.execution(), requests[0], made.roots));
+  CHECK(world.created(requests[0], "#VRML V2.0 utf8\nShape {} Transform {}", "x.wrl"));
   CHECK(world.printed() == Lines{"2 1002"});
   CHECK(world.events() == Lines{"2 G.children [ Shape, Transform ]"});
 }
@@ -121,21 +117,22 @@ TEST_CASE("Nodes of createVrmlFromString and createVrmlFromURL are not candidate
   World world(
       "DEF G Group {} DEF S Script { field SFNode me USE S directOutput TRUE field SFNode g USE G eventIn MFNode "
       "loaded eventIn SFBool go url \"javascript: function initialize() { g.children = Browser.createVrmlFromString("
-      "'Viewpoint { } NavigationInfo { } Fog { } Background { }'); Browser.createVrmlFromURL(new MFString('x.wrl'), me, 'loaded'); } function loaded(nodes) { g.addChildren = "
+      "'Viewpoint { } NavigationInfo { } Fog { } Background { }'); Browser.createVrmlFromURL(new MFString('x.wrl'), "
+      "me, 'loaded'); } function loaded(nodes) { g.addChildren = "
       "nodes; } function go() { g.children[4].set_bind = true; }\" }");
   world.start();
   const std::vector<ScriptRequest> requests = world.runner().take_requests();
   REQUIRE(requests.size() == 1);
   world.step(1);
-  CHECK(world.runner().created(requests[0], "#VRML V2.0 utf8\nViewpoint { position 0 0 7 }", "x.wrl"));
+  CHECK(world.created(requests[0], "#VRML V2.0 utf8\nViewpoint { position 0 0 7 }", "x.wrl"));
   world.execution().bind_what_came();
   world.step(2);
   CHECK(world.problems() == Lines{});
   const auto bound = [&](vrml::NodeKind kind) { return world.execution().bound(vrml::built_in_node_type(kind)); };
   const vrml::NodeId group = world.node("G");
   REQUIRE(world.scene().get<vrml::MFNode>(group, "children").size() == 5);
-  for (const vrml::NodeKind kind : {vrml::NodeKind::viewpoint, vrml::NodeKind::navigation_info, vrml::NodeKind::fog,
-                                    vrml::NodeKind::background})
+  for (const vrml::NodeKind kind :
+       {vrml::NodeKind::viewpoint, vrml::NodeKind::navigation_info, vrml::NodeKind::fog, vrml::NodeKind::background})
     CHECK(bound(kind).scene == nullptr);
   CHECK(world.events("isBound") == Lines{});
   world.send("S.go", true);

@@ -149,7 +149,7 @@ TEST_CASE("What a Script has asked for comes later, as an event with a timestamp
   REQUIRE(requests.size() == 1);
   // It came between two steps of the world: sorted in behind the earlier one, and its loop ends (4.10.4).
   world.step(2.5);
-  CHECK(world.runner().created(requests[0], "#VRML V2.0 utf8\nGroup {}", "x.wrl"));
+  CHECK(world.created(requests[0], "#VRML V2.0 utf8\nGroup {}", "x.wrl"));
   CHECK(world.events("A.out") == Lines{"2.5 A.out 1"});
   CHECK(world.printed() == Lines{"1002.5", "b 1002.5", "1002.5"});
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/script/run_time_nodes.h"
 #include "app/script/script_runner.h"
 #include "vrml/events/node_names.h"
 #include "vrml/syntax/parser.h"
@@ -84,6 +85,12 @@ class World {
   vrml::SceneGraph& scene() { return *scene_; }
   vrml::Execution& execution() { return *execution_; }
   ScriptRunner& runner() { return *runner_; }
+  /// The text that a program asked for (createVrmlFromURL) has come.
+  bool created(const ScriptRequest& request, const std::string& text, const std::string& url) {
+    vrml::Diagnostics diagnostics;
+    const vrml::RunTimeNodes made = make_nodes(execution(), *request.scene, url, text, diagnostics, request.origin);
+    return send_made(execution(), request, made.roots);
+  }
   vrml::NodeId node(std::string_view name) { return names_->find(name); }
 
  private:
