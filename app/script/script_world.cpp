@@ -26,7 +26,8 @@ namespace {
 
 constexpr std::size_t kMostMessages = 1000, kMostSaid = 4000, kMostRequests = 256;
 constexpr int kMostFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;
+constexpr std::size_t kWorthCollecting = 64;  // nodes
+constexpr std::size_t kTextOfNode = 16;       // octets at least, of nodes below the roots of a text
 
 bool is_object(vrml::FieldType type) {
   using vrml::FieldType;
@@ -418,7 +419,7 @@ bool World::create_from_string(JSContext* context, std::string_view text, vrml::
   for (const vrml::Diagnostic& one : diagnostics.entries())
     if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "the text is no VRML97");
-  engine_.note_nodes(std::max(kWorthCollecting, made.roots.size()));
+  engine_.note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
   nodes = std::move(made.roots);
   // Held by objects, which a collection may take away before the list has them: hold them by making the objects now.
   for (const vrml::NodeId id : nodes)
