@@ -268,7 +268,7 @@ TEST_CASE("the number of nodes and of what PROTOs make of them is bounded") {
 
 TEST_CASE("diagnostics are counted past the number that is kept") {
   std::string text = "#VRML V2.0 utf8\n";
-  for (int i = 0; i < 50; ++i) text += "Nonsense { }\n";
+  for (int i = 0; i < 50; ++i) text += "Nonsense" + std::to_string(i) + " { }\n";
   SceneGraph scene;
   Diagnostics diagnostics(10);
   (void)parse(text, scene, diagnostics);
