@@ -161,7 +161,8 @@ TEST_CASE("Small text has two triangles a glyph, and is as bright as its outline
       const double as_cut = mean_green(drawing.draw(cut, camera)),
                    as_outlines = mean_green(drawing.draw(outlines, camera));
       CHECK(as_outlines > 1);
-      CHECK(as_cut == Approx(as_outlines).epsilon(0.1));
+      // How alpha becomes samples is up to the driver (OpenGL 3.3 core profile, 4.1.3).
+      CHECK(as_cut == Approx(as_outlines).epsilon(samples == 2 ? 0.2 : 0.1));
     }
   }
 }
