@@ -376,4 +376,17 @@ TEST_CASE("a QNV node tells how much of its stream has come, and when it was all
         "946684800 T.translation_changed 5 0 0\n");
 }
 
+TEST_CASE("A trace begins at the Viewpoint that the fragment of the world's name names (VRML97 4.5.2)") {
+  const ScratchFolder folder;
+  const std::string file = folder.write("world.wrl", kWorld);
+  const auto bound = [&](const std::string& name) {
+    const Run result = run("trace " + quoted(name) + " --until 0");
+    CHECK(result.status == kDone);
+    return result.output.find("946684800 V2.isBound TRUE\n") != std::string::npos;
+  };
+  CHECK_FALSE(bound(file));
+  CHECK(bound(file + "#V2"));
+  CHECK_FALSE(bound(file + "#V3"));  // said, and no reason not to go on
+}
+
 }  // namespace gs::app::trace_test
