@@ -13,8 +13,10 @@ packages=(
   libglm-dev libfast-float-dev nlohmann-json3-dev libtinygltf-dev
   # images and compression
   libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
-  # movies: headers, and what is opened when the first one is read
+  # movies and sounds: headers, and what is opened when the first one is read
   libavutil-dev libavcodec-dev libavformat-dev libswscale-dev
+  # sound devices; MIDI, with a sound font
+  libopenal-dev libfluidsynth3 timgm6mb-soundfont
   # fonts: shaping, and one font at least
   libfreetype-dev libfontconfig-dev libharfbuzz-dev libfribidi-dev fonts-dejavu-core
   # volumes

@@ -13,6 +13,7 @@
 namespace gs::app {
 
 class Simulation;
+class WaveFile;
 
 // The commands of the table in options.cpp, a file each. They print and return the exit status.
 int run_open(const Options& options);
@@ -34,6 +35,8 @@ std::optional<std::string> check_fetch(const Options& options);
 std::optional<std::string> check_trace(const Options& options);
 
 /// Reads the file of `--input`, if there is one, into what `simulation` does; prints what is wrong with it.
+/// Writes what was heard in a run of simulated time, where that is wanted: kDone, or kFailed and why is printed.
+[[nodiscard]] int write_sound(const Options& options, const WaveFile& sound);
 [[nodiscard]] bool plan_input(const Options& options, Simulation& simulation);
 /// Programs of worlds in simulated time know no other time zone than that of the simulated clock. Call it first of all.
 void use_universal_time();

@@ -24,6 +24,7 @@ int run_open(const Options& options) {
   viewer.headlight = options.headlight;
   viewer.background = options.background;
   viewer.viewpoint = options.viewpoint;
+  viewer.muted = options.muted;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);
   viewer.control = {options.control_paths, options.control_ports, options.control_token};

@@ -291,6 +291,16 @@ constexpr OptionRow kOptions[] = {
      "which is 2000-01-01T00:00:00Z",
      "open ", [](Options& o, const std::string& v) { return set_seconds(o.time, v); }},
     {"--until", "SECONDS", "", "end after so much simulated time", "trace ", set_until},
+    {"--sound", "FILE.wav", "", "write what is heard meanwhile, at most an hour of it", "open trace ",
+     [](Options& o, const std::string& v) {
+       o.sound = v;
+       return Problem{};
+     }},
+    {"--mute", "", "", "no sound in a window, until M asks for it", "open ",
+     [](Options& o, const std::string&) {
+       o.muted = true;
+       return Problem{};
+     }},
     {"--input", "FILE", "",
      "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
      "binds a Viewpoint, {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event, and "

@@ -37,6 +37,8 @@ struct Options {
   double loss = 0;
   std::uint64_t loss_seed = 1;
   std::string stats;
+  std::string sound;   // WAV of what is heard in simulated time; empty: none
+  bool muted = false;  // in a window
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
   vrml::Limits limits;

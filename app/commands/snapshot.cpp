@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/media/wave_file.h"
 #include "app/session/links.h"
 #include "app/session/simulation.h"
 #include "app/view/navigation.h"
@@ -147,7 +148,10 @@ int run_snapshot(const Options& options, const std::string& named) {
     return fail(options.snapshot + " is there and is no PNG picture; it is not written over");
 
   limit_drawing(options.timeout_seconds);
+  WaveFile sound;
+  if (!options.sound.empty()) simulation.hear([&](std::span<const float> pairs) { sound.add(pairs); });
   simulation.run(options.time);
+  if (const int status = write_sound(options, sound); status != kDone) return status;
   tell_of_simulation(options, simulation);
   const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
   // Levels of detail and billboards follow the viewer, who is only known now.

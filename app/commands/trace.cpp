@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/media/wave_file.h"
 #include "app/session/links.h"
 #include "app/session/simulation.h"
 #include "app/world/world_loader.h"
@@ -9,6 +10,8 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <cstring>
+#include <span>
 #include <utility>
 
 namespace gs::app {
@@ -48,6 +51,21 @@ void tell_of_simulation(const Options& options, Simulation& simulation) {
     complain("%s: warning: %s", file, problem.c_str());
 }
 
+// A sound is only ever written over a sound: a mistyped FILE.wav must not cost a world.
+int write_sound(const Options& options, const WaveFile& sound) {
+  if (options.sound.empty()) return kDone;
+  const auto opened = net::map_file(options.sound);
+  if (const auto* file = std::get_if<net::MappedFile>(&opened)) {
+    const auto there = file->bytes();
+    constexpr char kWave[] = {'R', 'I', 'F', 'F'};
+    if (!there.empty() && (there.size() < sizeof kWave || std::memcmp(there.data(), kWave, sizeof kWave) != 0))
+      return fail(options.sound + " is there and is no WAV; it is not written over");
+  }
+  if (const auto problem = net::write_file_atomically(options.sound, sound.bytes()))
+    return fail_to_write(options.sound + ": " + problem->message);
+  return kDone;
+}
+
 int run_trace(const Options& options) {
   use_universal_time();
   const GivenPlace given = given_place(options.files.front());
@@ -82,7 +100,10 @@ int run_trace(const Options& options) {
       complain("%s", message.diagnostic.text().c_str());
     }
   });
+  WaveFile sound;
+  if (!options.sound.empty()) simulation.hear([&](std::span<const float> pairs) { sound.add(pairs); });
   simulation.run(*options.until, [] { return !output_failed(); });
+  if (const int status = write_sound(options, sound); status != kDone) return status;
   tell_of_simulation(options, simulation);
   return simulation.world().truncated ? kFailed : kDone;
 }

@@ -18,15 +18,20 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 
 }  // namespace
 
-std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
+render::ImageLimits texture_limits(const WorldBudget& budget) {
   const vrml::Limits& limits = budget->limits();
   const std::uint64_t left = budget->left(vrml::Resource::pixels) / 2 / kMostPixelBytes;
-  if (left < kFewestPixels) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
   render::ImageLimits image_limits;
   image_limits.file_pixels = limits.image_pixels;
   image_limits.kept_pixels = static_cast<std::size_t>(std::min<std::uint64_t>(limits.texture_pixels, left));
   image_limits.working_bytes = static_cast<std::size_t>(budget->left(vrml::Resource::pixels) / 2);
-  image_limits.stopped = [&budget] { return budget->stopped(); };
+  image_limits.stopped = [budget] { return budget->stopped(); };
+  return image_limits;
+}
+
+std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
+  const render::ImageLimits image_limits = texture_limits(budget);
+  if (image_limits.kept_pixels < kFewestPixels) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
   auto decoded = render::decode_image(bytes, image_limits);
   if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
   struct Held {
@@ -40,11 +45,12 @@ std::variant<Texture, render::ImageError> decode_texture(std::span<const std::by
   if (!held->share.grow(cost)) return render::ImageError{budget->refusal(vrml::Resource::pixels)};
   Texture texture;
   if (image.reduction > 1)
-    texture.note = "is shown as " + size_of(image.width, image.height) + " pixels, " + std::to_string(image.reduction) +
-                   " times smaller in each direction: " +
-                   (left < limits.texture_pixels
-                        ? budget->refusal(vrml::Resource::pixels)
-                        : "more than the limit for one texture, " + std::to_string(limits.texture_pixels) + " pixels");
+    texture.note =
+        "is shown as " + size_of(image.width, image.height) + " pixels, " + std::to_string(image.reduction) +
+        " times smaller in each direction: " +
+        (image_limits.kept_pixels < budget->limits().texture_pixels
+             ? budget->refusal(vrml::Resource::pixels)
+             : "more than the limit for one texture, " + std::to_string(budget->limits().texture_pixels) + " pixels");
   texture.image = {held, &held->image};
   return texture;
 }

@@ -99,6 +99,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
     width += button_width("Examine") + combo_arrow;
   width += group + (plan.home ? button_width("Reset") + 1 : 0) + (plan.fit ? button_width("Fit") : 0);
   if (plan.home) width += group + button_width(plan.headlight_word ? "Headlight" : "Light");
+  if (plan.home && model.has_sounds) width += 1 + button_width("Sound");
   if (!plan.more) return width;
   if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Clouds");
   width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
@@ -259,6 +260,11 @@ void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bo
     group_gap();
     if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.run = Action::headlight;
     tooltip(tooltip_of(Action::headlight));
+    if (model.has_sounds) {
+      ImGui::SameLine(0, 1);
+      if (switch_button(std::string(row_of(Action::mute).label).c_str(), !model.muted)) actions.run = Action::mute;
+      tooltip(tooltip_of(Action::mute));
+    }
   }
   ImGui::EndDisabled();
 }

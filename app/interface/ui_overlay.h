@@ -53,6 +53,7 @@ struct UiModel {
   NavigationRules rules;
   float speed = 1;  // metres a second
   bool headlight = false;
+  bool has_sounds = false, muted = false;
 
   // Its clouds.
   render::CloudLook look;

@@ -1,5 +1,6 @@
 #include "app/session/living_world.h"
 
+#include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/script/run_time_nodes.h"
 #include "net/base/url.h"
@@ -171,7 +172,10 @@ void LivingWorld::start(double now) {
   want_scripts();
   execution_.start(now);
   progress_ = std::exchange(world_.progress, {});
+  durations_ = std::exchange(world_.durations, {});
+  for (const MediaDuration& one : durations_) open_movie(one);
   tell_progress();
+  tell_durations();
   (void)take_changes();
 }
 
@@ -193,6 +197,7 @@ bool LivingWorld::step(double now) {
   tell_programs(now);
   execution_.step(now);
   tell_progress();
+  tell_durations();
   return take_changes();
 }
 
@@ -208,6 +213,13 @@ void LivingWorld::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
     return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
            execution_.progress(*one.scene, one.node, one.fraction);
+  });
+}
+
+void LivingWorld::tell_durations() {
+  std::erase_if(durations_, [&](const MediaDuration& one) {
+    return !execution_.has_scene(one.scene) || !one.scene->contains(one.node) ||
+           execution_.media_came(*one.scene, one.node, one.seconds);
   });
 }
 
@@ -269,15 +281,56 @@ void LivingWorld::arrive(Arrivals&& arrivals) {
   for (Arrivals::Prototypes& one : arrivals.prototypes) take_prototypes(std::move(one));
   const auto gone = [this](const Arrivals::Place& place) { return is_gone(place); };
   for (Arrivals::Image& one : arrivals.images) std::erase_if(one.textures, gone);
+  for (Arrivals::Media& one : arrivals.media) {
+    std::erase_if(one.players, gone);
+    for (const Arrivals::Place& player : one.players)
+      durations_.push_back({player.scene, player.node, one.media ? one.media->info.duration : -1});
+  }
   std::erase_if(arrivals.clouds, [&](const Arrivals::Cloud& one) { return is_gone(one.place); });
   progress_.insert(progress_.end(), arrivals.progress.begin(), arrivals.progress.end());
   std::vector<vrml::NodeChange> changes;
   for (Arrivals::Outlines& one : arrivals.outlines)
     if (!is_gone(one.place)) take_outlines(std::move(one), changes);
   render::forget_changed(meshes_, changes);
+  std::vector<MediaDuration> movies;
+  for (const Arrivals::Media& one : arrivals.media)
+    for (const Arrivals::Place& player : one.players) movies.push_back({player.scene, player.node});
   for (const Arrivals::Place& place : take_in(world_, std::move(arrivals)))
     changes.push_back({place.scene, place.node, 0});
+  for (const MediaDuration& one : movies) open_movie(one);
   if (!changes.empty()) add_changes(std::move(changes));
+}
+
+// Its image is one of its own from then on, whose pixels change in their place.
+void LivingWorld::open_movie(const MediaDuration& of) {
+  const vrml::Node* node = &of.scene->node(of.node);
+  std::erase_if(movies_, [&](const PlayedMovie& one) { return one.node == node; });
+  const auto file = world_.media.find(node);
+  const auto image = world_.images.find(node);
+  if (file == world_.media.end() || image == world_.images.end() || !image->second || !file->second->info.pictures)
+    return;
+  auto player = players_.open(file->second, *image->second, world_.scene->budget());
+  if (!player) {
+    world_.diagnostics.add({vrml::Severity::warning, node->text->file_name(), node->location,
+                            node->type->name + ": " + world_.scene->budget()->refusal(vrml::Resource::pixels) +
+                                "; it shows its first picture"});
+    return;
+  }
+  image->second = player->image();
+  movies_.push_back({of.scene, of.node, node, std::move(player)});
+}
+
+bool LivingWorld::show_movies(bool wait) {
+  bool any = false;
+  movies_run_ = false;
+  for (const PlayedMovie& one : movies_) {
+    if (!one.player->shown()) continue;
+    const auto play = execution_.media_play(*one.scene, one.id);
+    if (!play) continue;
+    any = players_.show(one.player, play->position, wait) || any;
+    movies_run_ = movies_run_ || (play->active && play->rate != 0) || (!wait && players_.waits(*one.player));
+  }
+  return any;
 }
 
 void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
@@ -337,6 +390,8 @@ void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
       url_numbers_.erase({&one, i});
     }
     world_.clouds.erase(&one);
+    world_.media.erase(&one);
+    std::erase_if(movies_, [&](const PlayedMovie& movie) { return movie.node == &one; });
     world_.outlines.erase(&one);
     meshes_.remove(scene, &one);
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/media/movie_player.h"
 #include "app/script/script_runner.h"
 #include "app/world/arrivals.h"
 #include "app/world/opened_world.h"
@@ -67,6 +68,9 @@ class LivingWorld {
   void start(double now);
   /// Lets time go on to `now`. True when something has changed.
   bool step(double now);
+  /// The movies show the pictures of the present time: at once with `wait`, else as soon as they are decoded. True when
+  /// one shows another than before.
+  bool show_movies(bool wait);
   /// An event that the user has caused. False: there is no such node or eventIn, or the value is of another type.
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
   /// Large meshes of what changes are made there from now on, while the former ones are shown.
@@ -83,7 +87,7 @@ class LivingWorld {
   }
   /// When there is something to do next; see Execution::next_time.
   [[nodiscard]] std::optional<double> next_time() const {
-    return progress_.empty() ? execution_.next_time() : execution_.now();
+    return progress_.empty() && durations_.empty() && !movies_run_ ? execution_.next_time() : execution_.now();
   }
 
   /// A list for one who looks from `viewer`. `own`: not shared.
@@ -104,6 +108,8 @@ class LivingWorld {
   void tell_message(ScriptMessage message);
   void take_text(Arrivals::Text&& arrival);
   void tell_progress();
+  void tell_durations();
+  void open_movie(const MediaDuration& of);
   void add_changes(std::vector<vrml::NodeChange> changes);
   void forget(vrml::SceneGraph& scene, vrml::NodeId node);
   void note_urls(std::span<const vrml::NodeChange> changes);
@@ -127,8 +133,18 @@ class LivingWorld {
   bool started_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // those that led to the last versions, the newest behind
   std::uint64_t version_ = 0;
-  std::uint32_t replaced_ = 0;         // Execution::replaced, of the newest version
-  std::vector<UrlProgress> progress_;  // that is to be told
+  std::uint32_t replaced_ = 0;            // Execution::replaced, of the newest version
+  std::vector<UrlProgress> progress_;     // that is to be told
+  std::vector<MediaDuration> durations_;  // likewise
+  struct PlayedMovie {
+    vrml::SceneGraph* scene;
+    vrml::NodeId id;
+    const vrml::Node* node;
+    std::shared_ptr<MoviePlayers::Player> player;
+  };
+  MoviePlayers players_;
+  std::vector<PlayedMovie> movies_;
+  bool movies_run_ = false;  // the picture of one goes on
   std::vector<UrlRequest> url_requests_;
   /// Arrivals::Place::request of the newest, where not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;

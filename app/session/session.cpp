@@ -23,6 +23,8 @@ Session::Session(SessionOptions options, LoadOptions load, std::function<void()>
     mesh_worker_ = std::make_shared<render::MeshWorker>(
         wake_, [trees = picker_.items().trees()](const auto& mesh) { trees->prepare(mesh); });
   panes_.start(places_of(options_.files));
+  sounds_.set_muted(options_.muted);
+  if (options_.audible) device_ = std::make_unique<SoundDevice>(sounds_.mixer(), world_time);
 }
 
 Session::~Session() {
@@ -110,6 +112,7 @@ bool Session::let_live(bool look) {
   acted_ = false;
   const double started = world_time();
   bool any = false;
+  sounds_.begin();
   for (Document* document : living()) {
     // The world has one viewer: who is in the active viewport, if he looks at it.
     View* leader = view() && view()->document.get() == document ? view() : nullptr;
@@ -128,6 +131,7 @@ bool Session::let_live(bool look) {
       if (std::vector<UrlRequest> urls = document->living->take_url_requests(); !urls.empty())
         document->reader->request(std::move(urls));
     const bool rebound = leader->bound != document->living->bound().viewpoint;
+    if (look && document->living->show_movies(options_.simulated)) any = true;
     if (look || rebound)
       for (View* seen : views) any = follow_world(*seen) || any;
     if (rebound) any = follow_bound_viewpoint(*leader) || any;
@@ -136,8 +140,11 @@ bool Session::let_live(bool look) {
       seen->bound_place = leader->bound_place;
     }
     end_journey(*leader);
+    listen(*document, *leader);
     if (moved && leader == view() && pointed_pane_ == panes_.active()) point_again();
   }
+  sounds_.end(now_);
+  if (device_) device_->wake();
   if (options_.simulated) return any;
   // Worlds whose events take long leave time for what the user does.
   const double took = world_time() - started;

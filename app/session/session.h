@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/media/sound_device.h"
+#include "app/media/sound_stage.h"
 #include "app/session/documents.h"
 #include "app/session/folder_questions.h"
 #include "app/session/links.h"
@@ -37,6 +39,8 @@ struct SessionOptions {
   /// because the one before took long, and nothing is shown before it is up to date. What follows depends on the input
   /// only.
   bool simulated = false;
+  bool audible = false;  // sounds are played on the system's device
+  bool muted = false;    // until somebody wants to hear them
 };
 
 /// What happens in a step of a session.
@@ -96,7 +100,7 @@ class SessionGuest {
 /// what it leads to; it draws nothing itself, and reads no clock but to measure how long it took.
 ///
 /// session.cpp: the step, and time; session_files.cpp: what is read; session_input.cpp: what the user does;
-/// session_pointing.cpp: sensors and Anchors. One thread.
+/// session_pointing.cpp: sensors and Anchors; session_sound.cpp: what is heard. One thread.
 class Session {
  public:
   /// `wake` is called on other threads when a step would find something new; it must be safe there.
@@ -133,6 +137,9 @@ class Session {
   [[nodiscard]] Panes& panes() { return panes_; }
   [[nodiscard]] const Panes& panes() const { return panes_; }
   [[nodiscard]] bool linked() const { return linked_; }
+  /// What is heard of the worlds in sight, each from where its viewer is.
+  [[nodiscard]] SoundStage& sounds() { return sounds_; }
+  [[nodiscard]] const SoundStage& sounds() const { return sounds_; }
   /// Presses a pointing-device sensor, or an Anchor, of the active viewport's world wherever it is: along a line from
   /// the viewer to its geometry, as if there were nothing else in the world. False: there is nothing to be met of it
   /// now, it is disabled, or another one has the pointer.
@@ -174,6 +181,8 @@ class Session {
   bool let_live(bool look);
   bool let_guest_act(bool look);
   /// In simulated time nobody is on the way to a Viewpoint.
+  void listen(Document& document, const View& leader);
+  void change_sound(Action action);
   void end_journey(View& view) const;
   [[nodiscard]] std::optional<double> next_life() const;
   void move_viewer(View& seen, Navigation after, bool loading, float seconds);
@@ -249,6 +258,8 @@ class Session {
   double next_priorities_ = 0;
   double life_due_ = 0;      // when time goes on in the worlds, if it does
   bool was_moving_ = false;  // with the step before
+  SoundStage sounds_;
+  std::unique_ptr<SoundDevice> device_;  // null: nobody wants to hear anything; behind sounds_, which it plays
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
   SessionGuest* guest_ = nullptr;

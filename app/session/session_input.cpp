@@ -100,6 +100,11 @@ bool Session::run(Action action) {
     case Action::link:
       toggle_link();
       return true;
+    case Action::mute:
+    case Action::louder:
+    case Action::softer:
+      change_sound(action);
+      return true;
     case Action::close:
       return panes_.cancel(panes_.active());
     default:

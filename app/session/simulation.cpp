@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -192,9 +193,24 @@ const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const 
 
 void Simulation::step(double time, bool look) {
   time_ = time;
-  input_.look = look || session_.moving();
+  input_.look = look || session_.moving() || sink_ != nullptr;
   (void)session_.step(kSimulatedStart + time, input_);
   input_.events.clear();
+  if (sink_) listen(time);
+}
+
+void Simulation::listen(double time) {
+  constexpr std::int64_t kPiece = 4096;
+  const std::int64_t end = std::llround(time * kMixRate);
+  const auto time_of = [](std::int64_t pair) { return kSimulatedStart + static_cast<double>(pair) / kMixRate; };
+  std::vector<float> pairs;
+  while (heard_ < end) {
+    const std::int64_t count = std::min(kPiece, end - heard_);
+    pairs.resize(static_cast<std::size_t>(2 * count));
+    session_.sounds().mixer().mix(time_of(heard_), time_of(heard_ + count), pairs);
+    heard_ += count;
+    sink_(pairs);
+  }
 }
 
 void Simulation::choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node) {

@@ -10,9 +10,11 @@
 #include <glm/vec3.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,10 @@ class Simulation {
 
   /// Urls that are set from now on are read by this, which has read the world, before time goes on.
   void fetch_with(WorldLoading& loading) { loading_ = &loading; }
+
+  /// What is heard goes to `sink`, pairs left and right of kMixRate a second, in pieces, from now on: each step's is
+  /// mixed as the step has left the world.
+  void hear(std::function<void(std::span<const float>)> sink) { sink_ = std::move(sink); }
 
   /// Who measures what time goes to, which must outlive it.
   void measure(render::PhaseClock* phases) { document_->meshes.phases = phases; }
@@ -87,6 +93,7 @@ class Simulation {
   void choose_viewpoint(const vrml::SceneGraph& scene, vrml::NodeId node);
   void act(double time);
   void fetch();
+  void listen(double time);
 
   std::shared_ptr<Document> document_;
   SessionInput input_;  // of the steps
@@ -102,6 +109,8 @@ class Simulation {
   glm::vec2 pointer_{0};
   bool shift_ = false, control_ = false;
   WorldLoading* loading_ = nullptr;
+  std::function<void(std::span<const float>)> sink_;
+  std::int64_t heard_ = 0;  // pairs
 };
 
 /// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null

@@ -21,6 +21,8 @@ SessionOptions session_options(const ViewerOptions& options) {
   result.files = options.files;
   result.viewpoint = options.viewpoint;
   result.headlight = options.headlight;
+  result.audible = true;
+  result.muted = options.muted;
   return result;
 }
 

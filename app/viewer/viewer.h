@@ -24,6 +24,7 @@ struct ViewerOptions {
   std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
   std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
   std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
+  bool muted = false;                   // no sound, until it is asked for
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // where others may control it
 };

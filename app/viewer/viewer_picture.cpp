@@ -142,6 +142,8 @@ UiModel Viewer::model() {
   model.rules = seen->rules;
   model.speed = seen->navigation.speed;
   model.headlight = seen->headlight;
+  model.has_sounds = !seen->list->sounds.empty();
+  model.muted = session_.sounds().muted();
   model.look = seen->look;
   model.has_surface_clouds = seen->document->has_surface_clouds;
   model.has_volumes = seen->document->has_volumes;

@@ -16,6 +16,7 @@ void Arrivals::append(Arrivals&& later) {
   move(prototypes, later.prototypes);
   move(outlines, later.outlines);
   move(images, later.images);
+  move(media, later.media);
   move(clouds, later.clouds);
   move(feeds, later.feeds);
   move(progress, later.progress);
@@ -66,6 +67,19 @@ std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {
       else
         world.images.erase(place);
       changed.push_back(texture);
+    }
+  for (const Arrivals::Media& one : arrivals.media)
+    for (const Arrivals::Place& player : one.players) {
+      const vrml::Node* node = &player.scene->node(player.node);
+      if (one.media)
+        world.media[node] = one.media;
+      else
+        world.media.erase(node);
+      if (one.image)
+        world.images[node] = one.image;
+      else if (world.images.erase(node) == 0)
+        continue;
+      changed.push_back(player);
     }
   for (const Arrivals::Cloud& one : arrivals.clouds) {
     if (one.cloud)

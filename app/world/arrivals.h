@@ -51,6 +51,12 @@ struct Arrivals {
     vrml::NodeId fallback;                    // the PROTO instance in whose place it is shown; null: none
     std::shared_ptr<const qnv::Cloud> cloud;  // null: there is none
   };
+  /// A sound or movie.
+  struct Media {
+    std::vector<Place> players;
+    std::shared_ptr<const MediaFile> media;      // null: there is none
+    std::shared_ptr<const render::Image> image;  // of a movie, the first; null: there is none
+  };
   /// A text that a program has asked for: another program, or nodes.
   struct Text {
     Place place;
@@ -62,6 +68,7 @@ struct Arrivals {
   std::vector<Prototypes> prototypes;
   std::vector<Outlines> outlines;
   std::vector<Image> images;
+  std::vector<Media> media;
   std::vector<Cloud> clouds;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
   std::vector<UrlProgress> progress;
@@ -69,8 +76,9 @@ struct Arrivals {
   std::vector<OutsideFolder> outside;
 
   [[nodiscard]] bool empty() const {
-    return contents.empty() && prototypes.empty() && outlines.empty() && images.empty() && clouds.empty() &&
-           feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() && outside.empty();
+    return contents.empty() && prototypes.empty() && outlines.empty() && images.empty() && media.empty() &&
+           clouds.empty() && feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() &&
+           outside.empty();
   }
   /// Puts what has come later behind.
   void append(Arrivals&& later);

@@ -45,10 +45,14 @@ class ContentHandler {
   virtual bool begin(const Found& found) = 0;
   /// A local file, to be read as a whole at once. False: it should rather come in pieces.
   virtual bool whole_file(const net::MappedFile&, const std::string&) { return false; }
+  /// Likewise, and it is moved by who is to have it for longer. False: it was left alone.
+  virtual bool take_file(net::MappedFile&) { return false; }
   virtual void receive(std::span<const std::byte> bytes) = 0;
   /// All is there (`problem` empty), or what is missing never comes.
   virtual void end(const std::optional<std::string>& problem) = 0;
-  /// None of the places where it might be has it.
+  /// After `end`: why what came is of no use, so that the next place is to be tried. Nothing: it is.
+  virtual std::optional<std::string> wants_next() { return std::nullopt; }
+  /// None of the places where it might be has it, or what of use it has.
   virtual void missing(const std::string& why) = 0;
   /// Whether the rest, behind the front that has come, is better read here and there, as `place` says. True: it is
   /// seen to, and neither more bytes nor an end come.

@@ -14,6 +14,7 @@
 
 namespace gs::app {
 
+class MediaFile;
 class StreamFeed;
 
 /// A folder with something that a world refers to and may not read; the user may allow it.
@@ -28,6 +29,13 @@ struct UrlProgress {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;
   double fraction = 0;
+};
+
+/// How long what a node plays is, in seconds; negative: that is not known, or there is none.
+struct MediaDuration {
+  vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;
+  double seconds = -1;
 };
 
 /// The text of a program that a Script's url names.
@@ -45,6 +53,8 @@ struct OpenedWorld {
   std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why
   render::Images images;
   render::Clouds clouds;
+  std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // of AudioClips and MovieTextures
+  std::vector<MediaDuration> durations;                                           // likewise, that are to be told
   std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams among `clouds` that grow; see stream_feed.h
   /// By OutlineGroup with polygons that its url names: from whose budget these are drawn.
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;

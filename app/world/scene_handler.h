@@ -119,6 +119,9 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void visit_image(vrml::NodeId id);
   void visit_cloud(vrml::NodeId id);
   void visit_outlines(vrml::NodeId id);
+  // media_handler.cpp
+  void visit_media(vrml::NodeId id);
+  void load_media(const UrlRequest& request, Reference reference);
   // scene_programs.cpp
   void visit_script(vrml::NodeId id);
   void load_text(const UrlRequest& request, Reference reference);

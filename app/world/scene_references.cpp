@@ -212,6 +212,9 @@ void SceneHandler::visit(NodeId id) {
       return visit_cloud(id);
     case vrml::UrlContent::outlines:
       return visit_outlines(id);
+    case vrml::UrlContent::sound:
+    case vrml::UrlContent::movie:
+      return visit_media(id);
   }
 }
 
@@ -346,6 +349,9 @@ void SceneHandler::load(const UrlRequest& request) {
       if (reference.places.empty()) return handler->give();
       return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
     }
+    case vrml::UrlContent::sound:
+    case vrml::UrlContent::movie:
+      return load_media(request, std::move(reference));
     case vrml::UrlContent::none:
       return;
   }

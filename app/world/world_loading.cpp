@@ -161,12 +161,14 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
     fetch.rest = fetch.rest.first(static_cast<std::size_t>(fetch.max_bytes));
   }
   begin_taking(fetch, found);
-  if (fetch.stage == Fetch::Stage::receiving && fetch.file && !fetch.cut &&
-      fetch.handler->whole_file(*fetch.file, found.path)) {
-    received += fetch.rest.size();
-    fetch.received = fetch.rest.size();
-    fetch.rest = {};
-  }
+  if (fetch.stage != Fetch::Stage::receiving || !fetch.file || fetch.cut) return true;
+  const std::size_t size = fetch.rest.size();
+  const bool taken_away = fetch.handler->take_file(*fetch.file);
+  if (!taken_away && !fetch.handler->whole_file(*fetch.file, found.path)) return true;
+  if (taken_away) fetch.file.reset();
+  received += size;
+  fetch.received = size;
+  fetch.rest = {};
   return true;
 }
 
@@ -213,6 +215,18 @@ void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>&
   fetch.handler->cut = fetch.cut;
   if (fetch.stage == Fetch::Stage::refused) return;
   fetch.handler->end(problem);
+  if (const auto useless = fetch.handler->wants_next()) {
+    ended.pop_back();
+    fetch.stage = Fetch::Stage::seeking;
+    fetch.file.reset();
+    fetch.data.clear();
+    fetch.rest = {};
+    fetch.received = 0;
+    fetch.total.reset();
+    fetch.cut = false;
+    fail_candidate(fetch, *useless);
+    return begin_next_candidate(fetch);
+  }
   if (!problem) fetch.handler->tell_progress(1);
 }
 

@@ -72,6 +72,7 @@ struct WorldLoading::State {
   /// A QNV node has got (better) vectors.
   void cloud_arrived(Arrivals::Cloud cloud);
   void image_arrived(Arrivals::Image image);
+  void media_arrived(Arrivals::Media media);
   void text_arrived(Arrivals::Text text);
   void note_progress(const UrlProgress& progress);
   void outlines_arrived(Arrivals::Outlines outlines);
@@ -137,10 +138,12 @@ struct WorldLoading::State {
   // Things that several nodes refer to, by what they ask for.
   struct SharedImage;
   struct SharedCloud;
+  struct SharedMedia;
   struct TextHandler;
   std::vector<std::shared_ptr<OutlineHandler>> outlines;  // of which more has come
   std::unordered_map<std::string, std::shared_ptr<SharedImage>> shared_images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> shared_clouds;
+  std::unordered_map<std::string, std::shared_ptr<SharedMedia>> shared_media;
 
   std::shared_ptr<Waker> waker = std::make_shared<Waker>();
 };

@@ -79,6 +79,11 @@ Arrivals WorldLoading::State::take_arrivals() {
       keep(one.textures, kept.textures, [](const Arrivals::Place& place) { return place.scene; });
       if (!kept.textures.empty()) arrivals.images.push_back(std::move(kept));
     }
+    for (Arrivals::Media& one : taken_now.media) {
+      Arrivals::Media kept{{}, one.media, one.image};
+      keep(one.players, kept.players, [](const Arrivals::Place& place) { return place.scene; });
+      if (!kept.players.empty()) arrivals.media.push_back(std::move(kept));
+    }
   }
   taken_now.feeds = std::exchange(world.feeds, {});
   taken_now.outside = std::exchange(world.outside, {});

@@ -93,6 +93,7 @@
   X(TEXIMAGE2DMULTISAMPLE, TexImage2DMultisample)                             \
   X(TEXPARAMETERI, TexParameteri)                                             \
   X(TEXPARAMETERIV, TexParameteriv)                                           \
+  X(TEXSUBIMAGE2D, TexSubImage2D)                                             \
   X(UNIFORM1I, Uniform1i)                                                     \
   X(UNIFORM1F, Uniform1f)                                                     \
   X(UNIFORM2F, Uniform2f)                                                     \

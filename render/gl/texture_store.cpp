@@ -101,6 +101,8 @@ const TextureStore::Entry* TextureStore::find(const std::shared_ptr<const Image>
     entry = {};
     entry.image = image;
     if (can_be_uploaded(*image)) upload(*image, entry);
+  } else if (entry.version != image->version && can_be_uploaded(*image)) {
+    upload(*image, entry);
   }
   return entry.texture ? &entry : nullptr;
 }
@@ -159,8 +161,17 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   }
   entry.alpha = alpha_of(given);
   entry.intensity = given.components <= 2;
-  entry.order = next_order_++;
-  entry.texture = make_texture(gl_);
+  // The picture of a movie takes the place of the one before.
+  const bool in_place = entry.texture && entry.width == image->width && entry.height == image->height &&
+                        entry.components == image->components;
+  entry.version = given.version;
+  entry.width = image->width;
+  entry.height = image->height;
+  entry.components = image->components;
+  if (!entry.texture) {
+    entry.order = next_order_++;
+    entry.texture = make_texture(gl_);
+  }
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
   static constexpr GLenum kFormats[] = {GL_RED, GL_RG, GL_RGB, GL_RGBA};
@@ -172,8 +183,16 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   const std::size_t kind = image->components - 1;
   gl_.TexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, kSwizzles[kind]);
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, kInternal[kind], static_cast<GLsizei>(image->width),
-                 static_cast<GLsizei>(image->height), 0, kFormats[kind], GL_UNSIGNED_BYTE, image->pixels.data());
+  const auto fill = [&](GLint level) {
+    const auto width = static_cast<GLsizei>(image->width), height = static_cast<GLsizei>(image->height);
+    if (in_place)
+      gl_.TexSubImage2D(GL_TEXTURE_2D, level, 0, 0, width, height, kFormats[kind], GL_UNSIGNED_BYTE,
+                        image->pixels.data());
+    else
+      gl_.TexImage2D(GL_TEXTURE_2D, level, kInternal[kind], width, height, 0, kFormats[kind], GL_UNSIGNED_BYTE,
+                     image->pixels.data());
+  };
+  fill(0);
   if (gl_.software) {
     // Drivers on the processor compile a shader for that and draw with it: ten times as long.
     GLint level = 0;
@@ -181,8 +200,7 @@ void TextureStore::upload(const Image& given, Entry& entry) {
       Image half = halved(*image);
       smaller = std::move(half);
       image = &smaller;
-      gl_.TexImage2D(GL_TEXTURE_2D, ++level, kInternal[kind], static_cast<GLsizei>(image->width),
-                     static_cast<GLsizei>(image->height), 0, kFormats[kind], GL_UNSIGNED_BYTE, image->pixels.data());
+      fill(++level);
     }
   } else {
     gl_.GenerateMipmap(GL_TEXTURE_2D);

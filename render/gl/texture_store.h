@@ -20,7 +20,9 @@ class TextureStore {
     bool mask = false;       // its alpha
     bool intensity = false;  // 1 or 2 components: multiplies; else replaces the colour (VRML97 Table 4.6)
     Alpha alpha = Alpha::none;
-    std::uint32_t order = 0;  // unique among the textures that live; for sorting
+    std::uint64_t version = 0;                            // of the image, that is there
+    std::uint32_t width = 0, height = 0, components = 0;  // of the texture
+    std::uint32_t order = 0;                              // unique among the textures that live; for sorting
   };
 
   explicit TextureStore(const Gl& gl);

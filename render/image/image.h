@@ -22,6 +22,7 @@ struct Image {
   std::uint32_t width = 0, height = 0, components = 0;
   std::vector<std::uint8_t> pixels;  // width * height * components
   std::uint32_t reduction = 1;       // pixels of the file, in each direction, that one of these stands for
+  std::uint64_t version = 0;         // of an image that changes in its place: another number, other pixels
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }
   [[nodiscard]] bool has_alpha() const { return components == 2 || components == 4; }

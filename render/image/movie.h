@@ -11,9 +11,9 @@
 
 namespace gs::render {
 
-/// The pictures of a movie in memory, one after the other: MPEG-1 and what else the libraries of FFmpeg read of the
-/// containers in the table of movie.cpp. These are opened at run time. One thread; safe for untrusted bytes: nothing is
-/// read but these, no file, no address, and what it may cost is bounded by ImageLimits.
+/// The pictures of a movie in memory: MPEG-1 and what else the libraries of FFmpeg read of the containers in the table
+/// of render/media/media_input.cpp, animated GIF among them. These are opened at run time. One thread; safe for
+/// untrusted bytes: nothing is read but these, no file, no address, and what it may cost is bounded by ImageLimits.
 class Movie {
  public:
   struct Frame {
@@ -30,8 +30,12 @@ class Movie {
 
   /// The next picture; nothing at the end. After an error there are no more.
   [[nodiscard]] std::variant<std::optional<Frame>, ImageError> next();
-  /// In seconds; 0: the file does not say.
-  [[nodiscard]] double duration() const;
+  /// The picture at a time: the last one that is not later, or the first one. Valid until the next call; null where
+  /// there is none at all. Costs what lies between it and the one before; backwards about a second is decoded at a
+  /// time, and of that is kept what fits into kMostKept. Not to be mixed with `next`.
+  [[nodiscard]] std::variant<const Frame*, ImageError> at(double seconds);
+
+  static constexpr std::size_t kMostKept = std::size_t{32} << 20;  // bytes of pictures
 
  private:
   struct State;

@@ -33,6 +33,9 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::movie_texture, {"repeatS", "repeatT"}},
     {NodeKind::pixel_texture, {"repeatS", "repeatT", "image"}},
     {NodeKind::texture_transform, {"center", "rotation", "scale", "translation"}},
+    {NodeKind::sound,
+     {"direction", "intensity", "location", "maxBack", "maxFront", "minBack", "minFront", "priority", "source",
+      "spatialize"}},
     {NodeKind::qnv, {"detail"}},
 };
 

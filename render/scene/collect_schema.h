@@ -72,6 +72,10 @@ struct TextureTransformFields {
   enum : int { center, rotation, scale, translation };
 };
 
+struct SoundFields {
+  enum : int { direction, intensity, location, max_back, max_front, min_back, min_front, priority, source, spatialize };
+};
+
 struct QnvFields {
   enum : int { detail };
 };

@@ -18,6 +18,7 @@ using glm::dvec3;
 
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
 constexpr std::size_t kMaxViewpoints = 10'000;
+constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
 constexpr std::size_t kMostPlaces = std::size_t{1} << 20;  // and coordinate systems; what is behind them has no path
 constexpr std::size_t kBetweenLooks = 1024;                // visits that make no mesh, at the time
@@ -303,6 +304,12 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::point_light:
     case NodeKind::spot_light:
       if (parent.presence.seen) add_light(view, world, parent.frame, false);
+      break;
+    case NodeKind::sound:
+      if (parent.presence.seen && list_.sounds.size() < kMaxSounds) {
+        ++others_;
+        list_.sounds.push_back({parent.scene, id, parent.frame});
+      }
       break;
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:

@@ -109,6 +109,13 @@ struct ViewpointState {
   bool jump = true;  // whether the viewer goes there when it is bound
 };
 
+/// A Sound node that is traversed (6.42), once for each path to it.
+struct SoundPlace {
+  const vrml::SceneGraph* scene = nullptr;
+  vrml::NodeId node;        // of `scene`
+  std::uint32_t frame = 0;  // of RenderList::world_from_frame: its coordinate system
+};
+
 /// The bound NavigationInfo (6.29).
 struct NavigationState {
   std::vector<std::string> types{"WALK", "ANY"};
@@ -146,6 +153,7 @@ struct RenderList {
   std::vector<SplatItem> splats;
   std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
+  std::vector<SoundPlace> sounds;
   Background background;
   NavigationState navigation;
   Fog fog;

@@ -1,5 +1,8 @@
-// A target for every row of the table of images.
+// A target for every row of the table of images; one for sounds, one for movies that play.
 #include "render/image/image_codecs.h"
+#include "render/image/movie.h"
+#include "render/media/midi_reader.h"
+#include "render/media/sample_reader.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <zlib.h>
@@ -42,10 +45,70 @@ bool run_image(const ImageFormat& format, std::span<const std::byte> input) {
   return text_of(bytes).starts_with(format.magic);
 }
 
+/// What plays a sound: the whole of it, as far as that is not longer than a minute, and from places in it.
+bool run_sound(std::span<const std::byte> bytes) {
+  if (is_midi(bytes)) {
+    const auto song = read_midi(bytes);
+    if (const auto* wrong = std::get_if<MediaError>(&song)) require(!wrong->message.empty());
+    if (song.index() != 0) return false;
+    double before = 0;
+    for (const MidiEvent& event : std::get<0>(song).events) {
+      require(event.time >= before && event.status >= 0x80 && event.first < 0x80 && event.second < 0x80);
+      before = event.time;
+    }
+    require(std::get<0>(song).duration >= before);
+    return true;
+  }
+  const auto info = examine_media(bytes);
+  auto opened = open_samples(bytes);
+  if (auto* wrong = std::get_if<MediaError>(&opened)) {
+    require(!wrong->message.empty());
+    return false;
+  }
+  SampleReader& reader = *std::get<0>(opened);
+  require(reader.rate() > 0 && (reader.channels() == 1 || reader.channels() == 2));
+  std::vector<float> samples(2 * 4096);
+  const auto hear = [&](int pieces) {
+    for (int i = 0; i < pieces; ++i) {
+      const std::size_t count = reader.read(samples);
+      require(count <= 4096);
+      for (std::size_t k = 0; k < 2 * count; ++k) require(samples[k] >= -4 && samples[k] <= 4);
+      if (count < 4096) return;
+    }
+  };
+  hear(700);
+  for (const double at : {0.4, 1e9, 0.0}) {
+    reader.seek(at);
+    hear(3);
+  }
+  return info.index() == 0;
+}
+
+/// What plays a movie: forwards, backwards, and with jumps.
+bool run_movie(std::span<const std::byte> bytes) {
+  constexpr std::size_t kMostPixels = std::size_t{1} << 18;
+  auto opened = Movie::open(bytes, {.file_pixels = kMostPixels});
+  if (auto* wrong = std::get_if<ImageError>(&opened)) {
+    require(!wrong->message.empty());
+    return false;
+  }
+  bool any = false;
+  for (const double at : {0.0, 0.1, 0.3, 1.0, 0.9, 0.5, 0.0, 50.0, 1.0}) {
+    const auto found = std::get<0>(opened)->at(at);
+    if (found.index() != 0) return false;
+    const Movie::Frame* frame = std::get<0>(found);
+    if (!frame) return false;
+    const Image& image = frame->image;
+    require(image.pixels.size() == std::size_t{image.width} * image.height * image.components && !image.empty());
+    any = true;
+  }
+  return any;
+}
+
 }  // namespace
 
 std::vector<FuzzTarget> fuzz_targets() {
-  std::vector<FuzzTarget> targets;
+  std::vector<FuzzTarget> targets = {{"sound", run_sound, 1 << 15}, {"movie", run_movie, 1 << 15}};
   for (const ImageFormat& format : image_formats())
     targets.push_back(
         {target_name(format.name), [&format](std::span<const std::byte> bytes) { return run_image(format, bytes); }});

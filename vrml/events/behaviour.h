@@ -12,6 +12,7 @@
 namespace gs::vrml {
 
 class Execution;
+struct MediaPlay;
 struct Node;
 struct PointingSensor;
 /// A node that takes part in events: its place in Execution. 0 is none.
@@ -53,6 +54,12 @@ struct Behaviour {
   void (*on_remove)(Execution& execution, EventNode node) = nullptr;
   /// The value of its eventOut as long as nothing was sent. False, or null: that of the type.
   bool (*unsent_value)(Execution& execution, EventNode node, FieldValue& value) = nullptr;
+  /// Of a node that plays a sound or movie: how long that is, in seconds; negative: it cannot be had. False: not now,
+  /// something was told with this timestamp already.
+  bool (*media_came)(Execution& execution, EventNode node, double duration) = nullptr;
+  /// What of it is played; see Execution::media_play.
+  MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
+  bool media_backwards = false;  // it can be played backwards, and not at all (6.28)
 };
 
 // The rows' behaviours.
@@ -66,7 +73,8 @@ extern const Behaviour kBindableBehaviour;  // 4.6.10
 inline constexpr int kSetBind = 0;          // of its events
 inline constexpr int kFieldOfView = 3;      // of those of Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
-extern const Behaviour kScriptBehaviour;  // 6.40
+extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
+extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
     kNurbsPositionInterpolatorBehaviour;

@@ -35,6 +35,16 @@ struct NodeChange {
 
 class ScriptHost;
 
+/// What an AudioClip or MovieTexture plays (VRML97 6.4, 6.28). Times are seconds since 1970, infinite where there is
+/// none.
+struct MediaPlay {
+  bool active = false, loop = false;
+  double start = 0, end = 0;  // of its activity
+  double rate = 1;            // pitch or speed
+  double duration = -1;       // of the sound or movie at rate 1; negative: not known
+  double position = 0;        // in it, in its own seconds: at the present time, or at which it became inactive
+};
+
 /// What the viewer sees: tangents of half the angles to the right and up.
 struct Frustum {
   double right = 0, up = 0;
@@ -159,6 +169,11 @@ class Execution {
   /// that differs by 1/100 from what was sent last, or is all, and loadTime when it is all for the first time since it
   /// was 0, with the present timestamp. False: something was sent with it before; call again after the next step.
   bool progress(const SceneGraph& scene, NodeId node, double fraction);
+  /// The sound or movie of a node has come, and is `duration` seconds long; negative: it cannot be had (6.4, 6.28):
+  /// duration_changed with the present timestamp, and what follows. False: as of `progress`.
+  bool media_came(const SceneGraph& scene, NodeId node, double duration);
+  /// Of a node that plays sounds or movies; nothing: it is none.
+  [[nodiscard]] std::optional<MediaPlay> media_play(const SceneGraph& scene, NodeId node);
   /// What limits kept out; empty: nothing.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 

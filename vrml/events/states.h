@@ -23,6 +23,19 @@ struct TimeState {
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };
 
+/// An AudioClip or MovieTexture (6.4, 6.28).
+struct MediaState {
+  bool active = false;
+  bool delayed = false;  // see TimeState
+  bool told = false;     // what it has been waiting for has come, or never will
+  bool holds = false;    // it has been active
+  double duration = -1;  // of the sound or movie, in seconds; negative: not known
+  double cycle = 0;      // the cycle that is the last one, where it does not loop
+  double held = 0;       // the position at which it became inactive
+  double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();  // see TimeState
+  double stop_set = -std::numeric_limits<double>::infinity();                     // when stopTime was, while active
+};
+
 /// A ProximitySensor (6.38), since it looked last.
 struct ProximityState {
   glm::dvec3 viewer{0};              // in the world
@@ -101,6 +114,7 @@ struct Execution::States {
   StatePool<MFVec3f> spares;  // the array that an interpolator writes next
   StatePool<PointingState> pointing;
   StatePool<ScriptState> scripts;
+  StatePool<MediaState> media;
 };
 
 }  // namespace gs::vrml

@@ -1,3 +1,4 @@
+#include "vrml/events/behaviour.h"
 #include "vrml/nodes/families.h"
 
 namespace gs::vrml {
@@ -46,7 +47,7 @@ constexpr NodeRow kAppearanceRows[] = {
   eventOut     SFTime     duration_changed
   eventOut     SFBool     isActive
 )",
-     nullptr, nullptr, UrlContent::image},
+     nullptr, &kMovieTextureBehaviour, UrlContent::movie},
     {"PixelTexture", "6.33", Role::texture, NodeKind::pixel_texture, R"(
   exposedField SFImage    image            0 0 0
   field        SFBool     repeatS          TRUE

@@ -15,14 +15,15 @@ constexpr NodeRow kCommonRows[] = {
   exposedField MFString   url              []
   eventOut     SFTime     duration_changed
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, &kAudioClipBehaviour, UrlContent::sound},
     {"Script", "6.40", Role::child | Role::script, NodeKind::script, R"(
   exposedField MFString   url              []
   field        SFBool     directOutput     FALSE
   field        SFBool     mustEvaluate     FALSE
 )",
      nullptr, &kScriptBehaviour},
-    {"Sound", "6.42", Role::child, NodeKind::other, R"(
+    {"Sound", "6.42", Role::child, NodeKind::sound, R"(
   exposedField SFVec3f    direction        0 0 1            # (-inf,inf)
   exposedField SFFloat    intensity        1                # [0,1]
   exposedField SFVec3f    location         0 0 0            # (-inf,inf)

@@ -100,10 +100,11 @@ enum class NodeKind : std::uint8_t {
   qnv,
   script,
   world_info,
+  sound,
 };
 
 /// What the file holds that a node's `url` names, and so what is fetched for it.
-enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines };
+enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines, sound, movie };
 
 /// Makes the mesh of a geometry node. `geometry` is a node of `scene` of the row's own type.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
@@ -161,10 +162,10 @@ struct NodeType {
   UrlContent url_content = UrlContent::none;
   bool stands_in = false;     // for a type of other browsers (vrml/syntax/stand_ins.h), of which it has a part
   std::vector<int> measures;  // slots of a built-in geometry's lengths: fields whose range is (0,inf)
-  std::unique_ptr<Prototype> prototype;  // body of a PROTO
-  MFString url;                          // of an EXTERNPROTO
-  bool asked_for = false;                // of an EXTERNPROTO of a text read at run time: the body is being fetched
-  SourceLocation location;               // of the name in a PROTO or EXTERNPROTO
+  std::unique_ptr<Prototype> prototype;    // body of a PROTO
+  MFString url;                            // of an EXTERNPROTO
+  bool asked_for = false;                  // of an EXTERNPROTO of a text read at run time: the body is being fetched
+  SourceLocation location;                 // of the name in a PROTO or EXTERNPROTO
   std::vector<SourceLocation> url_places;  // of a Script: where the strings of its url begin in its text
 
   NodeType();

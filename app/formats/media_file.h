@@ -1,0 +1,38 @@
+#pragma once
+
+#include "app/base/world_budget.h"
+#include "net/base/file.h"
+#include "render/media/sample_reader.h"
+#include "vrml/scene/budget.h"
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+
+/// A sound or movie that nodes play, as its file has it: it is decoded while it plays. Never changes; any thread.
+class MediaFile {
+ public:
+  /// From the network; `held`: what of the budget the bytes take.
+  MediaFile(std::vector<std::byte> bytes, vrml::Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
+  explicit MediaFile(net::MappedFile file, vrml::Share held) : held_(std::move(held)), file_(std::move(file)) {}
+  MediaFile(const MediaFile&) = delete;
+  MediaFile& operator=(const MediaFile&) = delete;
+
+  [[nodiscard]] std::span<const std::byte> bytes() const { return file_ ? file_->bytes() : copy_; }
+
+  render::MediaInfo info;
+  std::string name;  // for messages
+
+ private:
+  std::vector<std::byte> copy_;
+  vrml::Share held_;
+  std::optional<net::MappedFile> file_;
+};
+
+}  // namespace gs::app

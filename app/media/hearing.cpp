@@ -1,0 +1,73 @@
+#include "app/media/hearing.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/constants.hpp>
+
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+constexpr double kOuterDecibels = -20;  // at the outer ellipsoid, and towards an intensity of 0
+
+double factor_of(double decibels) { return std::pow(10, decibels / 20); }
+
+}  // namespace
+
+// The conic r = p / (1 - e cos), with the focus in the middle.
+double ellipsoid_radius(double front, double back, double cosine) {
+  const double below = (front + back) - (front - back) * cosine;
+  return below > 0 ? 2 * front * back / below : 0;
+}
+
+double intensity_factor(double intensity) {
+  return intensity > 0 ? factor_of(kOuterDecibels * (1 - std::min(intensity, 1.0))) : 0;
+}
+
+// Figure 7.1: 0.5 ahead and behind, 0 to the left, 1 to the right, as the angle has it.
+Pan pan_of(const glm::dvec3& viewer) {
+  if (viewer.x == 0 && viewer.z == 0) return pan_of({0, 0, -1});
+  double angle = std::atan2(viewer.x, -viewer.z);  // from straight ahead to the right
+  constexpr double kHalf = glm::half_pi<double>();
+  if (angle > kHalf) angle = 2 * kHalf - angle;
+  if (angle < -kHalf) angle = -2 * kHalf - angle;
+  const double pan = 0.5 + angle / (2 * kHalf);
+  return {1 - pan * pan, 1 - (1 - pan) * (1 - pan)};
+}
+
+Heard hear(const render::SoundState& sound, const glm::dmat4& world_from_viewer) {
+  Heard heard;
+  // Ratios along one line are the same in all coordinate systems, so ellipsoids are measured in the sound's own.
+  const double volume = glm::determinant(glm::dmat3(sound.world_from_local));
+  if (!std::isfinite(volume) || volume == 0) return heard;
+  const glm::dvec3 viewer(glm::inverse(sound.world_from_local) * world_from_viewer[3]);
+  const glm::dvec3 way = viewer - sound.location;
+  const double distance = glm::length(way), axis = glm::length(sound.direction);
+  if (!std::isfinite(distance)) return heard;
+  const double cosine = distance > 0 && axis > 0 ? glm::dot(way, sound.direction) / (distance * axis) : 1;
+  const double inner = ellipsoid_radius(sound.min_front, sound.min_back, cosine),
+               outer = ellipsoid_radius(sound.max_front, sound.max_back, cosine);
+  double decibels = 0;
+  const bool is_inside = distance <= inner;
+  if (!is_inside) {
+    if (distance > outer) return heard;
+    decibels = kOuterDecibels * (distance - inner) / (outer - inner);
+  }
+  heard.level = heard.left = heard.right = intensity_factor(sound.intensity) * factor_of(decibels);
+  if (!sound.spatialize || is_inside) return heard;
+  const glm::dvec3 place(glm::inverse(world_from_viewer) * sound.world_from_local * glm::dvec4(sound.location, 1));
+  const Pan pan = pan_of(place);
+  heard.left *= pan.left;
+  heard.right *= pan.right;
+  return heard;
+}
+
+// Those in front are played: of high priority, and of cues the newest ones, else the loudest ones.
+bool operator<(const SoundRank& a, const SoundRank& b) {
+  constexpr double kCue = 0.5;
+  if (a.priority != b.priority) return a.priority > b.priority;
+  if (a.priority > kCue && a.start != b.start) return a.start > b.start;
+  return a.level > b.level;
+}
+
+}  // namespace gs::app

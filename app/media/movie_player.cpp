@@ -1,0 +1,133 @@
+#include "app/media/movie_player.h"
+
+#include "app/formats/texture_image.h"
+#include "render/image/movie.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+
+/// What the thread works on. `movie` and `open` belong to who decodes, the rest is guarded by MoviePlayers::mutex_.
+struct MoviePlayers::Player::Decoder {
+  std::unique_ptr<render::Movie> movie;
+  bool opened = false;
+  double wanted = -1, done = -1;  // seconds
+  bool busy = false;
+  std::optional<render::Movie::Frame> ready;
+  double ready_time = -1;  // of the last one that was ready
+
+  /// The picture at a time, if it is another than the one at `before`.
+  std::optional<render::Movie::Frame> decode(const Player& of, double seconds, double before) {
+    if (!std::exchange(opened, true)) {
+      render::ImageLimits limits = texture_limits(of.budget_);
+      limits.stopped = [over = of.over_] { return over->load(); };
+      auto result = render::Movie::open(of.file_->bytes(), limits);
+      if (auto* good = std::get_if<std::unique_ptr<render::Movie>>(&result)) movie = std::move(*good);
+    }
+    if (!movie) return std::nullopt;
+    const auto found = movie->at(seconds);
+    const auto* frame = std::get_if<const render::Movie::Frame*>(&found);
+    if (!frame || !*frame) {
+      movie.reset();  // it is broken here, and shows what it has shown
+      return std::nullopt;
+    }
+    if ((*frame)->time == before) return std::nullopt;
+    return **frame;
+  }
+};
+
+MoviePlayers::Player::Player(std::shared_ptr<const MediaFile> file, std::shared_ptr<render::Image> image,
+                             vrml::Share share, WorldBudget budget, std::shared_ptr<std::atomic<bool>> over)
+    : file_(std::move(file)),
+      image_(std::move(image)),
+      share_(std::move(share)),
+      budget_(std::move(budget)),
+      over_(std::move(over)),
+      decoder_(std::make_unique<Decoder>()) {}
+MoviePlayers::Player::~Player() = default;
+
+MoviePlayers::~MoviePlayers() { *over_ = true; }
+
+std::shared_ptr<MoviePlayers::Player> MoviePlayers::open(std::shared_ptr<const MediaFile> file,
+                                                         const render::Image& first, const WorldBudget& budget) {
+  // This picture, one that is ready, one that is decoded, and what the decoder refers to.
+  constexpr std::size_t kPictures = 12;
+  vrml::Share share(budget, vrml::Resource::pixels);
+  if (!share.grow(kPictures * first.pixels.size())) return nullptr;
+  return std::make_shared<Player>(std::move(file), std::make_shared<render::Image>(first), std::move(share), budget,
+                                  over_);
+}
+
+bool MoviePlayers::show(const std::shared_ptr<Player>& of, double seconds, bool wait) {
+  Player& player = *of;
+  Player::Decoder& decoder = *player.decoder_;
+  std::optional<render::Movie::Frame> frame;
+  if (wait) {
+    frame = decoder.decode(player, seconds, player.shown_time_);
+  } else {
+    if (!thread_.joinable()) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    {
+      const std::lock_guard lock(mutex_);
+      frame = std::exchange(decoder.ready, std::nullopt);
+      if (decoder.wanted != seconds) {
+        decoder.wanted = seconds;
+        const auto same = [&](const std::weak_ptr<Player>& one) {
+          return !one.owner_before(of) && !of.owner_before(one);
+        };
+        if (std::none_of(asked_.begin(), asked_.end(), same)) asked_.push_back(of);
+      }
+    }
+    something_.notify_one();
+  }
+  if (!frame) return false;
+  player.shown_time_ = frame->time;
+  render::Image& image = *player.image_;
+  const std::uint64_t version = image.version + 1;
+  image = std::move(frame->image);
+  image.version = version;
+  return true;
+}
+
+bool MoviePlayers::waits(const Player& player) {
+  const std::lock_guard lock(mutex_);
+  return player.decoder_->ready || player.decoder_->busy || player.decoder_->wanted != player.decoder_->done;
+}
+
+void MoviePlayers::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    std::shared_ptr<Player> player;
+    double wanted = 0;
+    {
+      std::unique_lock lock(mutex_);
+      const auto next = [&] {
+        for (auto one = asked_.begin(); one != asked_.end();) {
+          player = one->lock();
+          const bool turn = player && player->decoder_->wanted != player->decoder_->done;
+          if (turn) {
+            std::rotate(one, one + 1, asked_.end());  // the others come first the next time
+            return true;
+          }
+          one = asked_.erase(one);
+        }
+        player = nullptr;
+        return false;
+      };
+      if (!something_.wait(lock, stop, next)) return;
+      player->decoder_->busy = true;
+      wanted = player->decoder_->wanted;
+    }
+    Player::Decoder& decoder = *player->decoder_;
+    auto frame = decoder.decode(*player, wanted, decoder.ready_time);
+    const std::lock_guard lock(mutex_);
+    decoder.done = wanted;
+    decoder.busy = false;
+    if (!frame) continue;
+    decoder.ready_time = frame->time;
+    decoder.ready = std::move(frame);
+  }
+}
+
+}  // namespace gs::app

@@ -1,0 +1,75 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/avutil.h>
+#include <libavutil/dict.h>
+#include <libavutil/imgutils.h>
+#include <libavutil/log.h>
+#include <libavutil/pixdesc.h>
+#include <libavutil/samplefmt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <cstddef>
+#include <string>
+
+/// The functions of FFmpeg that are called, by the library that has them.
+#define GHOSTSPACE_LIBAV_FUNCTIONS(X)       \
+  X(avutil, av_dict_free)                   \
+  X(avutil, av_dict_set)                    \
+  X(avutil, av_frame_alloc)                 \
+  X(avutil, av_frame_free)                  \
+  X(avutil, av_frame_move_ref)              \
+  X(avutil, av_frame_unref)                 \
+  X(avutil, av_free)                        \
+  X(avutil, av_log_set_level)               \
+  X(avutil, av_malloc)                      \
+  X(avutil, av_max_alloc)                   \
+  X(avutil, av_pix_fmt_desc_get)            \
+  X(avutil, av_sample_fmt_is_planar)        \
+  X(avutil, av_strerror)                    \
+  X(avcodec, av_packet_alloc)               \
+  X(avcodec, av_packet_free)                \
+  X(avcodec, av_packet_unref)               \
+  X(avcodec, avcodec_alloc_context3)        \
+  X(avcodec, avcodec_find_decoder)          \
+  X(avcodec, avcodec_flush_buffers)         \
+  X(avcodec, avcodec_free_context)          \
+  X(avcodec, avcodec_open2)                 \
+  X(avcodec, avcodec_parameters_to_context) \
+  X(avcodec, avcodec_receive_frame)         \
+  X(avcodec, avcodec_send_packet)           \
+  X(avformat, av_find_input_format)         \
+  X(avformat, av_read_frame)                \
+  X(avformat, av_seek_frame)                \
+  X(avformat, avformat_alloc_context)       \
+  X(avformat, avformat_close_input)         \
+  X(avformat, avformat_find_stream_info)    \
+  X(avformat, avformat_open_input)          \
+  X(avformat, avio_alloc_context)           \
+  X(avformat, avio_context_free)            \
+  X(swscale, sws_freeContext)               \
+  X(swscale, sws_getContext)                \
+  X(swscale, sws_scale)
+
+namespace gs::render {
+
+/// FFmpeg, opened when the first movie or sound is: it takes longer to link than most worlds to draw.
+struct Libav {
+#define GHOSTSPACE_LIBAV_MEMBER(library, name) decltype(&::name) name = nullptr;
+  GHOSTSPACE_LIBAV_FUNCTIONS(GHOSTSPACE_LIBAV_MEMBER)
+#undef GHOSTSPACE_LIBAV_MEMBER
+  std::string problem;  // why they are not there
+
+  Libav();
+
+ private:
+  void* open(const char* name);
+};
+
+/// Any thread.
+[[nodiscard]] const Libav& libav();
+
+}  // namespace gs::render

@@ -1,0 +1,162 @@
+// MovieTextures that play: pictures of tests/fuzz/corpus/render/movie, of which picture i has the grey 20 + 4 i.
+#include "app/media/movie_player.h"
+#include "app/session/simulation.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/render/media/media_files.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <thread>
+
+namespace gs::app::movie_playing_test {
+namespace {
+
+const std::string kHeader = "#VRML V2.0 utf8\n";
+
+std::string movie(const std::string& name) {
+  return media::file_text(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/" + name);
+}
+
+int number_of(const render::Image& image) {
+  const double grey = image.pixels[0];
+  return static_cast<int>(std::lround((grey / 255 * 219 + 16 - 20) / 4));
+}
+
+struct Shown {
+  int number = -1;
+  std::uint64_t version = 0;
+};
+
+/// What a world's only texture shows after so much time.
+Shown shown_at(const std::string& fields, double seconds, const std::string& file = "movie/counting.mp4") {
+  const ScratchFolder folder;
+  (void)folder.write("a.mpg", movie(file));
+  const std::string path =
+      folder.write("main.wrl", kHeader + "Shape { appearance Appearance { texture DEF M MovieTexture { url \"a.mpg\" " +
+                                   fields + " } } geometry Box { } }");
+  WorldLoading loading(path, {});
+  OpenedWorld opened = load_world(loading, path);
+  for (const vrml::Diagnostic& one : opened.diagnostics.entries()) UNSCOPED_INFO(one.text());
+  REQUIRE(opened.scene);
+  Simulation simulation(std::move(opened), {64, 48});
+  simulation.run(seconds);
+  const View& view = simulation.look();
+  REQUIRE(view.list->items.size() == 1);
+  REQUIRE(view.list->items[0].texture.image);
+  const render::Image& image = *view.list->items[0].texture.image;
+  return {number_of(image), image.version};
+}
+
+TEST_CASE("an active MovieTexture shows the picture of t = (now - startTime) modulo (duration / speed) (6.28)") {
+  const std::string begin = "startTime 946684800 ";
+  CHECK(shown_at(begin, 0.5).number == 12);
+  CHECK(shown_at(begin, 1.01).number == 25);
+  CHECK(shown_at(begin + "loop TRUE", 2.5).number == 12);
+  CHECK(shown_at("startTime 946684000.1 loop TRUE", 0.63).number ==
+        static_cast<int>(std::fmod(799.9 + 0.63, 2.0) * 25));
+  CHECK(shown_at(begin + "speed 2", 0.51).number == 25);
+  CHECK(shown_at(begin + "speed 0.5", 0.97).number == 12);
+  CHECK(shown_at(begin + "loop TRUE", 2.5, "movie/counting.m1v").number == 12);
+  CHECK(shown_at(begin + "loop TRUE", 2.5, "sound/tone.mpg").number == 12);
+}
+
+TEST_CASE("a MovieTexture with negative speed plays backwards, one of speed 0 shows its first picture (6.28)") {
+  CHECK(shown_at("startTime 946684800 speed -1", 0.51).number == 37);
+  CHECK(shown_at("startTime 946684800 speed -1 loop TRUE", 2.51).number == 37);
+  CHECK(shown_at("startTime 946684800 speed -2", 0.71).number == 14);
+  CHECK(shown_at("startTime 946684800 speed 0", 1).number == 0);
+}
+
+TEST_CASE("while inactive a MovieTexture shows its first picture, its last one, or where it has stopped (6.28)") {
+  CHECK(shown_at("", 1).number == 0);
+  CHECK(shown_at("speed -1", 1).number == 49);
+  CHECK(shown_at("startTime 946684800 stopTime 946684800.5 loop TRUE", 1.5).number == 12);
+  CHECK(shown_at("startTime 946684800", 3).number == 49);
+  CHECK(shown_at("startTime 946684800 speed -1", 3).number == 0);
+}
+
+TEST_CASE("an animated GIF plays in a MovieTexture (6.28)") {
+  // Each tenth of a second lighter than the one before.
+  int before = -2;
+  for (const double time : {0.05, 0.35, 0.65}) {
+    const int number = shown_at("startTime 946684800 loop TRUE", time, "movie/counting.gif").number;
+    CHECK(number > before);
+    before = number;
+  }
+}
+
+TEST_CASE("the pictures of a movie come to the same image, and no item is made anew") {
+  const ScratchFolder folder;
+  (void)folder.write("a.mpg", movie("movie/counting.mp4"));
+  const std::string path = folder.write(
+      "main.wrl", kHeader +
+                      "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" startTime 946684800 "
+                      "loop TRUE } } geometry Box { } }");
+  const auto document = hold_world(load_world(path));
+  begin_world(*document, kSimulatedStart);
+  LivingWorld& world = *document->living;
+  const render::Image* const image = document->list->items[0].texture.image.get();
+  CHECK(world.next_time().has_value());  // it asks for pictures
+  (void)world.step(kSimulatedStart + 0.5);
+  CHECK(world.show_movies(true));
+  CHECK(number_of(*image) == 12);
+  CHECK_FALSE(world.show_movies(true));  // the same picture
+  (void)world.step(kSimulatedStart + 1.01);
+  CHECK(world.show_movies(true));
+  CHECK(number_of(*image) == 25);
+  (void)world.show(*document->first_scene, {0, 0, 10});
+  CHECK(document->list->items[0].texture.image.get() == image);
+  CHECK(document->first_scene->scene.gathered() == 1);
+}
+
+TEST_CASE("pictures are decoded on another thread, and come a little later") {
+  auto file = std::make_shared<MediaFile>(media::bytes_of(movie("movie/counting.mp4")), vrml::Share());
+  const auto info = render::examine_media(file->bytes());
+  REQUIRE(info.index() == 0);
+  file->info = std::get<0>(info);
+  MoviePlayers players;
+  render::Image first{64, 32, 3, std::vector<std::uint8_t>(std::size_t{64} * 32 * 3)};
+  const WorldBudget budget = own_budget();
+  const auto player = players.open(file, first, budget);
+  REQUIRE(player);
+  CHECK_FALSE(player->shown());
+  for (const int number : {3, 30, 12, 49}) {
+    const double time = (number + 0.5) / 25;
+    for (int i = 0; i < 5000 && number_of(*player->image()) != number; ++i) {
+      (void)players.show(player, time, false);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    CHECK(number_of(*player->image()) == number);
+  }
+  // What there is no room for is not played.
+  auto small = std::make_shared<vrml::Budget>(vrml::Limits{.memory = 1 << 16});
+  CHECK_FALSE(
+      players.open(file, render::Image{256, 256, 3, std::vector<std::uint8_t>(std::size_t{256} * 256 * 3)}, small));
+}
+
+TEST_CASE("a movie that breaks off shows what it has shown, and the world goes on") {
+  const std::string whole = movie("sound/tone.mpg");
+  for (const std::size_t part : {whole.size() / 2, whole.size() / 3}) {
+    const ScratchFolder folder;
+    (void)folder.write("a.mpg", whole.substr(0, part) + std::string(4000, 'x'));
+    const std::string path = folder.write(
+        "main.wrl", kHeader +
+                        "Shape { appearance Appearance { texture MovieTexture { url \"a.mpg\" loop TRUE } } "
+                        "geometry Box { } }");
+    OpenedWorld opened = load_world(path);
+    REQUIRE(opened.scene);
+    Simulation simulation(std::move(opened), {64, 48});
+    simulation.run(1.5);
+    const View& view = simulation.look();
+    REQUIRE(view.list->items.size() == 1);
+    CHECK(view.list->items[0].texture.image);
+  }
+}
+
+}  // namespace
+}  // namespace gs::app::movie_playing_test

@@ -1,0 +1,208 @@
+#include "tests/vrml/events/trace.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+namespace gs::vrml::traces {
+namespace media_clock_test {
+
+// World::kStart is 1000; times in traces are since then, SFTime values are not.
+
+MediaPlay play_of(World& world, std::string_view name) {
+  const std::optional<MediaPlay> play = world.execution().media_play(world.scene(), world.node(name));
+  REQUIRE(play);
+  return *play;
+}
+
+bool came(World& world, std::string_view name, double seconds) {
+  return world.execution().media_came(world.scene(), world.node(name), seconds);
+}
+
+const std::string kClip = "Sound { source DEF C AudioClip { url \"a.wav\" ";
+const std::string kMovie = "Shape { appearance Appearance { texture DEF M MovieTexture { url \"a.mpg\" ";
+
+TEST_CASE("duration_changed is sent when the sound is known, and -1 where it cannot be had (6.4, 6.28)") {
+  World world(kClip + "} } " + kMovie + "} } }");
+  world.start();
+  CHECK(world.take().empty());
+  CHECK(came(world, "C", 2.5));
+  CHECK(world.take() == Lines{"0 C.duration_changed 2.5"});
+  CHECK_FALSE(came(world, "C", 3));  // once a timestamp
+  world.step(1);
+  CHECK(came(world, "C", 3));
+  CHECK(came(world, "M", -1));
+  CHECK(world.take() == Lines{"1 C.duration_changed 3", "1 M.duration_changed -1"});
+  world.step(2);
+  CHECK(came(world, "M", std::nan("")));
+  CHECK(world.take() == Lines{"2 M.duration_changed -1"});
+}
+
+TEST_CASE("an AudioClip is active for one cycle: its duration, divided by pitch (6.4)") {
+  World world(kClip + "startTime 1001 pitch 2 } }");
+  world.start();
+  (void)came(world, "C", 3);
+  (void)world.take();
+  world.step(0.5);
+  CHECK_FALSE(play_of(world, "C").active);
+  world.step(1);
+  CHECK(world.take() == Lines{"1 C.isActive TRUE"});
+  world.step(2);
+  CHECK(play_of(world, "C").position == Approx(2));  // t = (now - startTime) modulo duration/pitch, at twice the speed
+  CHECK(play_of(world, "C").end == 1002.5);
+  world.step(2.49);
+  CHECK(world.take().empty());
+  world.step(2.5);
+  CHECK(world.take() == Lines{"2.5 C.isActive FALSE"});
+  CHECK(play_of(world, "C").position == 3);
+}
+
+TEST_CASE("a looping AudioClip goes on with world time, and ends at stopTime (4.6.9, 6.4)") {
+  World world(kClip + "startTime 400 stopTime 1004 loop TRUE } }");
+  world.start();
+  CHECK(world.take() == Lines{"0 C.isActive TRUE"});
+  (void)came(world, "C", 7);
+  (void)world.take();
+  world.step(1);
+  CHECK(play_of(world, "C").position == Approx(std::fmod(601, 7)));
+  world.step(3.9);
+  CHECK(world.take().empty());
+  world.step(4.5);
+  CHECK(world.take() == Lines{"4.5 C.isActive FALSE"});
+  CHECK(play_of(world, "C").position == Approx(std::fmod(604, 7)));  // stopTime, not the step
+}
+
+TEST_CASE("with its defaults an AudioClip plays nothing, and one that is over when the world begins does not (4.6.9)") {
+  World world("Sound { source DEF C AudioClip { } } " + kMovie + "startTime 990 } } }");
+  world.start();
+  CHECK(came(world, "M", 5));
+  world.step(1);
+  CHECK(world.take() == Lines{"0 M.duration_changed 5"});
+  World within(kMovie + "startTime 990 } } }");
+  within.start();
+  CHECK(came(within, "M", 15));
+  CHECK(within.take() == Lines{"0 M.duration_changed 15", "0 M.isActive TRUE"});
+  within.step(5);
+  CHECK(within.take() == Lines{"5 M.isActive FALSE"});
+}
+
+TEST_CASE("a clip that is started while it is still to come plays from where it would be when it has (6.4)") {
+  World world(kClip + "} } Sound { source DEF D AudioClip { url \"b.wav\" } } Sound { source DEF E AudioClip { } }");
+  world.start();
+  world.step(1);
+  for (const char* target : {"C.startTime", "D.startTime", "E.startTime"}) world.send(target, SFTime{1001});
+  CHECK(world.take("isActive") == Lines{"1 C.isActive TRUE", "1 D.isActive TRUE"});  // nothing comes for E
+  world.step(3);
+  CHECK(came(world, "C", 4));
+  CHECK(came(world, "D", -1));
+  CHECK(world.take() == Lines{"3 C.duration_changed 4", "3 D.duration_changed -1", "3 D.isActive FALSE"});
+  CHECK(play_of(world, "C").position == Approx(2));
+  world.step(6);
+  CHECK(world.take() == Lines{"6 C.isActive FALSE"});
+}
+
+TEST_CASE(
+    "while active, set_pitch, set_speed, set_startTime and an early set_stopTime are ignored (4.6.9, 6.4, 6.28)") {
+  World world(kClip + "loop TRUE } } " + kMovie + "loop TRUE } } }");
+  world.start();
+  (void)world.take();
+  world.step(1);
+  world.send("C.pitch", SFFloat{2});
+  world.send("M.speed", SFFloat{2});
+  for (const std::string name : {"C", "M"}) {
+    world.send(name + ".startTime", SFTime{1005});
+    world.send(name + ".stopTime", SFTime{-1});
+  }
+  CHECK(world.take().empty());
+  CHECK(play_of(world, "C").rate == 1);
+  CHECK(play_of(world, "M").rate == 1);
+  CHECK(play_of(world, "C").start == 0);
+  world.step(2);
+  world.send("C.stopTime", SFTime{1002});  // to what is now: it ends
+  world.send("M.loop", SFBool{true});
+  CHECK(world.take() == Lines{"2 C.stopTime 1002", "2 C.isActive FALSE", "2 M.loop TRUE"});
+  world.send("C.pitch", SFFloat{2});
+  CHECK(world.take() == Lines{"2 C.pitch 2"});
+}
+
+TEST_CASE("set_loop FALSE lets the cycle that runs end a clip (4.6.9)") {
+  World world(kClip + "startTime 1000 loop TRUE } }");
+  world.start();
+  (void)came(world, "C", 2);
+  (void)world.take();
+  world.step(5);
+  world.send("C.loop", SFBool{false});
+  world.step(5.9);
+  CHECK(world.take() == Lines{"5 C.loop FALSE"});
+  world.step(6);
+  CHECK(world.take() == Lines{"6 C.isActive FALSE"});
+}
+
+TEST_CASE("stopTime and startTime set at one time start a clip anew (4.6.9)") {
+  World world(kClip + "startTime 1000 loop TRUE } }");
+  world.start();
+  (void)came(world, "C", 2);
+  world.step(3);
+  (void)world.take();
+  world.send("C.startTime", SFTime{1003});
+  world.send("C.stopTime", SFTime{1003});
+  CHECK(world.take() == Lines{"3 C.stopTime 1003", "3 C.isActive FALSE", "3 C.startTime 1003"});
+  world.step(3.5);
+  CHECK(world.take() == Lines{"3.5 C.isActive TRUE"});
+  CHECK(play_of(world, "C").position == Approx(0.5));
+}
+
+TEST_CASE("a MovieTexture plays backwards where speed is negative, and not at all where it is 0 (6.28)") {
+  World world(kMovie +
+              "speed -2 startTime 1001 } } } Shape { appearance Appearance { texture DEF Z MovieTexture { "
+              "url \"b.mpg\" speed 0 startTime 1001 } } }");
+  world.start();
+  (void)came(world, "M", 5);
+  (void)came(world, "Z", 5);
+  CHECK(play_of(world, "M").position == 5);  // the last picture before it was ever active
+  CHECK(play_of(world, "Z").position == 0);
+  world.step(1);
+  (void)world.take();
+  world.step(2);
+  CHECK(play_of(world, "M").position == Approx(3));  // t = duration - ((now - startTime) modulo abs(duration/speed))
+  CHECK(play_of(world, "Z").position == 0);
+  world.step(3.5);
+  CHECK(world.take() == Lines{"3.5 M.isActive FALSE"});
+  CHECK(play_of(world, "M").position == 0);
+  world.step(100);
+  CHECK(play_of(world, "Z").active);  // no cycle of it ends
+}
+
+TEST_CASE("the picture of the time at which a movie became inactive stays (6.28)") {
+  World world(kMovie + "startTime 1000 stopTime 1002.25 loop TRUE } } }");
+  world.start();
+  (void)came(world, "M", 1.5);
+  world.step(2);
+  world.step(4);
+  CHECK_FALSE(play_of(world, "M").active);
+  CHECK(play_of(world, "M").position == Approx(0.75));
+  world.step(9);
+  CHECK(play_of(world, "M").position == Approx(0.75));
+  // A stopTime that is set to what has passed means the present.
+  World other(kMovie + "startTime 1000 loop TRUE } } }");
+  other.start();
+  (void)came(other, "M", 4);
+  other.step(3);
+  other.send("M.stopTime", SFTime{1001});
+  CHECK_FALSE(play_of(other, "M").active);
+  CHECK(play_of(other, "M").position == Approx(3));
+}
+
+TEST_CASE("what is against the standard in a clip counts as by default, and nothing else plays (6.4)") {
+  World world(kClip + "pitch -1 startTime 1000 } } Sound { source DEF D AudioClip { url \"b.wav\" startTime 1000 } }");
+  world.start();
+  (void)came(world, "C", 2);
+  (void)came(world, "D", 0);
+  CHECK(play_of(world, "C").rate == 1);
+  CHECK(play_of(world, "C").end == 1002);
+  CHECK_FALSE(play_of(world, "D").active);
+  CHECK_FALSE(world.execution().media_play(world.scene(), {}));
+}
+
+}  // namespace media_clock_test
+}  // namespace gs::vrml::traces

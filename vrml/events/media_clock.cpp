@@ -1,0 +1,223 @@
+#include "vrml/events/behaviour.h"
+#include "vrml/events/execution.h"
+#include "vrml/events/states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gs::vrml {
+namespace {
+
+// Of AudioClip and MovieTexture; `rate`: pitch or speed.
+struct Media {
+  enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url };
+};
+
+constexpr double kUnending = std::numeric_limits<double>::infinity();
+
+MediaState& state_of_media(Execution& execution, EventNode node) {
+  return execution.states().media[execution.state_of(node)];
+}
+
+struct MediaFields {
+  double start, stop, rate;
+  bool loop;
+};
+
+MediaFields media_fields(const Execution& execution, EventNode node, bool backwards) {
+  MediaFields f{execution.get<SFTime>(node, Media::start_time), execution.get<SFTime>(node, Media::stop_time),
+                execution.get<SFFloat>(node, Media::rate), execution.get<SFBool>(node, Media::loop)};
+  // Against the standard, which wants a pitch of (0,inf), and numbers: as by default.
+  if (!std::isfinite(f.rate) || (!backwards && !(f.rate > 0))) f.rate = 1;
+  return f;
+}
+
+MediaFields media_fields(const Execution& execution, EventNode node) {
+  return media_fields(execution, node, execution.behaviour_of(node).media_backwards);
+}
+
+// The length of one playing (6.4, 6.28); never ends where that is not known, or nothing moves.
+double cycle_of(const MediaFields& f, const MediaState& state) {
+  return state.duration >= 0 && f.rate != 0 ? state.duration / std::abs(f.rate) : kUnending;
+}
+
+// Whether a sound or movie may still come; what never comes has no cycle.
+bool may_come(const Execution& execution, EventNode node, const MediaState& state) {
+  return !state.told && !execution.get<MFString>(node, Media::url).empty();
+}
+
+double end_of(const MediaFields& f, const MediaState& state) {
+  const double stop = f.stop > f.start ? f.stop : kUnending;
+  return f.loop ? stop : std::min(stop, f.start + (state.cycle + 1) * cycle_of(f, state));
+}
+
+// Of the sound or movie, in its own seconds: t of 6.4 and 6.28.
+double position_at(const MediaFields& f, const MediaState& state, double time, bool end_of_cycle) {
+  const bool known = state.duration >= 0;
+  if (f.rate == 0) return 0;
+  double played = std::max(0.0, time - f.start) * std::abs(f.rate);
+  if (known) played = end_of_cycle ? state.duration : state.duration > 0 ? std::fmod(played, state.duration) : 0;
+  if (f.rate > 0) return played;
+  return known ? state.duration - played : 0;
+}
+
+void media_start_if_due(Execution& execution, EventNode node, MediaState& state) {
+  const MediaFields f = media_fields(execution, node);
+  const double now = execution.now();
+  const bool delayed = std::exchange(state.delayed, false);
+  if (f.start > now) {
+    execution.call_at(node, f.start);
+    return;
+  }
+  const bool since_last_step = delayed || f.start > execution.previous();
+  const bool stopped = f.stop > f.start && now >= f.stop;
+  if (!(f.start <= now) || (stopped && !since_last_step)) return;
+  if (!f.loop) {
+    // What is still to come may be over when it has.
+    if (state.duration < 0 && (!may_come(execution, node, state) || !since_last_step)) return;
+    if (state.duration >= 0 && now >= f.start + cycle_of(f, state) && !since_last_step) return;
+  }
+  if (execution.has_sent(node, Media::is_active)) {
+    state.delayed = true;
+    execution.call_at(node, now);
+    return;
+  }
+  state.active = true;
+  state.cycle = 0;
+  execution.send(node, Media::is_active, SFBool{true});
+  execution.call_at(node, end_of(f, state));
+}
+
+void media_stop(Execution& execution, EventNode node, MediaState& state, const MediaFields& f, double end) {
+  const bool end_of_cycle = !f.loop && end >= f.start + (state.cycle + 1) * cycle_of(f, state);
+  // A stopTime that was set to what has passed means the present.
+  state.held = position_at(f, state, std::max(end, state.stop_set), end_of_cycle);
+  state.holds = true;
+  state.active = false;
+  execution.send(node, Media::is_active, SFBool{false});
+  // Stopped and started anew at one time: the stop counts first (4.6.9).
+  if (state.new_start_at == execution.now()) {
+    execution.send(node, Media::start_time, SFTime{state.new_start});
+    media_start_if_due(execution, node, state);
+  }
+}
+
+void media_time(Execution& execution, EventNode node) {
+  MediaState& state = state_of_media(execution, node);
+  if (!state.active) {
+    media_start_if_due(execution, node, state);
+    return;
+  }
+  const MediaFields f = media_fields(execution, node);
+  const bool over = !f.loop && state.duration < 0 && !may_come(execution, node, state);
+  const double end = over ? std::min(end_of(f, state), execution.now()) : end_of(f, state);
+  if (execution.now() < end) {
+    execution.call_at(node, end);
+  } else if (execution.has_sent(node, Media::is_active)) {
+    execution.call_at(node, execution.now());  // it has begun with this timestamp, and ends with the next one
+  } else {
+    media_stop(execution, node, state, f, end);
+  }
+}
+
+// 4.6.9, 6.4, 6.28: while active, set_startTime, set_pitch and set_speed are ignored, and set_stopTime to what is not
+// after startTime.
+bool media_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  MediaState& state = state_of_media(execution, node);
+  execution.look_again(node);
+  if (!state.active) return true;
+  const MediaFields f = media_fields(execution, node);
+  switch (event) {
+    case Media::rate:
+      return false;
+    case Media::stop_time:
+      if (!(std::get<SFTime>(value) > f.start)) return false;
+      state.stop_set = execution.now();
+      return true;
+    case Media::start_time:
+      state.new_start = std::get<SFTime>(value);
+      state.new_start_at = execution.now();
+      return false;
+    case Media::loop: {
+      // The cycle that runs is the last one where it does not loop any more.
+      const double cycles = (execution.now() - f.start) / cycle_of(f, state);
+      state.cycle = f.loop && std::isfinite(cycles) ? std::max(0.0, std::floor(cycles)) : state.cycle;
+      return true;
+    }
+    default:
+      return true;
+  }
+}
+
+void media_begin(Execution& execution, EventNode node) {
+  auto& media = execution.states().media;
+  if (!media.has_spare() && !execution.afford(sizeof(MediaState))) return;
+  execution.state_of(node) = media.take();
+  execution.look_again(node);
+}
+
+void media_removed(Execution& execution, EventNode node) {
+  execution.states().media.give_back(execution.state_of(node));
+}
+
+// False: something was sent with this timestamp already.
+bool media_came(Execution& execution, EventNode node, double duration) {
+  if (execution.has_sent(node, Media::duration_changed)) return false;
+  MediaState& state = state_of_media(execution, node);
+  state.told = true;
+  state.duration = duration >= 0 && std::isfinite(duration) ? duration : -1;
+  execution.send(node, Media::duration_changed, SFTime{state.duration});
+  execution.look_again(node);
+  return true;
+}
+
+MediaPlay media_play(Execution& execution, EventNode node) {
+  const MediaState& state = state_of_media(execution, node);
+  const MediaFields f = media_fields(execution, node);
+  MediaPlay play;
+  play.active = state.active;
+  play.loop = f.loop;
+  play.start = f.start;
+  play.end = end_of(f, state);
+  play.rate = f.rate;
+  play.duration = state.duration;
+  play.position = state.active  ? position_at(f, state, execution.now(), false)
+                  : state.holds ? state.held
+                                : position_at(f, state, f.start, false);
+  return play;
+}
+
+constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
+  Behaviour behaviour;
+  behaviour.events = {"loop", rate, "startTime", "stopTime", "duration_changed", "isActive", "url"};
+  behaviour.initialize = media_begin;
+  behaviour.on_event = media_event;
+  behaviour.on_time = media_time;
+  behaviour.on_remove = media_removed;
+  behaviour.media_came = media_came;
+  behaviour.media_play = media_play;
+  behaviour.media_backwards = backwards;
+  return behaviour;
+}
+
+}  // namespace
+
+constexpr Behaviour kAudioClipBehaviour = media_behaviour("pitch", false);
+constexpr Behaviour kMovieTextureBehaviour = media_behaviour("speed", true);
+
+bool Execution::media_came(const SceneGraph& scene, NodeId id, double duration) {
+  const EventNode node = event_node(scene, id);
+  if (node == 0 || !nodes_[node].schema->behaviour || !behaviour_of(node).media_came) return true;
+  const bool sent = behaviour_of(node).media_came(*this, node, duration);
+  drain();
+  return sent;
+}
+
+std::optional<MediaPlay> Execution::media_play(const SceneGraph& scene, NodeId id) {
+  const EventNode node = event_node(scene, id);
+  if (node == 0 || !nodes_[node].schema->behaviour || !behaviour_of(node).media_play) return std::nullopt;
+  return behaviour_of(node).media_play(*this, node);
+}
+
+}  // namespace gs::vrml
