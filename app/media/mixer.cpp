@@ -18,25 +18,25 @@ constexpr double kMostApart = 0.02;  // seconds: a sound that is farther from wh
 constexpr double kNear = 0.02;       // of a pair: as exactly as times since 1970 are known, and more
 constexpr double kFastest = 64;      // of the file's samples a sample: beyond, nobody hears anything
 constexpr int kLobes = 8;            // of the filter, on each side
-constexpr int kSteps = 512;          // of its table, a lobe
+constexpr int kFilterSteps = 512;    // of its table, a lobe
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// sin(x) / x in a window, for resampling.
 struct SincFilter {
-  std::array<float, static_cast<std::size_t>(kLobes* kSteps) + 2> values{};
+  std::array<float, static_cast<std::size_t>(kLobes* kFilterSteps) + 2> values{};
   SincFilter() {
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double x = static_cast<double>(i) / kSteps, pi = glm::pi<double>();
+      const double x = static_cast<double>(i) / kFilterSteps, pi = glm::pi<double>();
       if (x >= kLobes) continue;
-      const double sinc = i == 0 ? 1 : i % kSteps == 0 ? 0 : std::sin(pi * x) / (pi * x);
+      const double sinc = i == 0 ? 1 : i % kFilterSteps == 0 ? 0 : std::sin(pi * x) / (pi * x);
       const double window = 0.42 + 0.5 * std::cos(pi * x / kLobes) + 0.08 * std::cos(2 * pi * x / kLobes);
       values[i] = static_cast<float>(sinc * window);
     }
   }
   [[nodiscard]] float at(double x) const {
-    const double place = std::abs(x) * kSteps;
+    const double place = std::abs(x) * kFilterSteps;
     const auto i = static_cast<std::size_t>(place);
-    if (i >= static_cast<std::size_t>(kLobes * kSteps)) return 0;
+    if (i >= static_cast<std::size_t>(kLobes * kFilterSteps)) return 0;
     const auto part = static_cast<float>(place - static_cast<double>(i));
     return values[i] + part * (values[i + 1] - values[i]);
   }
