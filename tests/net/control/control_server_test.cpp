@@ -251,7 +251,7 @@ TEST_CASE("Who does not say the token in time, or says another, is sent away wit
 TEST_CASE("A thousand who say nothing neither fill memory nor keep out who knows the token") {
   Served served([](ControlServerOptions& options) { options.terms.limits.strangers = 20; });
   std::vector<std::unique_ptr<LineClient>> crowd;
-  const std::size_t before = test::resident();
+  [[maybe_unused]] const std::size_t before = test::resident();
   for (int i = 0; i < 1000; ++i) {
     // The system has room for so many descriptors of ours.
     if (crowd.size() >= 200) crowd.erase(crowd.begin());
@@ -264,7 +264,9 @@ TEST_CASE("A thousand who say nothing neither fill memory nor keep out who knows
   CHECK(served.server->send(news.client, "answer"));
   CHECK(known.line() == "answer");
   CHECK(served.server->connections() <= 22);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what was freed
   CHECK(test::resident() < before + (std::size_t{32} << 20));
+#endif
 }
 
 TEST_CASE("No more clients are admitted than the limit, and the one too many is told") {
@@ -284,7 +286,7 @@ TEST_CASE("A client that floods is not read from until its messages are taken, a
     options.terms.limits.waiting_messages = 100;
     options.terms.limits.waiting_bytes = 100'000;
   });
-  const std::size_t before = test::resident();
+  [[maybe_unused]] const std::size_t before = test::resident();
   std::atomic<bool> done = false;
   constexpr int kMessages = 20'000;
   std::thread flood([&] {
@@ -298,7 +300,9 @@ TEST_CASE("A client that floods is not read from until its messages are taken, a
   Served::until([&] { return served.server->connections() == 1; });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   CHECK_FALSE(done);  // 20 MB do not fit into what may wait and the buffers of the system
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what was freed
   CHECK(test::resident() < before + (std::size_t{64} << 20));
+#endif
   LineClient other(served.path());
   other.send(kToken + "\nother\n");
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
