@@ -216,9 +216,10 @@ bool follow_bound_viewpoint(View& view) {
   // Where one that jumped is popped, the viewer goes back to where he stood.
   const glm::dmat4 left = take_left(view);
   if (popped && popped_jump)
-    view.navigation = travel_to(view.navigation, pose_of(world_from_viewer(view.home) * left, viewpoint.field_of_view));
+    view.navigation =
+        travel_to(view.navigation, pose_of(world_from_viewer(view.home) * left, viewpoint.field_of_view), true);
   else if (!popped && viewpoint.jump)
-    view.navigation = travel_to(view.navigation, view.home);
+    view.navigation = travel_to(view.navigation, view.home, true);
   return true;
 }
 

@@ -288,7 +288,10 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
     return next;
   }
   const NavigationInput input = clean(raw);
-  if (input.any()) next.transition.reset();
+  if (input.any()) {
+    if (next.transition && next.transition->jump) next.pose = next.transition->to;
+    next.transition.reset();
+  }
   if (next.transition) {
     advance_transition(next, seconds);
   } else {
@@ -335,9 +338,9 @@ Navigation with_mode(Navigation state, NavigationMode mode) {
   return state;
 }
 
-Navigation travel_to(Navigation state, const Pose& pose) {
+Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   state = with_mode(std::move(state), state.mode);
-  state.transition = Transition{state.pose, valid(pose, state.pose)};
+  state.transition = Transition{.from = state.pose, .to = valid(pose, state.pose), .jump = jump};
   return state;
 }
 

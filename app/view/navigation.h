@@ -112,6 +112,7 @@ struct NavigationInput {
 struct Transition {
   Pose from, to;
   float elapsed = 0, duration = 0.4f;  // seconds
+  bool jump = false;                   // of the world: who moves meanwhile is there at once (6.53), not left on the way
 };
 
 /// Everything that navigation remembers. A plain value; `step` makes the next one from it.
@@ -150,8 +151,8 @@ struct Navigation {
 
 /// Changes the mode and stops what the old one was doing.
 [[nodiscard]] Navigation with_mode(Navigation state, NavigationMode mode);
-/// Starts a smooth way (0.4 s) to `pose`.
-[[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose);
+/// Starts a smooth way (0.4 s) to `pose`, which ends where the user moves; `jump`: see Transition.
+[[nodiscard]] Navigation travel_to(Navigation state, const Pose& pose, bool jump = false);
 /// Starts a way to where a thing that fills `bounds`, of which `point` is seen, fills most of the picture: looking at
 /// it from the present side, level. Who is inside of `bounds` goes nearer to the point. It is what EXAMINE turns about
 /// then.

@@ -49,6 +49,27 @@ TEST_CASE("Where a link leads is a jump cut unless the author says ANY (VRML97 6
   CHECK(navigation(cut).transition);
 }
 
+TEST_CASE("Whom the world takes to a Viewpoint gets there, also while he moves (VRML97 6.53)") {
+  for (const bool moves : {false, true}) {
+    INFO(moves);
+    OneWorld world("NavigationInfo { type [ \"FLY\" \"ANY\" ] } " + kTwoViews +
+                       "DEF T TimeSensor { loop TRUE startTime " + std::to_string(kStart + 0.5) +
+                       " } ROUTE T.isActive TO V.set_bind Shape { geometry Sphere { radius 0.1 } }",
+                   false);
+    if (moves) world.frame = world.session.step(kStart + 0.1, input_of({key(Kind::key_down, 'W')}));
+    for (int i = 2; i <= 20; ++i) world.frame = world.session.step(kStart + i * 0.1, input_of({}));
+    const double z = navigation(world).pose.position.z;
+    CHECK_FALSE(navigation(world).transition);
+    // A metre and a half at the speed of 1, behind the jump.
+    if (moves) {
+      CHECK(z > 70);
+      CHECK(z < 77);
+    } else {
+      CHECK(z == 77);
+    }
+  }
+}
+
 TEST_CASE("The description of an Anchor is told while the pointer is over it (VRML97 6.2)") {
   OneWorld world(kTwoViews + kAnchor);
   CHECK_FALSE(world.session.pointed().sensor);
