@@ -281,6 +281,8 @@ class Execution {
   [[nodiscard]] States& states() { return *states_; }
 
  private:
+  static constexpr std::size_t kDelivery = 16;  // elements of work that the delivery of an event counts
+
   struct Slot {
     std::uint32_t first = 0, last = 0;  // connections; 0: none
     std::uint64_t sent = 0;             // stamp_ of the last event

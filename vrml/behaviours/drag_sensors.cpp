@@ -1,5 +1,5 @@
-#include "vrml/events/pointing_sensors.h"
-#include "vrml/events/rotations.h"
+#include "vrml/behaviours/pointing_sensors.h"
+#include "vrml/behaviours/rotations.h"
 
 #include <glm/glm.hpp>
 

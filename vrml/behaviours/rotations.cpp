@@ -1,4 +1,4 @@
-#include "vrml/events/rotations.h"
+#include "vrml/behaviours/rotations.h"
 
 #include <glm/glm.hpp>
 

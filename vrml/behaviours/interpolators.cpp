@@ -1,5 +1,5 @@
+#include "vrml/behaviours/interpolation.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/interpolation.h"
 #include "vrml/events/states.h"
 #include "vrml/mesh/nurbs.h"
 

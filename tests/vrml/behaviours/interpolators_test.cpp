@@ -1,5 +1,5 @@
 #include "tests/vrml/events/trace.h"
-#include "vrml/events/interpolation.h"
+#include "vrml/behaviours/interpolation.h"
 
 #include <glm/glm.hpp>
 

@@ -1,4 +1,4 @@
-#include "vrml/events/pointing_sensors.h"
+#include "vrml/behaviours/pointing_sensors.h"
 
 #include <glm/glm.hpp>
 

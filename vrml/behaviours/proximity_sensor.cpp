@@ -1,5 +1,5 @@
+#include "vrml/behaviours/rotations.h"
 #include "vrml/events/execution.h"
-#include "vrml/events/rotations.h"
 #include "vrml/events/states.h"
 
 #include <glm/glm.hpp>

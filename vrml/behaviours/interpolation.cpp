@@ -1,6 +1,6 @@
-#include "vrml/events/interpolation.h"
+#include "vrml/behaviours/interpolation.h"
 
-#include "vrml/events/rotations.h"
+#include "vrml/behaviours/rotations.h"
 
 #include <glm/glm.hpp>
 
