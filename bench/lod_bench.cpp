@@ -6,7 +6,7 @@
 // what a cut takes, how much it decodes, how many pieces it has, how much is kept. A Markdown table.
 
 #include "app/formats/qnv/cloud_reader.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/lod/lod.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "app/base/read_file.h"
-#include "net/base/file.h"
 #include "net/base/reference_policy.h"
 #include "net/base/url.h"
+#include "net/files/file.h"
 
 #include <optional>
 #include <string>

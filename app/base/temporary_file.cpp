@@ -1,6 +1,6 @@
 #include "app/base/temporary_file.h"
 
-#include "net/base/file.h"
+#include "net/files/file.h"
 
 #include <filesystem>
 #include <string_view>

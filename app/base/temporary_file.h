@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/base/temporary_folder.h"
+#include "net/files/temporary_folder.h"
 
 #include <cstddef>
 #include <span>

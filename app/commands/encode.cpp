@@ -2,7 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/stream/container.h"
 
 #include <nlohmann/json.hpp>

@@ -4,8 +4,8 @@
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "app/formats/export/outline_text.h"
-#include "net/base/file.h"
 #include "net/base/url.h"
+#include "net/files/file.h"
 #include "qnv/order/order.h"
 #include "qnv/stream/container.h"
 

@@ -2,7 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 
 #include <sys/resource.h>
 #include <nlohmann/json.hpp>

@@ -8,7 +8,7 @@
 #include "app/world/left_out.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/scene/camera.h"

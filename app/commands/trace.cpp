@@ -5,7 +5,7 @@
 #include "app/session/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "vrml/syntax/printer.h"
 
 #include <charconv>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/base/world_budget.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "render/media/sample_reader.h"
 #include "vrml/scene/budget.h"
 

@@ -3,10 +3,10 @@
 #include "app/base/read_file.h"
 #include "app/streams/ranged_stream.h"
 #include "app/streams/stream_feed.h"
-#include "net/base/file.h"
 #include "net/base/reference_policy.h"
 #include "net/base/url.h"
 #include "net/cells/cell_receiver.h"
+#include "net/files/file.h"
 #include "net/load/loader.h"
 #include "vrml/scene/scene_graph.h"
 

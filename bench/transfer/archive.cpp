@@ -1,5 +1,5 @@
 #include "bench/transfer/tables.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/decode/decoder.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "app/encode/surface_triangles.h"
 #include "app/world/world_loader.h"
 #include "bench/mesh_files.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/outline/outline_stream.h"

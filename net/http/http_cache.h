@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "net/base/descriptor.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "net/http/cache_entry.h"
 
 namespace gs::net {

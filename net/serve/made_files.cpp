@@ -1,7 +1,7 @@
 #include "net/serve/made_files.h"
 
 #include "net/base/siphash.h"
-#include "net/base/temporary_folder.h"
+#include "net/files/temporary_folder.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "net/base/descriptor.h"
-#include "net/base/file_stamp.h"
+#include "net/files/file_stamp.h"
 
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/encode/encode_surface.h"
 
 #include <catch2/catch.hpp>

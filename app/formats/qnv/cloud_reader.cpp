@@ -2,7 +2,7 @@
 
 #include "app/base/gunzip.h"
 #include "app/formats/volume/volume.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/codec/loss.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_volume.h"

@@ -3,7 +3,7 @@
 #include "app/base/gunzip.h"
 #include "app/base/local_file.h"
 #include "app/formats/volume/volume_common.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "qnv/volume/volume_slices.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "app/base/gunzip.h"
 #include "app/formats/common/text_cursor.h"
-#include "net/base/file.h"
 #include "net/base/reference_policy.h"
+#include "net/files/file.h"
 #include "qnv/base/finite.h"
 #include "qnv/volume/volume_slices.h"
 

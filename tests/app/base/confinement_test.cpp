@@ -3,7 +3,7 @@
 
 #include "app/commands/options.h"
 #include "app/serve/child_program.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 

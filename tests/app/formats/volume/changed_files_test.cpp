@@ -1,7 +1,7 @@
 // Files that others change while they are read.
 #include "app/formats/volume/volume.h"
 #include "app/world/world_loading.h"
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/watched.h"
 

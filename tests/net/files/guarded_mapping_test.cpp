@@ -1,6 +1,6 @@
-#include "net/base/guarded_mapping.h"
+#include "net/files/guarded_mapping.h"
 
-#include "net/base/file.h"
+#include "net/files/file.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "net/base/descriptor.h"
-#include "net/base/file_stamp.h"
-#include "net/base/guarded_mapping.h"
+#include "net/files/file_stamp.h"
+#include "net/files/guarded_mapping.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "net/base/guarded_mapping.h"
+#include "net/files/guarded_mapping.h"
 
 #include <algorithm>
 #include <atomic>

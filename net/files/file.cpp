@@ -1,4 +1,4 @@
-#include "net/base/file.h"
+#include "net/files/file.h"
 
 #include "net/base/descriptor.h"
 

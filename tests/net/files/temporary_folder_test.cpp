@@ -1,4 +1,4 @@
-#include "net/base/temporary_folder.h"
+#include "net/files/temporary_folder.h"
 
 #include <catch2/catch.hpp>
 

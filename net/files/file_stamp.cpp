@@ -1,4 +1,4 @@
-#include "net/base/file_stamp.h"
+#include "net/files/file_stamp.h"
 
 #include "net/base/siphash.h"
 
