@@ -1,5 +1,5 @@
 // contact_sheet COLUMNS OUT.png PICTURE.png...: pictures of one size side by side, row by row.
-#include "net/base/file.h"
+#include "net/files/file.h"
 #include "render/image/image.h"
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include "app/control/control.h"
 #include "app/session/session.h"
 #include "net/control/control_server.h"
+#include "tests/app/control/queued_channel.h"
 #include "vrml/syntax/parser.h"
 
 #include <nlohmann/json.hpp>
@@ -44,19 +45,11 @@ double median(std::vector<double> values) {
   return values.empty() ? 0 : values[values.size() / 2];
 }
 
-class Pipe final : public ControlChannel {
+class Pipe final : public QueuedChannel {
  public:
-  [[nodiscard]] std::optional<net::ControlNews> next() override {
-    if (news.empty()) return std::nullopt;
-    net::ControlNews one = std::move(news.front());
-    news.pop_front();
-    return one;
-  }
   void send(std::uint64_t, std::string message) override {
     if (message.find("\"error\"") != std::string::npos) std::printf("%s\n", message.c_str());
   }
-  [[nodiscard]] bool is_behind(std::uint64_t) const override { return false; }
-  std::deque<net::ControlNews> news;
 };
 
 class Server final : public ControlChannel {

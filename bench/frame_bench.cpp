@@ -2,11 +2,11 @@
 // triangles, items and draw calls of a frame of 1024 x 768 pixels with 4 samples, and the medians of its time as a
 // picture and as a window has it: at rest, and while the viewer goes to the side by a thousandth of what he sees.
 // Milliseconds of the clock, and of the processor (all threads).
+#include "bench/world_file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/scene/render_scene.h"
-#include "vrml/syntax/parser.h"
 
 #include <glm/glm.hpp>
 
@@ -16,9 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -72,12 +70,8 @@ int main(int count, char** arguments) {
   std::printf("%-28s %9s %7s %7s %18s %18s %18s\n", "world, ms clock / processor", "triangles", "items", "calls",
               "picture", "window", "window, moving");
   for (int i = first; i < count; ++i) {
-    std::ifstream file(arguments[i], std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
     vrml::SceneGraph scene(arguments[i]);
-    vrml::Diagnostics diagnostics;
-    (void)vrml::parse(text.str(), scene, diagnostics);
+    bench::read_world(arguments[i], scene);
     const render::Images images;
     const render::Clouds clouds;
     render::MeshCache meshes;

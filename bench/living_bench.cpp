@@ -2,19 +2,17 @@
 // time to connect them and to gather everything, and of 600 frames of 1/60 s the median and the longest time of the
 // events, the median time in which the render list follows them, and, drawn in software at 1024 x 768, of the whole.
 // In milliseconds of one core; drawing takes what there are.
+#include "bench/world_file.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
 #include "render/scene/render_scene.h"
 #include "vrml/events/execution.h"
-#include "vrml/syntax/parser.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <variant>
 #include <vector>
 
@@ -61,12 +59,8 @@ int main(int count, char** arguments) {
   std::printf("%-32s %8s %10s %10s %10s %10s %10s %10s\n", "world", "ROUTEs", "connect", "gather", "events", "longest",
               "follow", "whole");
   for (int i = first; i < count; ++i) {
-    std::ifstream file(arguments[i], std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
     vrml::SceneGraph scene(arguments[i]);
-    vrml::Diagnostics diagnostics;
-    (void)vrml::parse(text.str(), scene, diagnostics);
+    bench::read_world(arguments[i], scene);
     const Clock::time_point connecting = Clock::now();
     vrml::Execution execution(scene);
     execution.start(kStart);

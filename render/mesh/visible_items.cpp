@@ -112,8 +112,11 @@ const std::vector<std::uint32_t>* VisibleItems::find(const RenderList& list, con
   if (kept.loose.size() > count / 2) return nullptr;
 
   found_bits_.assign((count + 63) / 64, 0);
-  const auto add = [&](std::uint32_t item) { found_bits_[item / 64] |= std::uint64_t{1} << item % 64; };
-  for (const std::uint32_t item : kept.loose) add(item);
+  const auto add = [&](std::uint32_t item) {
+    found_bits_[item / 64] |= std::uint64_t{1} << item % 64;
+    return true;
+  };
+  for (const std::uint32_t item : kept.loose) (void)add(item);
   kept.tree.visit_unless([&](const glm::vec3& lower, const glm::vec3& upper) { return frustum.misses(lower, upper); },
                          add);
   found_.clear();

@@ -55,7 +55,7 @@ class BoxTree {
   template <class Meet>
   void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
   /// Calls `meet(thing)` for things of boxes that `outside(lower, upper)` is not true of, nor of any around them, and
-  /// of some beside those.
+  /// of some beside those, until it returns false.
   template <class Outside, class Meet>
   void visit_unless(const Outside& outside, const Meet& meet) const;
 
@@ -126,22 +126,12 @@ void BoxTree::visit(const SightLine& line, const Meet& meet) const {
 
 template <class Meet>
 void BoxTree::visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const {
-  if (nodes_.empty()) return;
-  std::array<std::uint32_t, kDeepest> open;
-  std::size_t count = 0;
-  open[count++] = 0;
-  while (count > 0) {
-    const std::uint32_t place = open[--count];
-    const Node& node = nodes_[place];
-    bool apart = false;
-    for (int i = 0; i < 3; ++i) apart |= node.lower[i] > upper[i] || node.upper[i] < lower[i];
-    if (apart) continue;
-    for (std::uint32_t i = 0; i < node.count; ++i)
-      if (!meet(order_[node.place + i])) return;
-    if (node.count > 0) continue;
-    open[count++] = node.place;
-    open[count++] = place + 1;
-  }
+  const auto apart = [&](const glm::vec3& from, const glm::vec3& to) {
+    bool any = false;
+    for (int i = 0; i < 3; ++i) any |= from[i] > upper[i] || to[i] < lower[i];
+    return any;
+  };
+  visit_unless(apart, meet);
 }
 
 template <class Outside, class Meet>
@@ -154,7 +144,8 @@ void BoxTree::visit_unless(const Outside& outside, const Meet& meet) const {
     const std::uint32_t place = open[--count];
     const Node& node = nodes_[place];
     if (!(node.lower.x <= node.upper.x) || outside(node.lower, node.upper)) continue;
-    for (std::uint32_t i = 0; i < node.count; ++i) meet(order_[node.place + i]);
+    for (std::uint32_t i = 0; i < node.count; ++i)
+      if (!meet(order_[node.place + i])) return;
     if (node.count > 0) continue;
     open[count++] = node.place;
     open[count++] = place + 1;

@@ -28,19 +28,27 @@ inline Bytes bytes_of(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// A file of memory://a/. `rate`: bytes a second, 0 for all at once; `block`: how many come together then.
+inline void put(LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0,
+                std::size_t block = 64) {
+  options.memory->put("memory://a/" + name,
+                      [bytes = std::move(bytes), rate, block](const net::TransferRequest&, unsigned) {
+                        net::MemoryAnswer answer;
+                        answer.head.content_length = bytes.size();
+                        answer.body = bytes;
+                        answer.bytes_per_second = rate;
+                        if (rate > 0) answer.block = block;
+                        return answer;
+                      });
+}
+inline void put(LoadOptions& options, const std::string& name, const std::string& text) {
+  put(options, name, bytes_of(text));
+}
+
 /// The files of memory://a/.
 struct Site {
-  /// `rate`: bytes a second, 0 for all at once; `block`: how many come together then.
   void put(const std::string& name, Bytes bytes, std::uint64_t rate = 0, std::size_t block = 64) {
-    options.memory->put("memory://a/" + name,
-                        [bytes = std::move(bytes), rate, block](const net::TransferRequest&, unsigned) {
-                          net::MemoryAnswer answer;
-                          answer.head.content_length = bytes.size();
-                          answer.body = bytes;
-                          answer.bytes_per_second = rate;
-                          if (rate > 0) answer.block = block;
-                          return answer;
-                        });
+    late_worlds::put(options, name, std::move(bytes), rate, block);
   }
   void put(const std::string& name, const std::string& text, std::uint64_t rate = 0) {
     put(name, bytes_of(text), rate, 1);

@@ -2,6 +2,7 @@
 // written of a value is what was read.
 #include "app/control/control.h"
 #include "app/session/session.h"
+#include "tests/app/control/queued_channel.h"
 #include "tests/fuzz/app_targets.h"
 #include "vrml/syntax/parser.h"
 
@@ -16,21 +17,13 @@ using namespace gs::app;
 namespace gs::fuzz {
 namespace {
 
-class Lines final : public ControlChannel {
+class Lines final : public QueuedChannel {
  public:
-  [[nodiscard]] std::optional<net::ControlNews> next() override {
-    if (news.empty()) return std::nullopt;
-    net::ControlNews one = std::move(news.front());
-    news.pop_front();
-    return one;
-  }
   void send(std::uint64_t, std::string message) override {
     require(!check_json(message));
     answered = answered || message.find("\"result\"") != std::string::npos;
   }
-  [[nodiscard]] bool is_behind(std::uint64_t) const override { return false; }
 
-  std::deque<net::ControlNews> news;
   bool answered = false;
 };
 

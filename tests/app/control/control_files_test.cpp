@@ -2,6 +2,7 @@
 #include "controlled.h"
 
 #include "net/load/transport_memory.h"
+#include "tests/app/late_worlds.h"
 
 #include <chrono>
 #include <span>
@@ -16,15 +17,7 @@ using controlled::Json;
 
 const std::string kHeader = "#VRML V2.0 utf8\n";
 
-void put(LoadOptions& options, const std::string& name, const std::string& text) {
-  options.memory->put("memory://a/" + name, [text](const net::TransferRequest&, unsigned) {
-    net::MemoryAnswer answer;
-    answer.head.content_length = text.size();
-    const auto bytes = std::as_bytes(std::span(text));
-    answer.body = {bytes.begin(), bytes.end()};
-    return answer;
-  });
-}
+using late_worlds::put;
 
 /// A session in real time that reads memory://a/world.wrl, and a client.
 struct Site {

@@ -2,6 +2,7 @@
 
 #include "app/control/control.h"
 #include "app/session/session.h"
+#include "tests/app/control/queued_channel.h"
 #include "tests/app/worlds.h"
 
 #include <nlohmann/json.hpp>
@@ -21,15 +22,9 @@ namespace gs::app::controlled {
 
 using Json = nlohmann::json;
 
-/// Clients without sockets.
-class Channel final : public ControlChannel {
+/// Keeps what it is sent.
+class Channel final : public QueuedChannel {
  public:
-  [[nodiscard]] std::optional<net::ControlNews> next() override {
-    if (news.empty()) return std::nullopt;
-    net::ControlNews one = std::move(news.front());
-    news.pop_front();
-    return one;
-  }
   void send(std::uint64_t client, std::string message) override {
     INFO(message);
     CHECK(message.find('\n') == std::string::npos);
@@ -37,7 +32,6 @@ class Channel final : public ControlChannel {
   }
   [[nodiscard]] bool is_behind(std::uint64_t client) const override { return behind.contains(client); }
 
-  std::deque<net::ControlNews> news;
   std::map<std::uint64_t, std::vector<Json>> sent;
   std::set<std::uint64_t> behind;
 };

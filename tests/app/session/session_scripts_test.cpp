@@ -4,6 +4,7 @@
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "net/load/transport_memory.h"
+#include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
 
@@ -20,15 +21,7 @@ namespace {
 
 const std::string kHeader = "#VRML V2.0 utf8\n";
 
-void put(LoadOptions& options, const std::string& name, const std::string& text) {
-  options.memory->put("memory://a/" + name, [text](const net::TransferRequest&, unsigned) {
-    net::MemoryAnswer answer;
-    answer.head.content_length = text.size();
-    const auto bytes = std::as_bytes(std::span(text));
-    answer.body = {bytes.begin(), bytes.end()};
-    return answer;
-  });
-}
+using late_worlds::put;
 
 std::string packed(const std::string& text) {
   const std::vector<std::byte> bytes = gzip(std::as_bytes(std::span(text)));

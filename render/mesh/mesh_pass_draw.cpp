@@ -1,0 +1,92 @@
+#include "render/mesh/mesh_pass.h"
+
+#include <algorithm>
+
+// Batches of items become calls of OpenGL.
+namespace gs::render {
+namespace {
+
+// One frame draws no more than this: USE can ask for more than any driver ends in a day.
+constexpr std::size_t kMostPrimitives = std::size_t{1} << 28;
+
+std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
+
+}  // namespace
+
+/// Where somebody measures, the first primitive that a program draws is drawn on its own: drivers compile for a state
+/// of drawing when they first draw with it. The instance that it belongs to is then drawn.
+void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
+                          DrawPacer& pacer) {
+  const auto corners = static_cast<GLsizei>(corners_of(mesh.primitive));
+  {
+    const PhaseScope phase(gl_.phases, Phase::compile);
+    MeshStore::Slice one = mesh;
+    one.index_count = corners;
+    meshes_.draw(one, first, 1);
+  }
+  MeshStore::Slice rest = mesh;
+  rest.first_index += static_cast<std::size_t>(corners);
+  rest.index_count -= corners;
+  if (primitives > 1) draw_slices(rest, primitives - 1, first, 1, pacer);
+  ++first;
+  --count;
+}
+
+/// Instances of a mesh, `count` from `first` on, with pauses; as far as the pacer goes on.
+void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
+                           DrawPacer& pacer) {
+  while (count > 0 && !pacer.given_up()) {
+    const std::size_t room = pacer.room();
+    if (primitives <= room) {
+      const std::size_t some = std::min(room / primitives, count);
+      meshes_.draw(mesh, first, some);
+      pacer.spend(some * primitives);
+      first += some;
+      count -= some;
+      continue;
+    }
+    // One instance is too much: a part of its primitives at a time.
+    const std::size_t corners = corners_of(mesh.primitive);
+    MeshStore::Slice part = mesh;
+    for (std::size_t drawn = 0; drawn < primitives && !pacer.given_up();) {
+      const std::size_t some = std::min(pacer.room(), primitives - drawn);
+      part.first_index = mesh.first_index + corners * drawn;
+      part.index_count = static_cast<GLsizei>(corners * some);
+      meshes_.draw(part, first, 1);
+      pacer.spend(some);
+      drawn += some;
+    }
+    ++first;
+    --count;
+  }
+}
+
+void MeshPass::draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer) {
+  for (const Batch& batch : batches_) {
+    if (pacer.given_up()) return;
+    const Prepared& prepared = prepared_[batch.prepared];
+    const std::size_t corners = corners_of(prepared.slice->primitive);
+    const std::size_t primitives =
+        std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);
+    const std::size_t count = std::min(batch.count, (kMostPrimitives - primitives_) / primitives);
+    if (count == 0) continue;
+    primitives_ += primitives * count;
+    apply(prepared.state, projection);
+    MeshStore::Slice slice = *prepared.slice;
+    if (prepared.sorted != kUnsorted) {
+      slice.first_index = prepared.sorted;
+      slice.sorted = true;
+    }
+    std::size_t first = batch.first, left = count;
+    if (VariantProgram& used = *program(prepared.state.variant); gl_.phases && !used.drawn) {
+      used.drawn = true;
+      draw_first(slice, first, left, primitives, pacer);
+    }
+    draw_slices(slice, primitives, first, left, pacer);
+    statistics.items += count;
+    ++statistics.draw_calls;
+    if (corners == 3) statistics.triangles += primitives * count;
+  }
+}
+
+}  // namespace gs::render
