@@ -14,10 +14,11 @@ namespace gs::app {
 std::optional<std::string> check_encode(const Options& options) {
   if ((options.vectors > 0) + (options.fraction > 0) + options.max_bytes_given > 1)
     return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
-  if (options.packed && options.records) return "--packed and --records exclude each other; expected one of them";
+  if (options.packed + options.records + options.displaced > 1)
+    return "--displaced, --packed and --records exclude each other; expected one of them";
   if (options.outlines) {
-    if (options.packed || options.records || options.vectors > 0 || options.fraction > 0)
-      return "--outlines goes with none of --packed, --records, --vectors and --fraction";
+    if (options.packed || options.records || options.displaced || options.vectors > 0 || options.fraction > 0)
+      return "--outlines goes with none of --displaced, --packed, --records, --vectors and --fraction";
     const std::string& out = options.files.back();
     if (!out.ends_with(".wrl") && !out.ends_with(".wrz") && !out.ends_with(".qnv"))
       return "expected OUT.wrl, OUT.wrz or OUT.qnv as the second file, not '" + out + "'";

@@ -8,6 +8,7 @@
 #include "net/files/file.h"
 #include "qnv/codec/payloads.h"
 #include "qnv/decode/decoder.h"
+#include "qnv/displaced/surface.h"
 #include "qnv/lod/lod.h"
 #include "qnv/outline/outline_stream.h"
 #include "qnv/volume/volume_slices.h"
@@ -71,6 +72,9 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
     if (type == qnv::ChunkType::packed) {
       const auto read = qnv::read_cluster_header(payload);
       if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;
+    } else if (type == qnv::ChunkType::displaced) {
+      const auto header = qnv::displaced::decode_cluster_header(payload);
+      if (header) level = header->kind == qnv::displaced::ClusterHeader::Kind::base ? 0 : header->level;
     } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
       level = std::to_integer<int>(payload.front());
       vectors = (payload.size() - qnv::kRecordsHeaderBytes) / qnv::kRecordBytes;
@@ -87,17 +91,17 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
 void put_levels(Json& json, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
                 std::span<const std::byte> bytes) {
   const bool packed = header.payload == qnv::Payload::packed;
+  const bool layers = header.payload == qnv::Payload::records;
   std::map<int, Level> levels = levels_of(bytes);
   // Of an octree those are counted that no finer ones have replaced.
   if (packed)
     for (const qnv::Cell& cell : cloud.cells)
       if (cell.edge > 0) ++levels[static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)))].vectors;
   Json list = Json::array();
-  for (const auto& [level, l] : levels)
-    list.push_back({{packed ? "level" : "layer", level},
-                    {"chunks", l.chunks},
-                    {"bytes", l.bytes},
-                    {packed ? "shown" : "vectors", l.vectors}});
+  for (const auto& [level, l] : levels) {
+    list.push_back({{layers ? "layer" : "level", level}, {"chunks", l.chunks}, {"bytes", l.bytes}});
+    if (packed || layers) list.back()[packed ? "shown" : "vectors"] = l.vectors;
+  }
   json["levels"] = std::move(list);
 }
 

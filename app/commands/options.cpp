@@ -357,7 +357,15 @@ constexpr OptionRow kOptions[] = {
      "encode ", set_fraction},
     {"--isovalue", "V", "", "the surface of a volume where it has this value, in the place of its gradients",
      "encode export ", set_isovalue},
-    {"--packed", "", "", "entropy-coded octree: fewest bytes, for surfaces (the default for them)", "encode ",
+    {"--displaced", "", "",
+     "base mesh and displacements along its normals: the best picture of a surface (the default where a base follows "
+     "it)",
+     "encode ",
+     [](Options& o, const std::string&) {
+       o.displaced = true;
+       return Problem{};
+     }},
+    {"--packed", "", "", "entropy-coded octree, for surfaces of many small parts (the default for them)", "encode ",
      [](Options& o, const std::string&) {
        o.packed = true;
        return Problem{};

@@ -59,7 +59,7 @@ struct Options {
   double fraction = 0;           // 0: not asked for
   bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
   std::optional<double> isovalue;
-  bool packed = false, records = false;
+  bool packed = false, records = false, displaced = false;
   bool outlines = false;
   std::optional<double> tolerance;  // of outline groups, units; none: by the model's size
   double merge = 0;                 // of their polygons, units

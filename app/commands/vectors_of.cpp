@@ -156,8 +156,17 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   encode_options.two_sided = surface.two_sided;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);
-  const qnv::PayloadRow& payload = qnv::row_of(options.records ? qnv::Payload::records : qnv::Payload::packed);
-  auto encoded = payload.encode(std::cref(surface.source), std::move(encode_options), &progress.whole());
+  const auto encode_as = [&](qnv::Payload payload) {
+    return qnv::row_of(payload).encode(std::cref(surface.source), encode_options, &progress.whole());
+  };
+  // A number of vectors is the octree's to choose; a base is as fine as its source.
+  const bool counted = encode_options.vectors > 0;
+  encode_options.only_if_suited = !options.displaced;
+  auto encoded = encode_as(options.records                                     ? qnv::Payload::records
+                           : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
+                                                                               : qnv::Payload::displaced);
+  if (const auto* problem = std::get_if<EncodeError>(&encoded); problem && problem->unsuited)
+    encoded = encode_as(qnv::Payload::packed);
   if (std::holds_alternative<EncodeError>(encoded) && !surface.problem->empty() && !progress.cancelled())
     return EncodeError{*surface.problem};
   return encoded;
@@ -240,7 +249,9 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     if (options.fraction > 0) return EncodeError{"--fraction is of a volume's voxels; with --isovalue use --vectors"};
     return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
   }
-  if (options.packed) return EncodeError{"--packed is for surfaces made of triangles; leave it out"};
+  if (options.packed || options.displaced)
+    return EncodeError{std::string(options.packed ? "--packed" : "--displaced") +
+                       " is for surfaces made of triangles; leave it out"};
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
     encode_options.metadata = metadata_of(input, path, cloud->description.metadata);

@@ -81,6 +81,9 @@ struct Cloud {
   std::vector<Rgb8> colors;
   std::vector<std::uint8_t> classes;
   std::vector<Cell> cells;  // of discs that came from an octree
+  /// Three numbers of vectors a triangle, counter-clockwise seen from outside: where there are some, the vectors are the
+  /// vertices of a surface, which is closed between them however near it is seen.
+  std::vector<std::uint32_t> triangles;
   Rgb8 color;
   /// Where the vectors come from when there are too many, or too many too small, to keep all of them: then the
   /// arrays are empty, and every view takes its own cut (lod.h).

@@ -38,6 +38,12 @@ Encoded encode_groups(const EncodeSource& source, EncodeOptions, Progress* progr
   return encode_outlines(polygons->groups, polygons->appearances, polygons->options, progress);
 }
 
+Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const TriangleSource* triangles = triangles_of(source);
+  if (!triangles) return EncodeError{"a displaced stream is made of a surface; expected triangles"};
+  return encode_displaced(*triangles, options, progress);
+}
+
 template <class Decoder>
 void read(Decoder& decoder, std::span<const std::byte> stream, DecodedStream& into) {
   (void)decoder.push(stream);
@@ -63,13 +69,15 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
   return decoded;
 }
 
-constexpr std::array<PayloadRow, 3> kRows = {{
+constexpr std::array<PayloadRow, 4> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, ChunkType::records, ChunkType::records, kRecordsHeaderBytes,
      kRecordBytes, 1200 / kRecordBytes, encode_records, decode_vectors},
     {Payload::packed, "packed", PayloadReader::levels, ChunkType::packed, ChunkType::packed, 0, 0, 0, encode_packed,
      decode_vectors},
     {Payload::outlines, "outlines", PayloadReader::polygons, ChunkType::outlines, ChunkType::inner, 0, 0, 0,
      encode_groups, decode_polygons},
+    {Payload::displaced, "displaced", PayloadReader::vectors, ChunkType::displaced, ChunkType::displaced, 0, 0, 0,
+     encode_base_and_displacements, decode_vectors},
 }};
 
 // The table is in the order of the enumeration.

@@ -1,5 +1,9 @@
 #include "qnv/decode/decoder.h"
 
+#include "qnv/displaced/subdivision.h"
+
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -13,11 +17,114 @@ constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
 }  // namespace
 
 bool StreamDecoder::push(std::span<const std::byte> bytes) {
-  return reader_.push(
+  const bool good = reader_.push(
       bytes, [this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { add(type, payload); });
+  begin_surface();
+  return good;
+}
+
+// The first stage is a part of the header: it is there before any chunk.
+void StreamDecoder::begin_surface() {
+  if (begun_ || !header() || header()->payload != Payload::displaced) return;
+  begun_ = true;
+  if (auto first = displaced::decode_stage(header()->base))
+    add_stage(0, std::move(*first));
+  else
+    ++refused_chunks_;
+}
+
+void StreamDecoder::add_stage(int number, displaced::StageHeader stage) {
+  const displaced::Patches patches(stage.base.triangles, static_cast<std::uint32_t>(stage.base.vertices.size()));
+  while (stage.depth > 0 && patches.vertices_at(stage.depth) > most_vectors_) {
+    full_ = true;
+    --stage.depth;
+  }
+  stages_.emplace(number, displaced::Surface(std::move(stage), header()->description.box));
+  ++revision_;
+  vectors_ = this->stage() ? this->stage()->slots().vertices_at(shown_level(*this->stage())) : 0;
+  const auto [first, last] = waiting_.equal_range(number);
+  std::vector<std::vector<std::byte>> ready;
+  for (auto i = first; i != last; ++i) {
+    waiting_bytes_ -= cost(i->second);
+    ready.push_back(std::move(i->second));
+  }
+  waiting_.erase(first, last);
+  for (const auto& payload : ready) add_displaced(payload);
+}
+
+void StreamDecoder::add_displaced(std::span<const std::byte> payload) {
+  begin_surface();
+  const auto cluster = displaced::decode_cluster_header(payload);
+  if (!cluster) {
+    ++refused_chunks_;
+    return;
+  }
+  if (cluster->kind == displaced::ClusterHeader::Kind::base) {
+    if (stages_.contains(cluster->stage)) return;  // bases come more than once, so that one gets through
+    auto stage = displaced::decode_stage(payload.subspan(cluster->bytes));
+    if (stage)
+      add_stage(cluster->stage, std::move(*stage));
+    else
+      ++refused_chunks_;
+    return;
+  }
+  const auto found = stages_.find(cluster->stage);
+  if (found == stages_.end()) {
+    if (waiting_bytes_ + cost(payload) > kMostWaitingBytes) {
+      ++refused_chunks_;
+      return;
+    }
+    waiting_bytes_ += cost(payload);
+    waiting_.emplace(cluster->stage, std::vector<std::byte>(payload.begin(), payload.end()));
+    return;
+  }
+  if (!found->second.add(*cluster, payload)) {
+    ++refused_chunks_;
+    return;
+  }
+  ++revision_;
+  vectors_ = stage()->slots().vertices_at(shown_level(*stage()));
+}
+
+const displaced::Surface* StreamDecoder::stage() const {
+  for (auto i = stages_.rbegin(); i != stages_.rend(); ++i)
+    if (i->second.clusters() >= static_cast<std::size_t>(i->second.header().clusters)) return &i->second;
+  return stages_.empty() ? nullptr : &stages_.begin()->second;
+}
+
+int StreamDecoder::shown_level(const displaced::Surface& surface) {
+  // One level beyond what has arrived is smooth, and costs nothing.
+  return std::min(std::max(surface.header().depth, 0), surface.finest() + 1);
+}
+
+void StreamDecoder::append_surface(Cloud& cloud) const {
+  const displaced::Surface& surface = *stage();
+  const int level = shown_level(surface);
+  const std::vector<glm::vec3> places = surface.positions(level);
+  const std::vector<Rgb8> colors = surface.vertex_colors(level);
+  cloud.normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
+  const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
+  cloud.positions.reserve(vertex_of.size());
+  for (const std::uint32_t v : vertex_of) cloud.positions.push_back(places[v]);
+  if (!colors.empty()) {
+    cloud.colors.reserve(vertex_of.size());
+    for (const std::uint32_t v : vertex_of) cloud.colors.push_back(colors[v]);
+  }
+  cloud.triangles = surface.triangles(level);
+  // A vector stands for a third of the triangles round it.
+  cloud.weights.assign(cloud.positions.size(), std::numeric_limits<float>::min());
+  for (std::size_t i = 0; i + 2 < cloud.triangles.size(); i += 3) {
+    const std::uint32_t* t = cloud.triangles.data() + i;
+    const glm::vec3 a = cloud.positions[t[0]];
+    const float third = glm::length(glm::cross(cloud.positions[t[1]] - a, cloud.positions[t[2]] - a)) / 6;
+    for (std::size_t k = 0; k < 3; ++k) cloud.weights[t[k]] += third;
+  }
+  for (glm::vec3& n : cloud.normals)
+    if (n == glm::vec3(0)) n = {0, 0, 1};
 }
 
 void StreamDecoder::finish() {
+  begin_surface();
   reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { add(type, payload); });
 }
 
@@ -33,6 +140,8 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     add_packed(payload);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
     add_records(payload, missing);
+  } else if (type == ChunkType::displaced && header()->payload == Payload::displaced) {
+    add_displaced(payload);
   } else {
     ++refused_chunks_;
   }
@@ -143,6 +252,7 @@ Cloud StreamDecoder::cloud() const {
   cloud.description = header()->description;
   cloud.color = header()->color;
   if (records_) append_records(cloud);
+  if (stage()) append_surface(cloud);
   for (const auto& [id, held] : clusters_) {
     const std::size_t size = held.refined.size();
     for (std::size_t i = 0; i < size;) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/displaced/surface.h"
 #include "qnv/packed/packed.h"
 #include "qnv/records/records_assembly.h"
 #include "qnv/stream/container.h"
@@ -49,6 +50,13 @@ class StreamDecoder {
     std::vector<bool> refined;  // a voxel: its children have arrived
   };
   void add_packed(std::span<const std::byte> payload);
+  void begin_surface();
+  void add_stage(int number, displaced::StageHeader stage);
+  [[nodiscard]] static int shown_level(const displaced::Surface& surface);
+  void add_displaced(std::span<const std::byte> payload);
+  /// The last stage of which enough has come to take the place of those before; null: none.
+  [[nodiscard]] const displaced::Surface* stage() const;
+  void append_surface(Cloud& cloud) const;
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
   void take(Cluster cluster);
@@ -58,10 +66,13 @@ class StreamDecoder {
   std::uint64_t revision_ = 0;
   std::size_t voxels_ = 0;  // of all clusters, also where discs were refined
   bool full_ = false;
+  bool begun_ = false;   // displaced: the first stage was read
   bool rooted_ = false;  // the cluster without a parent has arrived
   std::map<std::uint32_t, Held> clusters_;
   std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the parent that has not arrived
-  mutable std::optional<RecordsAssembly> records_;                // files what arrived only when it is asked
+  std::map<int, displaced::Surface> stages_;
+  std::multimap<int, std::vector<std::byte>> waiting_;  // clusters of stages whose base has not come
+  mutable std::optional<RecordsAssembly> records_;      // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -1,8 +1,8 @@
 #include "qnv/encode/encode_surface.h"
 
-#include "qnv/base/finite.h"
 #include "qnv/base/voxels.h"
 #include "qnv/encode/stream_writer.h"
+#include "qnv/encode/survey.h"
 #include "qnv/packed/packed.h"
 
 #include <glm/geometric.hpp>
@@ -20,36 +20,14 @@ constexpr double kVoxelsPerArea = 1.5;
 // What a disc costs about, for --max-bytes: few enough bits that the budget is filled to its end.
 constexpr double kLeastBitsPerVector = 3.5;
 
-struct Survey {
-  Box box;
-  double area = 0, volume = 0;
-  glm::dvec3 facing{0};  // sum of all triangles' normals times their areas
-  std::size_t triangles = 0;
-  bool colored = false;
-  Rgb8 color;
-};
-
-bool survey(const TriangleSource& source, Survey& out, Progress* progress) {
+bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {
-    for (const Triangle& t : triangles) {
-      if (!finite(t.positions[0]) || !finite(t.positions[1]) || !finite(t.positions[2])) continue;
-      for (const glm::vec3& p : t.positions) out.box.add(p);
-      const glm::dvec3 a(t.positions[0]), b(t.positions[1]), c(t.positions[2]);
-      const glm::dvec3 facing = 0.5 * glm::cross(b - a, c - a);
-      out.area += glm::length(facing);
-      out.facing += facing;
-      out.volume += glm::dot(a, facing) / 3;
-      if (out.triangles++ == 0) out.color = t.colors[0];
-      for (const Rgb8& color : t.colors) out.colored = out.colored || color != out.color;
-    }
+    out.add(triangles);
     return !(progress && progress->cancelled.load());
   });
 }
 
-// The areas of a closed surface cancel, and it encloses something: then its inside is never seen.
-bool closed(const Survey& s) { return glm::length(s.facing) < 1e-4 * s.area && s.volume > 0; }
-
-int level_for(double vectors, const Survey& s, const Cube& cube) {
+int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
   const double faces = s.area / (static_cast<double>(cube.edge) * cube.edge);
   int level = 1;
   while (level < kDeepestLevel && kVoxelsPerArea * faces * std::pow(4.0, level) < vectors) ++level;
@@ -59,7 +37,7 @@ int level_for(double vectors, const Survey& s, const Cube& cube) {
 // Voxels as vectors: where the surface lies in them, on average. A voxel that the surface only cuts at a corner has a
 // small area, but one vector stands for as much of the surface as its neighbours: the area of every block of four
 // voxels along an edge is shared out evenly, so that it is still conserved, and discs of one size leave no gaps.
-Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const Survey& s) {
+Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
   Cloud cloud;
   const float edge = cube.edge / static_cast<float>(1 << level);
   std::size_t block = 0, block_end = 0;
@@ -118,10 +96,9 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
                                                         Progress* progress) {
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
-  Survey s;
+  SurfaceSurvey s;
   if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
-  if (!(s.area > 0) || !std::isfinite(s.area) || !finite(s.box.size()))
-    return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   std::size_t vectors = options.vectors;
   if (vectors == 0)
     vectors = options.max_bytes != 0
@@ -132,7 +109,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   header.colored = s.colored;
   header.color = s.color;
   header.cube = Cube::around(s.box);
-  header.description.two_sided = options.two_sided && !closed(s);
+  header.description.two_sided = options.two_sided && !s.closed();
   header.description.box = s.box;
   header.description.total = s.area;
   header.description.metadata = options.metadata;

@@ -23,12 +23,14 @@ struct EncodeOptions {
   bool compact = false;       // packed: fewer bits a vector, a rougher picture at the end
   std::uint64_t seed = 1;     // of the order of records
   bool two_sided = false;
+  bool only_if_suited = false;  // displaced: give up (EncodeError::unsuited) where an octree follows the surface better
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
 
 struct EncodeError {
   std::string message;
+  bool unsuited = false;  // another payload follows such a source better
 };
 
 /// A whole stream: its bytes and what its header says.
@@ -43,6 +45,13 @@ struct EncodedStream {
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source,
                                                                       const EncodeOptions& options,
                                                                       Progress* progress = nullptr);
+
+/// Encodes a surface as a base mesh and displacements along its normals (displaced/surface.h), which a base cannot
+/// follow where it is no surface but a heap of triangles. All triangles are held in memory. The same bytes for the same
+/// input and options, whatever the threads.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source,
+                                                                        const EncodeOptions& options,
+                                                                        Progress* progress = nullptr);
 
 /// Encodes vectors that are there already (a volume's gradients, imported splats) as records.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const EncodeOptions& options,

@@ -1,5 +1,7 @@
 #include "render/scene/collector.h"
 
+#include "render/scene/surface_mesh.h"
+
 #include "vrml/scene/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -368,12 +370,19 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   RenderSources::Item source;
   source.geometry = &parent.scene->node(geometry);
   source.appearance = resources_.appearance_nodes(*parent.scene, shape);
-  if (const auto cloud = clouds_.find(source.geometry); cloud != clouds_.end() && cloud->second) {
+  const auto cloud = clouds_.find(source.geometry);
+  const bool vectors = cloud != clouds_.end() && cloud->second;
+  if (vectors && cloud->second->triangles.empty()) {
     add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
     return;
   }
   dmat4 world_from_node = parent.world_from_local;
-  if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
+  if (vectors) {
+    item.surface = cloud->second;
+    item.mesh = resources_.surface_mesh(cloud->second);
+    dress_surface(item);
+    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, item.mesh->indices.size() / 3)) return;
+  } else if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
     item.mesh = resources_.primitive(*parent.scene, geometry, 0);
     source.scale = *scale;
     world_from_node = glm::scale(world_from_node, dvec3(*scale));

@@ -1,5 +1,7 @@
 #include "render/scene/mesh_cache.h"
 
+#include "render/scene/surface_mesh.h"
+
 #include "render/scene/late_meshes.h"
 
 #include <algorithm>
@@ -30,6 +32,15 @@ void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::
   }
   entry.refused = mesh->left_out && !budget->stopped();
   entry.mesh = std::move(mesh);
+}
+
+std::shared_ptr<const vrml::Mesh> MeshCache::surface_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
+  SurfaceEntry& entry = surfaces[cloud.get()];
+  if (entry.mesh && entry.cloud.lock() == cloud) return entry.mesh;
+  entry = {cloud, mesh_of_surface(*cloud)};
+  const auto mesh = entry.mesh;
+  std::erase_if(surfaces, [](const auto& each) { return each.second.cloud.expired(); });
+  return mesh;
 }
 
 void MeshCache::forget(const vrml::Node* node) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/base/cloud.h"
 #include "render/base/phases.h"
 #include "render/image/image.h"
 #include "vrml/mesh/mesh.h"
@@ -56,6 +57,14 @@ struct MeshCache {
   /// Boxes, cones, cylinders and spheres of the default measures, by type, flags and fineness: worlds have thousands,
   /// which share one mesh under different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
+
+  /// Of vectors with triangles between them, while those are there.
+  struct SurfaceEntry {
+    std::weak_ptr<const qnv::Cloud> cloud;
+    std::shared_ptr<const vrml::Mesh> mesh;
+  };
+  std::unordered_map<const qnv::Cloud*, SurfaceEntry> surfaces;
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Cloud>& cloud);
 
   /// Who makes large meshes of what changes, while the former ones stay; null: each is made when it is asked for.
   std::shared_ptr<LateMeshes> late;

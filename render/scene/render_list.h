@@ -69,6 +69,7 @@ struct DrawItem {
   bool seen = true;                               // false: the proxy of a Collision (6.8)
   bool met = true;                                // false: the viewer goes through it
   bool overlay = false;                           // fixed to the viewer: drawn over everything that is not
+  std::shared_ptr<const qnv::Cloud> surface;      // whose vectors are the mesh's vertices: a QNV node; else null
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.

@@ -1,5 +1,7 @@
 #include "render/scene/render_scene.h"
 
+#include "render/scene/surface_mesh.h"
+
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -325,7 +327,7 @@ bool RenderScene::refine_texts() {
 // False where the whole is to be gathered: it shows what it did not, or no longer.
 bool RenderScene::renew_geometry(std::uint32_t i) {
   DrawItem& item = list_->items[i];
-  if (item.place == kNoPlace) return false;
+  if (item.place == kNoPlace || item.surface) return false;
   const Place& place = list_->places[item.place];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
@@ -346,6 +348,7 @@ void RenderScene::dress_item(std::uint32_t index) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   if (!splat) {
     resources_.dress(list_->items[index], *place.scene, shape);
+    dress_surface(list_->items[index]);
     ++list_->dressed;
     return;
   }

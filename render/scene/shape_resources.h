@@ -52,6 +52,10 @@ class ShapeResources {
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
+  /// The mesh of vectors with triangles between them.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud) {
+    return meshes_.surface_of(cloud);
+  }
   /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures, with those that are coarser. `fineness`: of
   /// kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,

@@ -1,0 +1,153 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+// Adaptive binary range coding (G. N. N. Martin, 1979; carries as in LZMA). Small clusters cannot afford tables of
+// probabilities, nor the 32 bytes that eight states end with (rans.h); they learn from what they decode. The bytes are
+// defined in FORMAT.md, "Binary range coding".
+
+/// What a yes is worth: a probability of 1/65536 that learns, fast at first.
+struct BitModel {
+  std::uint16_t one = 32768;  // probability of a 1
+  std::uint8_t seen = 0;      // decisions, at most kMostSeen
+
+  static constexpr std::uint8_t kMostSeen = 30;
+  /// 65536 / (n + 3/2), rounded down.
+  static constexpr std::array<std::uint16_t, kMostSeen + 1> kRates = [] {
+    std::array<std::uint16_t, kMostSeen + 1> rates{};
+    for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
+    return rates;
+  }();
+  void learn(bool bit) {
+    const std::int32_t target = bit ? 65535 : 0;
+    const std::int32_t change = (target - one) * static_cast<std::int64_t>(kRates[seen]) >> 16;
+    one = static_cast<std::uint16_t>(one + change);
+    seen = static_cast<std::uint8_t>(seen + (seen < kMostSeen ? 1 : 0));
+  }
+  /// Of 65536, never 0 and never all.
+  [[nodiscard]] std::uint32_t probability() const { return std::clamp<std::uint32_t>(one, 64, 65536 - 64); }
+};
+
+class BinaryEncoder {
+ public:
+  void put(BitModel& model, bool bit) {
+    const auto bound = static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * model.probability() >> 16);
+    model.learn(bit);
+    narrow(bit, bound);
+  }
+  /// Equally likely bits, the highest first.
+  void put_bits(std::uint32_t value, int bits) {
+    for (int i = bits; i-- > 0;) narrow((value >> i & 1) != 0, range_ >> 1);
+  }
+  /// The bytes. Zeros at the end are left out: a decoder reads them anyway.
+  [[nodiscard]] std::vector<std::byte> finish();
+  /// How many bytes there are by now, about.
+  [[nodiscard]] std::size_t size() const { return bytes_.size() + pending_; }
+
+ private:
+  void narrow(bool bit, std::uint32_t bound) {
+    if (bit) {
+      range_ = bound;
+    } else {
+      low_ += bound;
+      range_ -= bound;
+    }
+    while (range_ < 1u << 24) {
+      shift();
+      range_ <<= 8;
+    }
+  }
+  void shift();
+
+  std::vector<std::byte> bytes_;
+  std::uint64_t low_ = 0;  // bit 32: a carry into what was handed out
+  std::uint32_t range_ = 0xffffffff;
+  std::uint8_t cache_ = 0;
+  std::size_t pending_ = 0;  // bytes of 255 behind the cache, which a carry would change
+  bool first_ = true;        // nothing is in the cache
+};
+
+/// Reads what BinaryEncoder wrote; of other bytes, something. Never reads outside of them: behind their end are zeros.
+class BinaryDecoder {
+ public:
+  explicit BinaryDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
+    for (int i = 0; i < 4; ++i) code_ = code_ << 8 | next();
+  }
+  bool get(BitModel& model) {
+    const auto bound = static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * model.probability() >> 16);
+    const bool bit = decide(bound);
+    model.learn(bit);
+    return bit;
+  }
+  std::uint32_t get_bits(int bits) {
+    std::uint32_t value = 0;
+    for (int i = 0; i < bits; ++i) value = value << 1 | (decide(range_ >> 1) ? 1u : 0u);
+    return value;
+  }
+
+ private:
+  bool decide(std::uint32_t bound) {
+    const bool bit = code_ < bound;
+    if (bit) {
+      range_ = bound;
+    } else {
+      code_ -= bound;
+      range_ -= bound;
+    }
+    while (range_ < 1u << 24) {
+      code_ = code_ << 8 | next();
+      range_ <<= 8;
+    }
+    return bit;
+  }
+  std::uint32_t next() { return at_ < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at_++]) : 0; }
+
+  std::span<const std::byte> bytes_;
+  std::size_t at_ = 0;
+  std::uint32_t range_ = 0xffffffff, code_ = 0;
+};
+
+/// A whole number from 0 up: unary steps with models of their own as far as `Steps`, then Exp-Golomb of order 0 whose
+/// prefix learns too.
+template <std::size_t Steps>
+struct NumberModel {
+  std::array<BitModel, Steps> more;
+  std::array<BitModel, 24> prefix;
+
+  void put(BinaryEncoder& encoder, std::uint32_t value) {
+    for (std::size_t i = 0; i < Steps; ++i) {
+      encoder.put(more[i], value > i);
+      if (value <= i) return;
+    }
+    const std::uint32_t rest = value - static_cast<std::uint32_t>(Steps) + 1;
+    const int bits = std::bit_width(rest) - 1;
+    for (int i = 0; i < bits; ++i) encoder.put(prefix[static_cast<std::size_t>(i)], true);
+    if (bits < 23) encoder.put(prefix[static_cast<std::size_t>(bits)], false);
+    encoder.put_bits(rest & ((1u << bits) - 1), bits);
+  }
+  std::uint32_t get(BinaryDecoder& decoder) {
+    for (std::size_t i = 0; i < Steps; ++i)
+      if (!decoder.get(more[i])) return static_cast<std::uint32_t>(i);
+    int bits = 0;
+    while (bits < 23 && decoder.get(prefix[static_cast<std::size_t>(bits)])) ++bits;
+    return (1u << bits | decoder.get_bits(bits)) - 1 + static_cast<std::uint32_t>(Steps);
+  }
+};
+
+/// 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ...
+inline std::uint32_t zigzag(std::int32_t value) {
+  return static_cast<std::uint32_t>(value) << 1 ^ static_cast<std::uint32_t>(value >> 31);
+}
+inline std::int32_t unzigzag(std::uint32_t value) {
+  return static_cast<std::int32_t>(value >> 1) ^ -static_cast<std::int32_t>(value & 1);
+}
+
+}  // namespace gs::qnv::displaced

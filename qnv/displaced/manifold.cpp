@@ -1,0 +1,207 @@
+#include "qnv/displaced/manifold.h"
+
+#include "qnv/base/finite.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+namespace gs::qnv::displaced {
+namespace {
+
+std::uint64_t hash(const glm::vec3& p) {
+  std::uint64_t h = std::bit_cast<std::uint32_t>(p.x) * std::uint64_t{0x9e3779b97f4a7c15};
+  h = (h ^ h >> 29 ^ std::bit_cast<std::uint32_t>(p.y)) * std::uint64_t{0xbf58476d1ce4e5b9};
+  h = (h ^ h >> 32 ^ std::bit_cast<std::uint32_t>(p.z)) * std::uint64_t{0x94d049bb133111eb};
+  return h ^ h >> 31;
+}
+
+/// One side of a triangle.
+struct Side {
+  std::uint32_t low, high;  // its vertices
+  std::uint32_t at;         // 3 * triangle + corner where it begins
+};
+
+/// All sides, those between the same vertices beside each other.
+std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
+  std::vector<Side> sides;
+  sides.reserve(triangles.size() * 3);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      sides.push_back({std::min(a, b), std::max(a, b), 3 * t + k});
+    }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
+  });
+  return sides;
+}
+
+std::uint32_t find(std::vector<std::uint32_t>& sets, std::uint32_t i) {
+  while (sets[i] != i) i = sets[i] = sets[sets[i]];
+  return i;
+}
+
+bool same_edge(const Side& a, const Side& b) { return a.low == b.low && a.high == b.high; }
+std::uint32_t next(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+/// Corners at one vertex stay together where an edge of two triangles that turn the same way joins them; every fan of
+/// such gets a vertex of its own.
+void part_fans(SurfaceMesh& mesh) {
+  auto& triangles = mesh.triangles;
+  std::vector<std::uint32_t> sets(triangles.size() * 3);
+  std::iota(sets.begin(), sets.end(), 0u);
+  const auto vertex_at = [&](std::uint32_t corner) { return triangles[corner / 3][corner % 3]; };
+  const std::vector<Side> sides = sorted_sides(triangles);
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
+    if (end - i != 2) continue;
+    const std::uint32_t a = sides[i].at, b = sides[i + 1].at;
+    if (vertex_at(a) != vertex_at(next(b))) continue;
+    sets[find(sets, a)] = find(sets, next(b));
+    sets[find(sets, next(a))] = find(sets, b);
+  }
+  SurfaceMesh out;
+  std::vector<std::uint32_t> places(sets.size(), kNone);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Corners corners;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      std::uint32_t& place = places[find(sets, 3 * t + k)];
+      if (place == kNone) {
+        place = static_cast<std::uint32_t>(out.positions.size());
+        out.positions.push_back(mesh.positions[triangles[t][k]]);
+        if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[triangles[t][k]]);
+      }
+      corners[k] = place;
+    }
+    out.triangles.push_back(corners);
+  }
+  out.normals = std::move(mesh.normals);
+  mesh = std::move(out);
+}
+
+/// Where fans that meet again further on leave more than two sides at an edge, all triangles but the first get vertices
+/// of their own. False where there is no such edge.
+bool part_crowded_edges(SurfaceMesh& mesh) {
+  bool parted = false;
+  const std::vector<Side> sides = sorted_sides(mesh.triangles);
+  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+    for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
+    const auto begins = [&](std::size_t s) { return mesh.triangles[sides[s].at / 3][sides[s].at % 3]; };
+    if (end - i == 1 || (end - i == 2 && begins(i) != begins(i + 1))) continue;
+    for (std::size_t s = i + 1; s < end; ++s)
+      for (std::uint32_t& v : mesh.triangles[sides[s].at / 3]) {
+        mesh.positions.push_back(glm::vec3(mesh.positions[v]));
+        if (!mesh.colors.empty()) mesh.colors.push_back(Rgb8(mesh.colors[v]));
+        v = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+        parted = true;
+      }
+  }
+  return parted;
+}
+
+}  // namespace
+
+MeshBuilder::MeshBuilder(bool colored) : colored_(colored), table_(1 << 12, 0) {}
+
+void MeshBuilder::grow() {
+  table_.assign(table_.size() * 2, 0);
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    std::size_t at = hash(mesh_.positions[v]) & (table_.size() - 1);
+    while (table_[at] != 0) at = (at + 1) & (table_.size() - 1);
+    table_[at] = v + 1;
+  }
+}
+
+std::uint32_t MeshBuilder::vertex(const glm::vec3& position, Rgb8 color) {
+  const glm::vec3 p = position + 0.0f;  // -0 is 0
+  std::size_t at = hash(p) & (table_.size() - 1);
+  for (; table_[at] != 0; at = (at + 1) & (table_.size() - 1))
+    if (mesh_.positions[table_[at] - 1] == p) break;
+  if (table_[at] == 0) {
+    mesh_.positions.push_back(p);
+    if (colored_) {
+      sums_.emplace_back(0.0f);
+      counts_.push_back(0);
+    }
+    table_[at] = static_cast<std::uint32_t>(mesh_.positions.size());
+  }
+  const std::uint32_t v = table_[at] - 1;
+  if (colored_) {
+    sums_[v] += glm::vec3(color.r, color.g, color.b);
+    ++counts_[v];
+  }
+  if (mesh_.positions.size() * 2 > table_.size()) grow();
+  return v;
+}
+
+void MeshBuilder::add(std::span<const Triangle> triangles) {
+  for (const Triangle& t : triangles) {
+    if (!finite(t.positions[0]) || !finite(t.positions[1]) || !finite(t.positions[2])) continue;
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = vertex(t.positions[k], t.colors[k]);
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+    mesh_.triangles.push_back(corners);
+    std::array<glm::vec3, 3> normals = t.normals;
+    const glm::vec3 face = glm::cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]);
+    const float area = glm::length(face);
+    for (glm::vec3& n : normals) {
+      const float length = glm::length(n);
+      n = length > 0 && std::isfinite(length) ? n / length : area > 0 ? face / area : glm::vec3(0);
+    }
+    mesh_.normals.push_back(normals);
+  }
+}
+
+SurfaceMesh MeshBuilder::finish() {
+  auto& triangles = mesh_.triangles;
+  // Of triangles with the same corners one stays.
+  {
+    std::vector<std::pair<Corners, std::uint32_t>> same;
+    same.reserve(triangles.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      Corners sorted = triangles[t];
+      std::sort(sorted.begin(), sorted.end());
+      same.emplace_back(sorted, t);
+    }
+    std::sort(same.begin(), same.end());
+    std::vector<bool> twice(triangles.size(), false);
+    for (std::size_t i = 1; i < same.size(); ++i) twice[same[i].second] = same[i].first == same[i - 1].first;
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      if (!twice[t]) {
+        mesh_.normals[kept] = mesh_.normals[t];
+        triangles[kept++] = triangles[t];
+      }
+    triangles.resize(kept);
+    mesh_.normals.resize(kept);
+  }
+  SurfaceMesh out = std::move(mesh_);
+  mesh_ = {};
+  if (colored_)
+    for (std::size_t v = 0; v < out.positions.size(); ++v) {
+      const glm::vec3 c = sums_[v] / static_cast<float>(counts_[v]) + 0.5f;
+      out.colors.push_back(
+          {static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y), static_cast<std::uint8_t>(c.z)});
+    }
+  part_fans(out);
+  while (part_crowded_edges(out)) part_fans(out);
+  return out;
+}
+
+std::vector<std::array<std::uint32_t, 3>> neighbours_of(std::span<const Corners> triangles) {
+  std::vector<std::array<std::uint32_t, 3>> beside(triangles.size(), {kNone, kNone, kNone});
+  const std::vector<Side> sides = sorted_sides(triangles);
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    const Side &a = sides[i], &b = sides[i + 1];
+    if (a.low != b.low || a.high != b.high) continue;
+    beside[a.at / 3][a.at % 3] = b.at / 3;
+    beside[b.at / 3][b.at % 3] = a.at / 3;
+  }
+  return beside;
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/base/triangles.h"
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+/// A corner of three vertices, counter-clockwise seen from outside.
+using Corners = std::array<std::uint32_t, 3>;
+
+/// Triangles that share their vertices.
+struct SurfaceMesh {
+  std::vector<glm::vec3> positions;  // units of the source
+  std::vector<Rgb8> colors;          // one a vertex, or none at all
+  std::vector<Corners> triangles;
+  std::vector<std::array<glm::vec3, 3>> normals;  // for shading, a corner each, unit; or none at all
+};
+
+/// Gathers triangles and welds what lies at the same place.
+class MeshBuilder {
+ public:
+  /// `colored`: vertices get the mean of the colours at their place.
+  explicit MeshBuilder(bool colored);
+  /// Triangles that are not finite, or have no area, are left out.
+  void add(std::span<const Triangle> triangles);
+  /// A mesh in which every edge has one triangle a side or is a rim, and the triangles round every vertex are one fan:
+  /// double triangles are left out, and where more than two meet, or two turn different ways, the surface is cut.
+  [[nodiscard]] SurfaceMesh finish();
+
+ private:
+  std::uint32_t vertex(const glm::vec3& position, Rgb8 color);
+  void grow();
+
+  bool colored_;
+  SurfaceMesh mesh_;
+  std::vector<glm::vec3> sums_;        // of the colours of a vertex
+  std::vector<std::uint32_t> counts_;  // how many
+  std::vector<std::uint32_t> table_;   // open addressing: vertex + 1
+};
+
+/// Triangles beside triangles: neighbours[t][k] lies beside the edge from corner k to corner k + 1; kNone where the
+/// mesh ends. The mesh is as `MeshBuilder::finish` gives it.
+inline constexpr std::uint32_t kNone = 0xffffffff;
+[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> neighbours_of(std::span<const Corners> triangles);
+
+}  // namespace gs::qnv::displaced

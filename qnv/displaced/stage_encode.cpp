@@ -1,0 +1,439 @@
+#include "qnv/displaced/stage_encode.h"
+
+#include "qnv/displaced/cluster_coder.h"
+#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/subdivision.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::qnv::displaced {
+namespace {
+
+// A datagram holds a cluster with its head.
+constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
+// A residual below this part of a step is left out; of deeper levels, where it would only make the surface rough, more.
+constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
+// Triangles within this cosine of the direction looked for are the same side of the surface.
+constexpr float kSameSide = 0.2f;
+// A crease of the base runs within this part of its length of a line of the source.
+constexpr float kCreaseReach = 0.12f;
+// Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
+constexpr float kShadedApart = 0.94f;
+
+// Places of the target at which the error is looked at.
+constexpr std::size_t kErrorSamples = 20'000;
+
+SurfaceMesh lines_of(const SurfaceMesh& mesh) {
+  SurfaceMesh lines;
+  lines.positions = mesh.positions;
+  const auto beside = neighbours_of(mesh.triangles);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3], other = beside[t][k];
+      bool line = other == kNone;
+      if (!line && other > t && !mesh.normals.empty())
+        for (std::size_t l = 0; l < 3; ++l) {
+          if (mesh.triangles[other][l] == a)
+            line = line || glm::dot(mesh.normals[t][k], mesh.normals[other][l]) < kShadedApart;
+          if (mesh.triangles[other][l] == b)
+            line = line || glm::dot(mesh.normals[t][(k + 1) % 3], mesh.normals[other][l]) < kShadedApart;
+        }
+      if (line) lines.triangles.push_back({a, b, b});
+    }
+  return lines;
+}
+
+float mean_edge(const SurfaceMesh& mesh) {
+  double sum = 0;
+  for (const Corners& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += static_cast<double>(glm::length(mesh.positions[t[k]] - mesh.positions[t[(k + 1) % 3]]));
+  return mesh.triangles.empty() ? 0.0f : static_cast<float>(sum / (3.0 * static_cast<double>(mesh.triangles.size())));
+}
+
+glm::ivec3 luma_chroma(const glm::vec3& c) {
+  const int r = static_cast<int>(c.x + 0.5f), g = static_cast<int>(c.y + 0.5f), b = static_cast<int>(c.z + 0.5f);
+  const int co = r - b, t = b + (co >> 1), cg = g - t;
+  return {t + (cg >> 1), co, cg};
+}
+
+std::int16_t quantised(float value, float step, float dead) {
+  const float size = std::abs(value) / step;
+  if (!(size >= dead)) return 0;
+  const int whole = std::max(1, static_cast<int>(std::min(size, 32000.0f) + 0.5f));
+  return static_cast<std::int16_t>(value < 0 ? -whole : whole);
+}
+
+class StageEncoder {
+ public:
+  StageEncoder(const Target& target, const StageOptions& options, EncodedStage& out)
+      : target_(target), options_(options), out_(out) {}
+  void run(const SurfaceMesh& coarse, Progress* progress);
+
+ private:
+  void make_base(const SurfaceMesh& coarse);
+  void displace_base(Surface& surface);
+  void displace(Surface& surface, int level);
+  void color(Surface& surface);
+  void cut(Surface& surface, ClusterHeader header);
+  [[nodiscard]] float error_of(const Surface& surface) const;
+  void measure(Surface& surface, StageCluster& cluster);
+
+  const Target& target_;
+  const StageOptions& options_;
+  EncodedStage& out_;
+  // Of the level in work: as layer 0 has the vertices, and what every finer layer adds.
+  std::vector<glm::vec3> places_, normals_;
+  std::array<std::vector<glm::vec3>, kLayers> shifts_;
+  std::array<std::vector<glm::vec3>, kDeepestPatch + 1> level_places_, level_normals_;  // as they are in the end
+};
+
+void StageEncoder::make_base(const SurfaceMesh& coarse) {
+  std::size_t wanted = options_.triangles;
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const SurfaceMesh small = simplify(coarse, wanted);
+    BaseMesh base;
+    base.bits = small.triangles.size() > 8000   ? 11
+                : small.triangles.size() > 3000 ? 10
+                : small.triangles.size() > 1000 ? 9
+                                                : 8;
+    if (small.triangles.size() == coarse.triangles.size()) base.bits = 12;
+    const glm::vec3 size = options_.box.size();
+    const float longest = std::max({size.x, size.y, size.z});
+    const int cells = 1 << base.bits;
+    for (const glm::vec3& p : small.positions)
+      base.vertices.push_back(
+          glm::clamp(glm::ivec3(glm::floor((p - options_.box.lower) / longest * static_cast<float>(cells))),
+                     glm::ivec3(0), glm::ivec3(cells - 1)));
+    base.triangles = small.triangles;
+    const auto is_crease = [&](std::uint32_t a, std::uint32_t b) {
+      const glm::vec3 from = small.positions[a], to = small.positions[b];
+      const float reach = kCreaseReach * glm::length(to - from);
+      for (const float t : {0.25f, 0.5f, 0.75f})
+        if (target_.line(from + t * (to - from), reach).triangle == kNone) return false;
+      return true;
+    };
+    CodedBase coded = encode_base(base, is_crease);
+    out_.header.base = std::move(coded.mesh);
+    out_.header.colored = options_.colored;
+    out_.header.step_exponent = options_.step_exponent;
+    const auto triangles = static_cast<double>(std::max<std::size_t>(small.triangles.size(), 1));
+    const double ratio = static_cast<double>(target_.mesh().triangles.size()) / triangles;
+    out_.header.depth =
+        ratio <= 1 ? 0
+                   : std::clamp(static_cast<int>(std::ceil(std::log(ratio * 0.8) / std::log(4.0))), 1, kDeepestPatch);
+    out_.bytes = encode_stage(out_.header, coded.bytes);
+    if (options_.most_bytes == 0 || out_.bytes.size() <= options_.most_bytes) return;
+    const std::size_t less = wanted * options_.most_bytes / out_.bytes.size() * 97 / 100;
+    if (small.triangles.size() > wanted * 3 / 2) return;  // it will not become smaller
+    wanted = std::max<std::size_t>(less, 4);
+  }
+}
+
+void StageEncoder::displace_base(Surface& surface) {
+  places_ = surface.base_positions();
+  normals_ = surface.base_normals(places_);
+  const float cell = std::ldexp(1.0f, -surface.header().base.bits) * surface.step(0) *
+                     std::ldexp(1.0f, surface.header().step_exponent);
+  for (auto& shifts : shifts_) shifts.assign(places_.size(), glm::vec3(0));
+  for (std::size_t v = 0; v < places_.size(); ++v) {
+    const glm::vec3 n = normals_[v], from = places_[v];
+    float moved = 0;
+    for (int layer = 0; layer < options_.layers; ++layer) {
+      const float d = target_.distance(from + moved * n, n, 4 * cell);
+      const std::int16_t q = quantised(d, surface.step(layer), kDeadZone);
+      surface.numbers(layer, 0).normal[v] = q;
+      moved += surface.step(layer) * static_cast<float>(q);
+      if (layer == 0)
+        places_[v] += moved * n;
+      else
+        for (int l = layer; l < options_.layers; ++l)
+          shifts_[static_cast<std::size_t>(l)][v] += surface.step(layer) * static_cast<float>(q) * n;
+    }
+  }
+}
+
+void StageEncoder::displace(Surface& surface, int level) {
+  const Patches& patches = surface.patches();
+  normals_ = slot_normals(patches, surface.slots(), level - 1, places_);
+  std::vector<NewVertex> fresh;
+  std::vector<glm::vec3> next(patches.vertices_at(level));
+  std::array<std::vector<glm::vec3>, kLayers> next_shifts;
+  for (int layer = 1; layer < options_.layers; ++layer)
+    next_shifts[static_cast<std::size_t>(layer)].resize(next.size());
+  visit_level(
+      patches, surface.slots(), level, [&](const NewVertex& v) { fresh.push_back(v); },
+      [&](std::uint32_t v, std::uint32_t before) {
+        next[v] = places_[before];
+        for (std::size_t layer = 1; layer < static_cast<std::size_t>(options_.layers); ++layer)
+          next_shifts[layer][v] = shifts_[layer][before];
+      });
+  std::array<LevelNumbers*, kLayers> numbers{};
+  for (int layer = 0; layer < options_.layers; ++layer)
+    numbers[static_cast<std::size_t>(layer)] = &surface.numbers(layer, level);
+  const std::size_t lines_at = patches.base_vertices();
+  constexpr std::size_t kBlock = 4096;
+  parallel_for((fresh.size() + kBlock - 1) / kBlock,
+               [&](std::size_t block) {
+                 for (std::size_t i = block * kBlock; i < std::min(fresh.size(), (block + 1) * kBlock); ++i) {
+                   const NewVertex& v = fresh[i];
+                   const bool line = v.edge != kNone && patches.edges()[v.edge].line();
+                   const Prediction p = predict(v, line, places_, normals_);
+                   const float length = glm::length(places_[v.b] - places_[v.a]);
+                   glm::vec3 at = p.position;
+                   for (std::size_t layer = 0; layer < static_cast<std::size_t>(options_.layers); ++layer) {
+                     const float step = surface.step(static_cast<int>(layer));
+                     const float dead = level > 2 && step * 4 > length * 0.5f ? kDeeperDeadZone : kDeadZone;
+                     glm::vec3 from = at;
+                     if (layer > 0) from += 0.5f * (shifts_[layer][v.a] + shifts_[layer][v.b]);
+                     glm::vec3 by(0);
+                     if (line) {
+                       const SurfacePoint there = target_.line(from, 0.7f * length);
+                       if (there.triangle != kNone) {
+                         const glm::vec3 off = there.position - from;
+                         const std::int16_t q = quantised(glm::dot(off, p.normal), step, dead);
+                         const std::int16_t s = quantised(glm::dot(off, p.sideways), step, dead);
+                         numbers[layer]->normal[v.vertex] = q;
+                         numbers[layer]->sideways[v.vertex - lines_at] = s;
+                         by = step * (static_cast<float>(q) * p.normal + static_cast<float>(s) * p.sideways);
+                       }
+                     } else {
+                       const std::int16_t q = quantised(target_.distance(from, p.normal, 0.5f * length), step, dead);
+                       numbers[layer]->normal[v.vertex] = q;
+                       by = step * static_cast<float>(q) * p.normal;
+                     }
+                     if (layer == 0) {
+                       at += by;
+                       next[v.vertex] = at;
+                     } else {
+                       // What this layer adds, every finer one has, too.
+                       next_shifts[layer][v.vertex] = from + by - next[v.vertex];
+                       at += by;
+                     }
+                   }
+                 }
+               },
+               options_.threads);
+  places_ = std::move(next);
+  for (std::size_t layer = 1; layer < static_cast<std::size_t>(options_.layers); ++layer)
+    shifts_[layer] = std::move(next_shifts[layer]);
+}
+
+void StageEncoder::color(Surface& surface) {
+  const Patches& patches = surface.patches();
+  const glm::ivec3 steps(kLumaStep, kChromaStep, kChromaStep);
+  std::vector<glm::ivec3> now, next;
+  for (int level = 0; level <= surface.header().depth; ++level) {
+    auto& numbers = surface.colors(level);
+    const auto& places = level_places_[static_cast<std::size_t>(level)];
+    const auto& normals = level_normals_[static_cast<std::size_t>(level)];
+    const float reach = 4 * target_.edge() + std::ldexp(surface.step(0), surface.header().step_exponent - 6);
+    const auto set = [&](std::uint32_t v, glm::ivec3 predicted, const glm::vec3& normal) {
+      const glm::ivec3 wanted = luma_chroma(target_.color(places[v], normal, reach));
+      for (int c = 0; c < 3; ++c) {
+        const std::int16_t q =
+            quantised(static_cast<float>(wanted[c] - predicted[c]), static_cast<float>(steps[c]), 0.6f);
+        numbers[static_cast<std::size_t>(c)][v] = q;
+        predicted[c] += steps[c] * q;
+      }
+      return predicted;
+    };
+    next.resize(patches.vertices_at(level));
+    if (level == 0) {
+      const std::vector<glm::vec3> base = surface.base_normals(places);
+      for (std::uint32_t v = 0; v < next.size(); ++v) next[v] = set(v, {128, 0, 0}, base[v]);
+    } else {
+      visit_level(
+          patches, surface.slots(), level,
+          [&](const NewVertex& v) {
+            const glm::ivec3 sum = now[v.a] + now[v.b];
+            const glm::vec3 normal = normals[v.slot_a] + normals[v.slot_b];
+            const float length = glm::length(normal);
+            next[v.vertex] =
+                set(v.vertex, {sum.x >> 1, sum.y >> 1, sum.z >> 1}, length > 0 ? normal / length : glm::vec3(0, 0, 1));
+          },
+          [&](std::uint32_t v, std::uint32_t before) { next[v] = now[before]; });
+    }
+    now.swap(next);
+  }
+}
+
+void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
+  const Patches& patches = surface.patches();
+  const ClusterHeader& h = cluster.header;
+  const std::size_t n = std::size_t{1} << h.level;
+  const auto& places = level_places_[static_cast<std::size_t>(h.level)];
+  std::vector<std::uint32_t> grid;
+  double gain = 0, area = 0;
+  const auto of = [&](std::span<const std::int16_t> numbers, std::size_t v, double step) {
+    const double moved = step * numbers[v];
+    gain += moved * moved;
+  };
+  for (std::uint32_t p = h.first; p < h.first + h.count; ++p) {
+    patches.grid(p, h.level, grid);
+    for (const std::uint32_t v : grid) cluster.box.add(places[v]);
+    const glm::vec3 a = places[grid[0]], b = places[grid[n]], c = places[grid[row_start(n, n)]];
+    area += 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
+    std::vector<std::size_t> mine;
+    for (std::uint32_t k = 0; k < 3; ++k)
+      if (patches.owns(p, k))
+        for (std::size_t t = 0; t + 1 < n; t += 2) mine.push_back(patches.edge_start(patches.edge(p, k), h.level) + t);
+    const std::size_t lines = mine.size(), inner = patches.inner_start(p, h.level);
+    for (std::size_t i = 0; i < (n - 1) * (n - 2) / 2; ++i) mine.push_back(inner + i);
+    cluster.vertices += static_cast<std::uint32_t>(lines + ((n - 1) * (n - 2) / 2) * 3 / 4);
+    if (h.kind == ClusterHeader::Kind::color) {
+      auto& colors = surface.colors(h.level);
+      for (const std::size_t v : mine) {
+        of(colors[0], v, kLumaStep / 255.0);
+        of(colors[1], v, kChromaStep / 510.0);
+        of(colors[2], v, kChromaStep / 510.0);
+      }
+      continue;
+    }
+    LevelNumbers& numbers = surface.numbers(h.layer, h.level);
+    const auto step = static_cast<double>(surface.step(h.layer));
+    for (const std::size_t v : mine) of(numbers.normal, v, step);
+    if (!numbers.sideways.empty())
+      for (std::size_t i = 0; i < lines; ++i) of(numbers.sideways, mine[i] - patches.base_vertices(), step);
+  }
+  // A vertex stands for the part of the area that is its own.
+  if (h.kind == ClusterHeader::Kind::color) gain *= area / (h.count * static_cast<double>(n * n) / 2);
+  cluster.gain = gain;
+}
+
+void StageEncoder::cut(Surface& surface, ClusterHeader header) {
+  StageCluster cluster;
+  cluster.header = header;
+  cluster.payload = encode_cluster_header(header);
+  BinaryEncoder encoder;
+  if (header.kind == ClusterHeader::Kind::color) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
+      if (header.level == 1) coder.base(surface.colors(0)[channel]);
+      coder.level(header.level, surface.colors(header.level)[channel], {});
+    }
+  } else {
+    ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
+    if (header.level == 1) coder.base(surface.numbers(header.layer, 0).normal);
+    LevelNumbers& numbers = surface.numbers(header.layer, header.level);
+    coder.level(header.level, numbers.normal, numbers.sideways);
+  }
+  const std::vector<std::byte> body = encoder.finish();
+  cluster.payload.insert(cluster.payload.end(), body.begin(), body.end());
+  if (cluster.payload.size() > kMostClusterBytes && header.count > 1) {
+    const std::size_t parts = std::min<std::size_t>(
+        header.count, std::max<std::size_t>(2, (cluster.payload.size() + kAimedClusterBytes - 1) / kAimedClusterBytes));
+    for (std::size_t i = 0; i < parts; ++i) {
+      ClusterHeader part = header;
+      const auto from = static_cast<std::uint32_t>(header.count * i / parts);
+      const auto to = static_cast<std::uint32_t>(header.count * (i + 1) / parts);
+      part.first = header.first + from;
+      part.count = to - from;
+      cut(surface, part);
+    }
+    return;
+  }
+  measure(surface, cluster);
+  if (cluster.gain > 0 && cluster.payload.size() <= 65535) out_.clusters.push_back(std::move(cluster));
+}
+
+float StageEncoder::error_of(const Surface& surface) const {
+  SurfaceMesh made;
+  const int depth = surface.header().depth;
+  made.positions = level_places_[static_cast<std::size_t>(depth)];
+  std::vector<std::uint32_t> grid;
+  const std::size_t n = std::size_t{1} << depth;
+  for (std::uint32_t p = 0; p < surface.patches().size(); ++p) {
+    surface.patches().grid(p, depth, grid);
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i + j < n; ++i) {
+        const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
+        made.triangles.push_back({grid[row], grid[row + 1], grid[above]});
+        if (i + j + 1 < n) made.triangles.push_back({grid[row + 1], grid[above + 1], grid[above]});
+      }
+  }
+  const TriangleTree tree(made);
+  const std::vector<glm::vec3>& places = target_.mesh().positions;
+  const std::size_t step = std::max<std::size_t>(1, places.size() / kErrorSamples);
+  double sum = 0;
+  std::size_t count = 0;
+  const float most = 20 * target_.edge();
+  for (std::size_t v = 0; v < places.size(); v += step, ++count) {
+    const SurfacePoint near = tree.nearest(places[v], most, glm::vec3(0), -1.0f);
+    const auto d = static_cast<double>(near.triangle == kNone ? most : near.distance);
+    sum += d * d;
+  }
+  return static_cast<float>(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1))));
+}
+
+void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
+  make_base(coarse);
+  Surface surface(out_.header, options_.box);
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  const int depth = out_.header.depth;
+  displace_base(surface);
+  const auto keep = [&](int level) {
+    const auto l = static_cast<std::size_t>(level);
+    level_places_[l] = places_;
+    if (options_.layers > 1)
+      for (std::size_t v = 0; v < places_.size(); ++v)
+        level_places_[l][v] += shifts_[static_cast<std::size_t>(options_.layers - 1)][v];
+    if (level > 0) level_normals_[l] = normals_;
+  };
+  keep(0);
+  for (int level = 1; level <= depth && !cancelled(); ++level) {
+    displace(surface, level);
+    keep(level);
+  }
+  if (options_.colored && !cancelled()) color(surface);
+  out_.error = error_of(surface);
+  const std::uint32_t all = surface.patches().size();
+  for (int level = 1; level <= depth && !cancelled(); ++level) {
+    for (int layer = 0; layer < options_.layers; ++layer)
+      cut(surface, {ClusterHeader::Kind::displacement, options_.number, level, layer, 0, all, 0});
+    if (options_.colored) cut(surface, {ClusterHeader::Kind::color, options_.number, level, 0, 0, all, 0});
+  }
+}
+
+}  // namespace
+
+Target::Target(SurfaceMesh mesh)
+    : mesh_(std::move(mesh)), lines_(lines_of(mesh_)), tree_(mesh_), line_tree_(lines_), edge_(mean_edge(mesh_)) {}
+
+float Target::distance(const glm::vec3& from, const glm::vec3& normal, float reach) const {
+  const SurfacePoint hit = tree_.along(from, normal, reach, normal, kSameSide);
+  if (hit.triangle != kNone) return hit.distance + glm::dot(tree_.smooth(hit) - hit.position, normal);
+  const SurfacePoint near = tree_.nearest(from, reach, normal, kSameSide);
+  return near.triangle == kNone ? 0.0f : glm::dot(near.position - from, normal);
+}
+
+SurfacePoint Target::line(const glm::vec3& from, float reach) const {
+  return line_tree_.nearest(from, reach, glm::vec3(0), -1.0f);
+}
+
+glm::vec3 Target::color(const glm::vec3& from, const glm::vec3& normal, float reach) const {
+  SurfacePoint there = tree_.nearest(from, reach, normal, kSameSide);
+  if (there.triangle == kNone) there = tree_.nearest(from, 8 * reach, normal, -1.0f);
+  if (there.triangle == kNone) return glm::vec3(204);
+  const glm::vec3 weights = tree_.weights(there);
+  glm::vec3 sum(0);
+  for (int k = 0; k < 3; ++k) {
+    const Rgb8 c = mesh_.colors[mesh_.triangles[there.triangle][static_cast<std::size_t>(k)]];
+    sum += weights[k] * glm::vec3(c.r, c.g, c.b);
+  }
+  return glm::clamp(sum, glm::vec3(0), glm::vec3(255));
+}
+
+EncodedStage encode_stage_of(const Target& target, const SurfaceMesh& coarse, const StageOptions& options,
+                             Progress* progress) {
+  EncodedStage stage;
+  StageEncoder(target, options, stage).run(coarse, progress);
+  return stage;
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "qnv/base/parallel.h"
+#include "qnv/displaced/manifold.h"
+#include "qnv/displaced/surface.h"
+#include "qnv/displaced/triangle_tree.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+/// The surface that a stream stands for, as encoders look at it.
+class Target {
+ public:
+  explicit Target(SurfaceMesh mesh);
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
+  /// Mean length of an edge.
+  [[nodiscard]] float edge() const { return edge_; }
+  /// How far along `normal` the smooth surface lies from a place; 0 where it is not found within `reach`.
+  [[nodiscard]] float distance(const glm::vec3& from, const glm::vec3& normal, float reach) const;
+  /// The nearest place of a rim or of an edge whose sides are shaded apart; none within `reach`: kNone.
+  [[nodiscard]] SurfacePoint line(const glm::vec3& from, float reach) const;
+  /// The colour of the nearest place.
+  [[nodiscard]] glm::vec3 color(const glm::vec3& from, const glm::vec3& normal, float reach) const;
+
+ private:
+  SurfaceMesh mesh_, lines_;
+  TriangleTree tree_, line_tree_;
+  float edge_ = 0;
+};
+
+/// A cluster on its way into a stream.
+struct StageCluster {
+  ClusterHeader header;
+  std::vector<std::byte> payload;  // with the header
+  double gain = 0;                 // of slope: the squares of what vertices are moved by, units^2
+  std::uint32_t vertices = 0;      // new ones
+  Box box;
+};
+
+struct EncodedStage {
+  StageHeader header;
+  std::vector<std::byte> bytes;  // of the stage's header
+  std::vector<StageCluster> clusters;
+  /// How far places of the target are from what the whole stage becomes, root of the mean square, units.
+  float error = 0;
+};
+
+struct StageOptions {
+  std::size_t triangles = 600;  // of the base, about
+  std::size_t most_bytes = 0;   // of its header; 0: any
+  int number = 0;
+  int step_exponent = 10, layers = 2;
+  Box box;  // the stream's
+  bool colored = false;
+  unsigned threads = 0;
+};
+
+/// Makes a stage. `coarse`: a mesh close to the target, of which bases are made.
+[[nodiscard]] EncodedStage encode_stage_of(const Target& target, const SurfaceMesh& coarse, const StageOptions& options,
+                                           Progress* progress);
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,105 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/displaced/base_mesh.h"
+#include "qnv/displaced/patches.h"
+
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+/// Steps get finer by this factor from layer to layer.
+inline constexpr int kLayers = 4, kLayerShift = 2;
+inline constexpr int kMostTriangles = 1 << 17;  // of a base
+/// Steps of colours, of 255: luma, and both chromas.
+inline constexpr int kLumaStep = 6, kChromaStep = 12;
+
+/// A base mesh and what is needed to displace it: a stage of a stream, which takes the place of the one before.
+struct StageHeader {
+  int depth = 4;           // 0 to kDeepestPatch: the level whose vertices are as dense as those of the source
+  int step_exponent = 10;  // 1 to 24: a residual of layer 0 steps by size / 2^step_exponent, of layer k by 4^k less
+  bool colored = false;
+  int clusters = 0;  // 0 to 255: once so many have come, this stage takes the place of those before
+  BaseMesh base;
+};
+[[nodiscard]] std::vector<std::byte> encode_stage(const StageHeader& header, std::span<const std::byte> base);
+/// Nothing where the bytes are none. Safe for untrusted bytes.
+[[nodiscard]] std::optional<StageHeader> decode_stage(std::span<const std::byte> bytes);
+
+/// Which numbers a cluster holds.
+struct ClusterHeader {
+  enum class Kind : std::uint8_t { base = 0, displacement = 1, color = 2 };
+  Kind kind = Kind::displacement;
+  int stage = 0;                       // 0 to 15
+  int level = 1;                       // of the new vertices; level 1 brings those of the base too
+  int layer = 0;                       // below kLayers
+  std::uint32_t first = 0, count = 0;  // patches
+  std::size_t bytes = 0;               // of the header itself
+};
+[[nodiscard]] std::vector<std::byte> encode_cluster_header(const ClusterHeader& header);
+/// Nothing where a field is out of its range. Safe for untrusted bytes.
+[[nodiscard]] std::optional<ClusterHeader> decode_cluster_header(std::span<const std::byte> payload);
+
+/// Whole numbers of the vertices of one level; empty: none have come.
+struct LevelNumbers {
+  std::vector<std::int16_t> normal, sideways;  // as ClusterCoder has them
+};
+
+/// One stage as far as it has arrived. Any subset of its clusters is a surface without cracks: who has got no number
+/// stays where it is predicted. One thread.
+class Surface {
+ public:
+  /// `box`: the stream's.
+  Surface(StageHeader header, const Box& box);
+
+  [[nodiscard]] const StageHeader& header() const { return header_; }
+  [[nodiscard]] const Patches& patches() const { return patches_; }
+  [[nodiscard]] float step(int layer) const;
+  /// The numbers of a cluster. False where it is none, or too large for its bytes. Safe for untrusted bytes.
+  bool add(const ClusterHeader& cluster, std::span<const std::byte> payload);
+  /// How many have come.
+  [[nodiscard]] std::size_t clusters() const { return clusters_; }
+  /// Deepest level of which something has come; 0: none.
+  [[nodiscard]] int finest() const { return finest_; }
+
+  /// All numbers of a kind, for who makes them.
+  [[nodiscard]] LevelNumbers& numbers(int layer, int level);
+  [[nodiscard]] std::array<std::vector<std::int16_t>, 3>& colors(int level);
+
+  /// The patches, cut along their creases: whose vertices have normals.
+  [[nodiscard]] const Patches& slots() const { return slots_; }
+  /// The directions in which vertices of the base at these places are moved: means of the sectors' normals.
+  [[nodiscard]] std::vector<glm::vec3> base_normals(const std::vector<glm::vec3>& places) const;
+  /// Places of the base's vertices on the lattice, units of the source.
+  [[nodiscard]] std::vector<glm::vec3> base_positions() const;
+  /// The vertices of a level, with all that has arrived.
+  [[nodiscard]] std::vector<glm::vec3> positions(int level) const;
+  /// Their colours; empty where none have come.
+  [[nodiscard]] std::vector<Rgb8> vertex_colors(int level) const;
+  /// Which vertex every slot of a level is.
+  [[nodiscard]] std::vector<std::uint32_t> vertices_of_slots(int level) const;
+  /// The triangles of a level, as three numbers of slots each.
+  [[nodiscard]] std::vector<std::uint32_t> triangles(int level) const;
+
+ private:
+  [[nodiscard]] const LevelNumbers* find(int layer, int level) const;
+
+  StageHeader header_;
+  glm::vec3 lower_{0};
+  float size_ = 1;
+  Patches patches_, slots_;
+  bool lines_ = false;
+  int finest_ = 0;
+  std::size_t clusters_ = 0;
+  std::array<std::array<LevelNumbers, kDeepestPatch + 1>, kLayers> numbers_;
+  std::array<std::array<std::vector<std::int16_t>, 3>, kDeepestPatch + 1> colors_;
+};
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,192 @@
+#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/stage_encode.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/encode/stream_writer.h"
+#include "qnv/encode/survey.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+using displaced::EncodedStage;
+using displaced::StageCluster;
+
+// A header with its base is a whole object within the first kilobyte.
+constexpr std::size_t kFirstBytes = 870;
+constexpr std::size_t kFirstTriangles = 640;
+// What a surface is that a first stage follows: its base has so many bytes at most, and what it becomes is so near, as
+// a part of the box. Others are better off as an octree.
+constexpr std::size_t kMostFirstBytes = 4000;
+constexpr float kMostFirstError = 0.002f;
+// A stage that stays this far from the source, of its edges, is followed by one with four times as many triangles.
+constexpr float kMostError = 0.045f;
+constexpr std::size_t kMostStages = 4;
+// Of a stage that is followed so much is sent, times the next one's base.
+constexpr double kBeforeNext = 1.5;
+constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
+// Bases are made of a mesh of so many triangles, which is close enough to a finer one.
+constexpr std::size_t kCoarseTriangles = 30'000;
+// A step of the finest layer is at most this part of an edge of the source.
+constexpr float kFinestStep = 1.0f / 14;
+
+/// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
+std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
+  using Kind = displaced::ClusterHeader::Kind;
+  // By dependency: level before level, layer before layer; colours by themselves.
+  std::stable_sort(clusters.begin(), clusters.end(), [](const StageCluster& a, const StageCluster& b) {
+    const auto rank = [](const StageCluster& c) {
+      return std::array{static_cast<int>(c.header.kind), c.header.layer, c.header.level};
+    };
+    return rank(a) < rank(b);
+  });
+  constexpr double kAny = 1e300;
+  // What the worst of those before a patch's next cluster was worth.
+  std::array<std::vector<double>, displaced::kLayers + 1> so_far;
+  for (auto& worth : so_far) worth.assign(patches, kAny);
+  std::vector<std::pair<double, std::size_t>> keys;
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    const auto& h = clusters[i].header;
+    auto& worth = so_far[h.kind == Kind::color ? displaced::kLayers : static_cast<std::size_t>(h.layer)];
+    double key = clusters[i].gain / static_cast<double>(clusters[i].payload.size() + 10);
+    for (std::uint32_t p = h.first; p < h.first + h.count; ++p) key = std::min(key, worth[p]);
+    for (std::uint32_t p = h.first; p < h.first + h.count; ++p) worth[p] = key;
+    keys.emplace_back(key, i);
+  }
+  std::stable_sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<StageCluster> out;
+  out.reserve(clusters.size());
+  for (const auto& [key, i] : keys) out.push_back(std::move(clusters[i]));
+  return out;
+}
+
+OutgoingChunk chunk_of(StageCluster cluster) {
+  OutgoingChunk chunk;
+  chunk.type = ChunkType::displaced;
+  chunk.entry.level = static_cast<std::uint8_t>(cluster.header.level);
+  chunk.entry.parent = 0xffffffff;
+  chunk.entry.vectors = cluster.vertices;
+  chunk.entry.box = cluster.box;
+  chunk.payload = std::move(cluster.payload);
+  return chunk;
+}
+
+/// The base of a later stage.
+OutgoingChunk base_chunk(const EncodedStage& stage, int number, const Box& box) {
+  displaced::ClusterHeader head;
+  head.kind = displaced::ClusterHeader::Kind::base;
+  head.stage = number;
+  OutgoingChunk chunk;
+  chunk.type = ChunkType::displaced;
+  chunk.entry.parent = 0xffffffff;
+  chunk.entry.vectors = static_cast<std::uint32_t>(stage.header.base.vertices.size());
+  chunk.entry.box = box;
+  chunk.payload = displaced::encode_cluster_header(head);
+  chunk.payload.insert(chunk.payload.end(), stage.bytes.begin(), stage.bytes.end());
+  return chunk;
+}
+
+/// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
+/// source.
+std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
+  std::vector<OutgoingChunk> chunks;
+  double shown = 0;  // how far the stage before is from the source, as clusters gain
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    EncodedStage& stage = stages[i];
+    double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
+    for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
+    if (i > 0) {
+      std::size_t needed = 0;
+      double then = left;
+      while (needed < std::min<std::size_t>(stage.clusters.size(), 255) && then > shown)
+        then -= stage.clusters[needed++].gain;
+      stage.bytes[kClustersAt] = static_cast<std::byte>(needed);
+      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
+    }
+    const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
+    std::size_t bytes = 0;
+    for (StageCluster& cluster : stage.clusters) {
+      if (static_cast<double>(bytes) > most) break;
+      bytes += cluster.payload.size();
+      left -= cluster.gain;
+      chunks.push_back(chunk_of(std::move(cluster)));
+    }
+    shown = left;
+  }
+  return chunks;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
+                                                          Progress* progress) {
+  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+  if (progress) progress->stage = "reading";
+  SurfaceSurvey s;
+  displaced::MeshBuilder builder(true);
+  const bool read = source([&](std::span<const Triangle> triangles) {
+    s.add(triangles);
+    builder.add(triangles);
+    return !cancelled();
+  });
+  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
+  if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (progress) progress->stage = "joining";
+  displaced::SurfaceMesh mesh = builder.finish();
+  if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  const displaced::Target target(std::move(mesh));
+  if (progress) progress->stage = "simplifying";
+  const displaced::SurfaceMesh coarse =
+      displaced::simplify(target.mesh(), std::min(kCoarseTriangles, target.mesh().triangles.size()));
+  if (cancelled()) return EncodeError{"cancelled"};
+  const glm::vec3 size = s.box.size();
+  displaced::StageOptions stage_options;
+  stage_options.box = s.box;
+  stage_options.colored = s.colored;
+  stage_options.threads = options.threads;
+  stage_options.triangles = kFirstTriangles;
+  stage_options.most_bytes = kFirstBytes;
+  const float wanted = kFinestStep * target.edge();
+  float step = std::ldexp(std::max({size.x, size.y, size.z}), -stage_options.step_exponent);
+  for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
+    step = std::ldexp(step, -displaced::kLayerShift);
+  if (progress) progress->stage = "displacing";
+  std::vector<EncodedStage> stages;
+  do {
+    stage_options.number = static_cast<int>(stages.size());
+    EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
+    if (cancelled()) return EncodeError{"cancelled"};
+    if (stages.empty() && options.only_if_suited &&
+        (stage.bytes.size() > kMostFirstBytes || stage.error > kMostFirstError * std::max({size.x, size.y, size.z})))
+      return EncodeError{
+          "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
+          "a smooth surface",
+          true};
+    if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
+      return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
+                         std::to_string(kMostHeaderBytes / 2)};
+    stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
+    stages.push_back(std::move(stage));
+    stage_options.triangles = 4 * stages.back().header.base.triangles.size();
+    stage_options.most_bytes = 0;
+  } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
+           stages.size() < kMostStages);
+  StreamHeader header;
+  header.payload = Payload::displaced;
+  header.colored = s.colored;
+  header.color = s.color;
+  header.cube = Cube::around(s.box);
+  header.description.two_sided = options.two_sided && !s.closed();
+  header.description.box = s.box;
+  header.description.total = s.area;
+  header.description.metadata = options.metadata;
+  header.base = stages[0].bytes;
+  return write_stream(std::move(header), chunks_of(std::move(stages), s.box, target.mesh().positions.size()),
+                      options.max_bytes);
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/base/triangles.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <span>
+
+namespace gs::qnv {
+
+/// What is known of a surface once all of its triangles have been seen. Those that are not finite do not count.
+struct SurfaceSurvey {
+  Box box;
+  double area = 0, volume = 0;
+  glm::dvec3 facing{0};  // sum of all triangles' normals times their areas
+  std::size_t triangles = 0;
+  bool colored = false;  // not all of one colour
+  Rgb8 color;            // of the first corner
+
+  void add(std::span<const Triangle> triangles);
+  /// The areas of a closed surface cancel, and it encloses something: then its inside is never seen.
+  [[nodiscard]] bool closed() const;
+  /// Whether there is something to encode.
+  [[nodiscard]] bool sound() const;
+};
+
+}  // namespace gs::qnv
