@@ -1,4 +1,5 @@
-// Bytes against picture error: QNV (packed, records) beside quadric-simplified meshes as Draco and as gzip'd VRML97.
+// Bytes against picture error: QNV (displaced, packed, records) beside quadric-simplified meshes as Draco and as gzip'd
+// VRML97.
 //
 //   rate_distortion MODEL... [--svg PLOT.svg]
 //
@@ -10,6 +11,7 @@
 #include "bench/mesh_files.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
+#include "qnv/codec/payloads.h"
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_surface.h"
 
@@ -39,7 +41,7 @@ using bench::Studio;
 constexpr std::array<std::size_t, 12> kBudgets{1000,   2000,    4000,    8000,    14'700,    32'000,
                                                64'000, 125'000, 250'000, 500'000, 1'000'000, 2'000'000};
 constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
-constexpr std::array<const char*, 4> kCodecs{"packed", "records", "Draco", "gzip VRML"};
+constexpr std::array<const char*, 5> kCodecs{"displaced", "packed", "records", "Draco", "gzip VRML"};
 
 Mesh simplified(const Mesh& mesh, double part) {
   Mesh out;
@@ -74,8 +76,8 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   options.payload = payload;
   options.two_sided = two_sided;
   options.max_bytes = kBudgets.back();
-  const auto encoded =
-      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); }, options);
+  const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
+  const auto encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
   Curve curve;
   const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
   if (!stream) return curve;
@@ -83,7 +85,9 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
     const std::size_t bytes = std::min(budget, stream->bytes.size());
     qnv::StreamDecoder decoder;
     decoder.push(std::span(stream->bytes).first(bytes));
-    const auto pictures = studio.pictures(list_of(decoder.cloud()), full.bounds, kViews);
+    qnv::Cloud cloud = decoder.cloud();
+    if (cloud.empty()) continue;
+    const auto pictures = studio.pictures(list_of(std::move(cloud)), full.bounds, kViews);
     if (pictures.size() == references.size()) curve[budget] = {bytes, bench::picture_error(pictures, references)};
   }
   return curve;
@@ -122,8 +126,8 @@ void measure_meshes(Studio& studio, const render::RenderList& full, const std::v
   for (const char* end : {".obj", ".drc", ".out.obj"}) std::filesystem::remove(base + end);
 }
 
-void plot(const std::string& path, const std::vector<std::pair<std::string, std::array<Curve, 4>>>& models) {
-  constexpr std::array<const char*, 4> kColors{"#0066cc", "#66a3e0", "#cc3300", "#999999"};
+void plot(const std::string& path, const std::vector<std::pair<std::string, std::array<Curve, 5>>>& models) {
+  constexpr std::array<const char*, 5> kColors{"#009944", "#0066cc", "#66a3e0", "#cc3300", "#999999"};
   std::ofstream out(path);
   const int width = 420, height = 300, columns = 2;
   const int rows = static_cast<int>((models.size() + columns - 1) / columns);
@@ -141,11 +145,11 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, std:
     for (const double bytes : {1e3, 1e4, 1e5, 1e6})
       out << "<text x=\"" << x(bytes) << "\" y=\"" << y(15) + 15 << "\" text-anchor=\"middle\">" << bytes / 1000
           << " kB</text>\n";
-    for (std::size_t c = 0; c < 4; ++c) {
+    for (std::size_t c = 0; c < kCodecs.size(); ++c) {
       out << "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" << kColors[c] << "\" points=\"";
       for (const auto& [budget, measured] : models[m].second[c])
         out << x(static_cast<double>(budget)) << ',' << y(std::clamp(measured.error.psnr, 15.0, 50.0)) << ' ';
-      out << "\"/>\n<text x=\"" << x(2.2e5) << "\" y=\"" << y(28 - 3.0 * static_cast<double>(c)) << "\" fill=\""
+      out << "\"/>\n<text x=\"" << x(2.2e5) << "\" y=\"" << y(31 - 3.0 * static_cast<double>(c)) << "\" fill=\""
           << kColors[c] << "\">" << kCodecs[c] << "</text>\n";
     }
   }
@@ -172,7 +176,7 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "rate_distortion: no way to draw here\n");
     return 1;
   }
-  std::vector<std::pair<std::string, std::array<Curve, 4>>> models;
+  std::vector<std::pair<std::string, std::array<Curve, 5>>> models;
   for (const std::string& file : files) {
     app::OpenedWorld world = app::load_world(file);
     if (!world.scene) {
@@ -183,14 +187,15 @@ int main(int count, char** arguments) {
     const render::RenderList full = render::collect(*world.scene, world.images, cache);
     const app::SurfaceSummary summary = app::summarize_surface(full);
     const auto references = studio.pictures(full, full.bounds, kViews);
-    std::array<Curve, 4> curves;
-    curves[0] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided);
-    curves[1] = measure_stream(studio, full, references, qnv::Payload::records, summary.two_sided);
-    measure_meshes(studio, full, references, curves[2], curves[3]);
+    std::array<Curve, 5> curves;
+    curves[0] = measure_stream(studio, full, references, qnv::Payload::displaced, summary.two_sided);
+    curves[1] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided);
+    curves[2] = measure_stream(studio, full, references, qnv::Payload::records, summary.two_sided);
+    measure_meshes(studio, full, references, curves[3], curves[4]);
     const std::string name = std::filesystem::path(file).filename().string();
     std::printf("### %s (%zu triangles)\n\n| budget, bytes |", name.c_str(), summary.triangles);
     for (const char* codec : kCodecs) std::printf(" %s |", codec);
-    std::printf("\n|---:|---:|---:|---:|---:|\n");
+    std::printf("\n|---:|---:|---:|---:|---:|---:|\n");
     for (const std::size_t budget : kBudgets) {
       std::printf("| %zu |", budget);
       for (const Curve& curve : curves) {

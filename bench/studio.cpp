@@ -1,6 +1,7 @@
 #include "bench/studio.h"
 
 #include "render/scene/camera.h"
+#include "render/scene/surface_mesh.h"
 
 #include <glm/trigonometric.hpp>
 
@@ -38,6 +39,15 @@ std::vector<render::Image> Studio::pictures(const render::RenderList& list, cons
 
 render::RenderList list_of(qnv::Cloud cloud) {
   render::RenderList list;
+  if (!cloud.triangles.empty()) {
+    render::DrawItem item;
+    item.mesh = render::mesh_of_surface(cloud);
+    item.material.lit = false;
+    item.surface = std::make_shared<const qnv::Cloud>(std::move(cloud));
+    render::dress_surface(item);
+    list.items.push_back(std::move(item));
+    return list;
+  }
   render::SplatItem item;
   item.cloud = std::make_shared<const qnv::Cloud>(std::move(cloud));
   item.own_color = true;

@@ -41,7 +41,7 @@ void StreamDecoder::add_stage(int number, displaced::StageHeader stage) {
   }
   stages_.emplace(number, displaced::Surface(std::move(stage), header()->description.box));
   ++revision_;
-  vectors_ = this->stage() ? this->stage()->slots().vertices_at(shown_level(*this->stage())) : 0;
+  count_surface();
   const auto [first, last] = waiting_.equal_range(number);
   std::vector<std::vector<std::byte>> ready;
   for (auto i = first; i != last; ++i) {
@@ -83,13 +83,21 @@ void StreamDecoder::add_displaced(std::span<const std::byte> payload) {
     return;
   }
   ++revision_;
-  vectors_ = stage()->slots().vertices_at(shown_level(*stage()));
+  count_surface();
 }
 
 const displaced::Surface* StreamDecoder::stage() const {
   for (auto i = stages_.rbegin(); i != stages_.rend(); ++i)
-    if (i->second.clusters() >= static_cast<std::size_t>(i->second.header().clusters)) return &i->second;
+    if (!i->second.header().beside && i->second.clusters() >= static_cast<std::size_t>(i->second.header().clusters))
+      return &i->second;
   return stages_.empty() ? nullptr : &stages_.begin()->second;
+}
+
+void StreamDecoder::count_surface() {
+  vectors_ = 0;
+  if (const displaced::Surface* shown = stage()) vectors_ += shown->slots().vertices_at(shown_level(*shown));
+  for (const auto& [number, surface] : stages_)
+    if (surface.header().beside && &surface != stage()) vectors_ += surface.slots().vertices_at(shown_level(surface));
 }
 
 int StreamDecoder::shown_level(const displaced::Surface& surface) {
@@ -97,23 +105,27 @@ int StreamDecoder::shown_level(const displaced::Surface& surface) {
   return std::min(std::max(surface.header().depth, 0), surface.finest() + 1);
 }
 
-void StreamDecoder::append_surface(Cloud& cloud) const {
-  const displaced::Surface& surface = *stage();
+void StreamDecoder::append_surface(const displaced::Surface& surface, Cloud& cloud) const {
   const int level = shown_level(surface);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<Rgb8> colors = surface.vertex_colors(level);
-  cloud.normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
+  const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
-  cloud.positions.reserve(vertex_of.size());
+  const auto start = static_cast<std::uint32_t>(cloud.positions.size());
+  cloud.normals.insert(cloud.normals.end(), normals.begin(), normals.end());
+  cloud.positions.reserve(start + vertex_of.size());
   for (const std::uint32_t v : vertex_of) cloud.positions.push_back(places[v]);
-  if (!colors.empty()) {
-    cloud.colors.reserve(vertex_of.size());
-    for (const std::uint32_t v : vertex_of) cloud.colors.push_back(colors[v]);
+  if (header()->colored) {
+    cloud.colors.reserve(start + vertex_of.size());
+    for (const std::uint32_t v : vertex_of) cloud.colors.push_back(colors.empty() ? cloud.color : colors[v]);
   }
-  cloud.triangles = surface.triangles(level);
+  const std::size_t first = cloud.triangles.size();
+  const std::vector<std::uint32_t> triangles = surface.triangles(level);
+  cloud.triangles.reserve(first + triangles.size());
+  for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
   // A vector stands for a third of the triangles round it.
-  cloud.weights.assign(cloud.positions.size(), std::numeric_limits<float>::min());
-  for (std::size_t i = 0; i + 2 < cloud.triangles.size(); i += 3) {
+  cloud.weights.resize(cloud.positions.size(), std::numeric_limits<float>::min());
+  for (std::size_t i = first; i + 2 < cloud.triangles.size(); i += 3) {
     const std::uint32_t* t = cloud.triangles.data() + i;
     const glm::vec3 a = cloud.positions[t[0]];
     const float third = glm::length(glm::cross(cloud.positions[t[1]] - a, cloud.positions[t[2]] - a)) / 6;
@@ -252,7 +264,9 @@ Cloud StreamDecoder::cloud() const {
   cloud.description = header()->description;
   cloud.color = header()->color;
   if (records_) append_records(cloud);
-  if (stage()) append_surface(cloud);
+  if (const displaced::Surface* shown = stage()) append_surface(*shown, cloud);
+  for (const auto& [number, surface] : stages_)
+    if (surface.header().beside && &surface != stage()) append_surface(surface, cloud);
   for (const auto& [id, held] : clusters_) {
     const std::size_t size = held.refined.size();
     for (std::size_t i = 0; i < size;) {

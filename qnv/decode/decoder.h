@@ -56,7 +56,8 @@ class StreamDecoder {
   void add_displaced(std::span<const std::byte> payload);
   /// The last stage of which enough has come to take the place of those before; null: none.
   [[nodiscard]] const displaced::Surface* stage() const;
-  void append_surface(Cloud& cloud) const;
+  void append_surface(const displaced::Surface& surface, Cloud& cloud) const;
+  void count_surface();
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
   void take(Cluster cluster);

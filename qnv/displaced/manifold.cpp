@@ -192,6 +192,43 @@ SurfaceMesh MeshBuilder::finish() {
   return out;
 }
 
+SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {
+  std::vector<std::uint32_t> sets(mesh.positions.size());
+  std::iota(sets.begin(), sets.end(), 0u);
+  for (const Corners& t : mesh.triangles) {
+    sets[find(sets, t[0])] = find(sets, t[1]);
+    sets[find(sets, t[1])] = find(sets, t[2]);
+  }
+  std::vector<double> areas(mesh.positions.size(), 0.0);
+  double all = 0;
+  for (const Corners& t : mesh.triangles) {
+    const glm::vec3 a = mesh.positions[t[0]];
+    const auto area =
+        static_cast<double>(glm::length(glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a))) / 2;
+    areas[find(sets, t[0])] += area;
+    all += area;
+  }
+  SplitMesh parts;
+  std::vector<std::uint32_t> places(mesh.positions.size(), kNone);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Corners& t = mesh.triangles[i];
+    SurfaceMesh& part = areas[find(sets, t[0])] >= least_part * all ? parts.large : parts.small;
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& place = places[t[k]];
+      if (place == kNone) {
+        place = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[t[k]]);
+        if (!mesh.colors.empty()) part.colors.push_back(mesh.colors[t[k]]);
+      }
+      corners[k] = place;
+    }
+    part.triangles.push_back(corners);
+    if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[i]);
+  }
+  return parts;
+}
+
 std::vector<std::array<std::uint32_t, 3>> neighbours_of(std::span<const Corners> triangles) {
   std::vector<std::array<std::uint32_t, 3>> beside(triangles.size(), {kNone, kNone, kNone});
   const std::vector<Side> sides = sorted_sides(triangles);

@@ -46,6 +46,13 @@ class MeshBuilder {
   std::vector<std::uint32_t> table_;   // open addressing: vertex + 1
 };
 
+/// A mesh in two: components that have at least this part of the area, and the others. Vertices that neither uses are
+/// left out.
+struct SplitMesh {
+  SurfaceMesh large, small;
+};
+[[nodiscard]] SplitMesh split_components(const SurfaceMesh& mesh, double least_part);
+
 /// Triangles beside triangles: neighbours[t][k] lies beside the edge from corner k to corner k + 1; kNone where the
 /// mesh ends. The mesh is as `MeshBuilder::finish` gives it.
 inline constexpr std::uint32_t kNone = 0xffffffff;

@@ -96,13 +96,14 @@ class StageEncoder {
 void StageEncoder::make_base(const SurfaceMesh& coarse) {
   std::size_t wanted = options_.triangles;
   for (int attempt = 0; attempt < 8; ++attempt) {
-    const SurfaceMesh small = simplify(coarse, wanted);
+    const SurfaceMesh small = options_.beside ? coarse : simplify(coarse, wanted);
     BaseMesh base;
     base.bits = small.triangles.size() > 8000   ? 11
                 : small.triangles.size() > 3000 ? 10
                 : small.triangles.size() > 1000 ? 9
                                                 : 8;
-    if (small.triangles.size() == coarse.triangles.size()) base.bits = 12;
+    if (small.triangles.size() == coarse.triangles.size()) base.bits = options_.beside ? 11 : 12;
+    out_.header.beside = options_.beside;
     const glm::vec3 size = options_.box.size();
     const float longest = std::max({size.x, size.y, size.z});
     const int cells = 1 << base.bits;
@@ -127,6 +128,7 @@ void StageEncoder::make_base(const SurfaceMesh& coarse) {
     out_.header.depth =
         ratio <= 1 ? 0
                    : std::clamp(static_cast<int>(std::ceil(std::log(ratio * 0.8) / std::log(4.0))), 1, kDeepestPatch);
+    if (options_.beside) out_.header.depth = options_.colored ? 1 : 0;
     out_.bytes = encode_stage(out_.header, coded.bytes);
     if (options_.most_bytes == 0 || out_.bytes.size() <= options_.most_bytes) return;
     const std::size_t less = wanted * options_.most_bytes / out_.bytes.size() * 97 / 100;

@@ -57,6 +57,7 @@ struct StageOptions {
   int step_exponent = 10, layers = 2;
   Box box;  // the stream's
   bool colored = false;
+  bool beside = false;  // StageHeader::beside; then the base is the whole mesh
   unsigned threads = 0;
 };
 

@@ -40,7 +40,8 @@ Rgb8 to_rgb(int y, int co, int cg) {
 std::vector<std::byte> encode_stage(const StageHeader& header, std::span<const std::byte> base) {
   std::vector<std::byte> out;
   out.reserve(base.size() + 4);
-  for (const int byte : {header.depth, header.step_exponent, header.colored ? 1 : 0, header.clusters})
+  for (const int byte :
+       {header.depth, header.step_exponent, (header.colored ? 1 : 0) | (header.beside ? 2 : 0), header.clusters})
     out.push_back(static_cast<std::byte>(byte));
   out.insert(out.end(), base.begin(), base.end());
   return out;
@@ -54,7 +55,8 @@ std::optional<StageHeader> decode_stage(std::span<const std::byte> bytes) {
   const int flags = std::to_integer<int>(bytes[2]);
   header.clusters = std::to_integer<int>(bytes[3]);
   header.colored = (flags & 1) != 0;
-  if (header.depth > kDeepestPatch || header.step_exponent < 1 || header.step_exponent > 24 || flags > 1) return {};
+  header.beside = (flags & 2) != 0;
+  if (header.depth > kDeepestPatch || header.step_exponent < 1 || header.step_exponent > 24 || flags > 3) return {};
   auto base = decode_base(bytes.subspan(4), kMostTriangles);
   if (!base || base->triangles.empty()) return {};
   header.base = std::move(*base);

@@ -26,7 +26,8 @@ struct StageHeader {
   int depth = 4;           // 0 to kDeepestPatch: the level whose vertices are as dense as those of the source
   int step_exponent = 10;  // 1 to 24: a residual of layer 0 steps by size / 2^step_exponent, of layer k by 4^k less
   bool colored = false;
-  int clusters = 0;  // 0 to 255: once so many have come, this stage takes the place of those before
+  bool beside = false;  // shown with the others: takes no place, and gives none up
+  int clusters = 0;     // 0 to 255: once so many have come, this stage takes the place of those before
   BaseMesh base;
 };
 [[nodiscard]] std::vector<std::byte> encode_stage(const StageHeader& header, std::span<const std::byte> base);

@@ -23,6 +23,8 @@ constexpr std::size_t kFirstTriangles = 640;
 // a part of the box. Others are better off as an octree.
 constexpr std::size_t kMostFirstBytes = 4000;
 constexpr float kMostFirstError = 0.002f;
+// Components that have less than this part of the area are no part of the stages; they come behind them.
+constexpr double kLeastPart = 2e-4;
 // A stage that stays this far from the source, of its edges, is followed by one with four times as many triangles.
 constexpr float kMostError = 0.045f;
 constexpr std::size_t kMostStages = 4;
@@ -99,11 +101,15 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
-    if (i > 0) {
+    if (stage.header.beside) {
+      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
+    } else if (i > 0) {
       std::size_t needed = 0;
       double then = left;
       while (needed < std::min<std::size_t>(stage.clusters.size(), 255) && then > shown)
         then -= stage.clusters[needed++].gain;
+      for (std::size_t k = needed; k < std::min<std::size_t>(stage.clusters.size(), 255); ++k)
+        if (stage.clusters[k].header.layer == 0 && stage.clusters[k].header.level == 1) needed = k + 1;
       stage.bytes[kClustersAt] = static_cast<std::byte>(needed);
       chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
@@ -140,8 +146,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   const displaced::Target target(std::move(mesh));
   if (progress) progress->stage = "simplifying";
-  const displaced::SurfaceMesh coarse =
-      displaced::simplify(target.mesh(), std::min(kCoarseTriangles, target.mesh().triangles.size()));
+  const displaced::SplitMesh parts = displaced::split_components(target.mesh(), kLeastPart);
+  const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
+  const displaced::SurfaceMesh coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
   if (cancelled()) return EncodeError{"cancelled"};
   const glm::vec3 size = s.box.size();
   displaced::StageOptions stage_options;
@@ -175,6 +182,15 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.most_bytes = 0;
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);
+  // Crumbs, as they are.
+  if (!parts.large.triangles.empty() && !parts.small.triangles.empty()) {
+    stage_options.number = static_cast<int>(stages.size());
+    stage_options.triangles = parts.small.triangles.size();
+    stage_options.most_bytes = 0;
+    stage_options.beside = true;
+    stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
+    if (cancelled()) return EncodeError{"cancelled"};
+  }
   StreamHeader header;
   header.payload = Payload::displaced;
   header.colored = s.colored;
