@@ -216,8 +216,9 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{26, "the header holds an impossible box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header))
-    return StreamProblem{kFixedHeaderBytes,
-                         "the header's section of outlines, or of the base, is missing or impossible"};
+    return StreamProblem{kFixedHeaderBytes, header.payload == Payload::outlines
+                                                ? "the header's section of outlines is missing or impossible"
+                                                : "the header's section of the base is missing"};
   return header;
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(result.output.find(" bits/vector, ") != std::string::npos);
   const nlohmann::json facts = info(out);
   CHECK(facts["type"] == "QNV");
-  CHECK(facts["payload"] == "packed");
+  CHECK(facts["payload"] == "displaced");
   CHECK(facts["kind"] == "surface");
   CHECK(facts["area"] == Approx(kBallArea).epsilon(0.02));
   CHECK(facts["metadata"]["title"] == "The ball");
