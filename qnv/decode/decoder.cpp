@@ -1,16 +1,58 @@
 #include "qnv/decode/decoder.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace gs::qnv {
 namespace {
 
-// Chunks that wait for a parent that may never come.
-constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
+std::uint32_t vectors_of(const VolumeCluster&, std::size_t, std::size_t count) {
+  return static_cast<std::uint32_t>(count);
+}
+
+std::uint32_t discs_of_cluster(const Cluster& cluster, std::size_t first, std::size_t count) {
+  return discs_of(cluster.voxels, first, count);
+}
+
+// Number i of so many bits, its lowest bit first.
+std::uint64_t reversed(std::uint64_t i, int bits) {
+  std::uint64_t out = 0;
+  for (int bit = 0; bit < bits; ++bit) out |= (i >> bit & 1) << (bits - 1 - bit);
+  return out;
+}
+
+template <class T>
+void permute(std::span<const std::uint32_t> order, std::vector<T>& values) {
+  std::vector<T> moved(values.size());
+  for (std::size_t i = 0; i < order.size(); ++i) moved[i] = values[order[i]];
+  values = std::move(moved);
+}
+
+// Vectors that lie side by side come one after the other; with the bits of their numbers reversed every prefix covers
+// all of them evenly.
+void spread(Cloud& cloud) {
+  const std::size_t size = cloud.size();
+  const auto bits = static_cast<int>(std::bit_width(size));
+  std::vector<std::uint32_t> order;
+  order.reserve(size);
+  for (std::uint64_t i = 0; order.size() < size; ++i)
+    if (const std::uint64_t at = reversed(i, bits); at < size) order.push_back(static_cast<std::uint32_t>(at));
+  permute(order, cloud.positions);
+  permute(order, cloud.normals);
+  permute(order, cloud.weights);
+  permute(order, cloud.classes);
+  permute(order, cloud.cells);
+}
 
 }  // namespace
+
+StreamDecoder::StreamDecoder(std::size_t most_vectors)
+    : most_vectors_(most_vectors),
+      packed_({read_cluster_header, discs_of_cluster}),
+      voxels_({read_volume_cluster_header, vectors_of}) {}
 
 bool StreamDecoder::push(std::span<const std::byte> bytes) {
   return reader_.push(
@@ -30,7 +72,12 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
   } else if (type == ChunkType::packed && header()->payload == Payload::packed) {
-    add_packed(payload);
+    packed_.add(payload, most_vectors_,
+                [](std::span<const std::byte> bytes, const Cluster* parent) { return decode_cluster(bytes, parent); });
+  } else if (type == ChunkType::voxels && header()->payload == Payload::voxels) {
+    voxels_.add(payload, most_vectors_, [this](std::span<const std::byte> bytes, const VolumeCluster* parent) {
+      return decode_volume_cluster(bytes, parent, header()->lattice);
+    });
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
     add_records(payload, missing);
   } else {
@@ -45,15 +92,15 @@ void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<co
     ++refused_chunks_;
     return;
   }
-  if (vectors_ + patch->size() > most_vectors_) {
-    full_ = true;
+  if (records_vectors_ + patch->size() > most_vectors_) {
+    records_full_ = true;
     ++refused_chunks_;
     return;
   }
   if (!records_) records_.emplace(header()->description);
   const std::size_t more = records_->add(*patch);
-  vectors_ += more;
-  if (more > 0) ++revision_;
+  records_vectors_ += more;
+  if (more > 0) ++records_revision_;
 }
 
 void StreamDecoder::append_records(Cloud& cloud) const {
@@ -71,87 +118,19 @@ void StreamDecoder::append_records(Cloud& cloud) const {
   }
 }
 
-void StreamDecoder::add_packed(std::span<const std::byte> payload) {
-  const auto read = read_cluster_header(payload);
-  const auto* cluster_header = std::get_if<ClusterHeader>(&read);
-  if (!cluster_header || clusters_.contains(cluster_header->id)) {
-    ++refused_chunks_;
-    return;
-  }
-  const Held* parent = nullptr;
-  if (cluster_header->parent != kNoParent) {
-    const auto found = clusters_.find(cluster_header->parent);
-    if (found == clusters_.end()) {
-      if (waiting_bytes_ + cost(payload) > kMostWaitingBytes) {
-        ++refused_chunks_;
-        return;
-      }
-      waiting_bytes_ += cost(payload);
-      orphans_.emplace(cluster_header->parent, std::vector<std::byte>(payload.begin(), payload.end()));
-      return;
-    }
-    parent = &found->second;
-  }
-  auto decoded = decode_cluster(payload, parent ? &parent->cluster : nullptr);
-  auto* cluster = std::get_if<Cluster>(&decoded);
-  // A place is refined once, the root too.
-  bool again = !parent && rooted_;
-  for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
-    again = again || parent->refined[cluster->header.first + i];
-  if (!cluster || again) {
-    ++refused_chunks_;
-    return;
-  }
-  // What was refined is kept too, since others may refine the rest of its cluster.
-  const std::size_t voxels = cluster->voxels.size();
-  if (vectors_ + discs_of(cluster->voxels, 0, voxels) > most_vectors_ || (voxels_ + voxels) / 2 > most_vectors_) {
-    full_ = true;
-    ++refused_chunks_;
-    return;
-  }
-  take(std::move(*cluster));
-}
-
-void StreamDecoder::take(Cluster cluster) {
-  const ClusterHeader header = cluster.header;
-  if (header.parent != kNoParent) {
-    Held& parent = clusters_.find(header.parent)->second;
-    vectors_ -= discs_of(parent.cluster.voxels, header.first, header.count);
-    std::fill_n(parent.refined.begin() + header.first, header.count, true);
-  }
-  if (header.parent == kNoParent) rooted_ = true;
-  vectors_ += discs_of(cluster.voxels, 0, cluster.voxels.size());
-  voxels_ += cluster.voxels.size();
-  ++revision_;
-  Held& held = clusters_[header.id];
-  held.refined.resize(cluster.voxels.size());
-  held.cluster = std::move(cluster);
-  // What came too early.
-  std::vector<std::vector<std::byte>> ready;
-  const auto [first, last] = orphans_.equal_range(header.id);
-  for (auto i = first; i != last; ++i) {
-    waiting_bytes_ -= cost(i->second);
-    ready.push_back(std::move(i->second));
-  }
-  orphans_.erase(first, last);
-  for (const auto& payload : ready) add_packed(payload);
-}
-
 Cloud StreamDecoder::cloud() const {
   Cloud cloud;
   if (!header()) return cloud;
   cloud.description = header()->description;
   cloud.color = header()->color;
   if (records_) append_records(cloud);
-  for (const auto& [id, held] : clusters_) {
-    const std::size_t size = held.refined.size();
-    for (std::size_t i = 0; i < size;) {
-      std::size_t end = i;
-      while (end < size && held.refined[end] == held.refined[i]) ++end;
-      if (!held.refined[i]) append_discs(held.cluster, i, end - i, header()->cube, cloud);
-      i = end;
-    }
-  }
+  packed_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
+    append_discs(cluster, first, count, header()->cube, cloud);
+  });
+  voxels_.visit_shown([&](const VolumeCluster& cluster, std::size_t first, std::size_t count) {
+    append_vectors(cluster, first, count, header()->lattice, cloud);
+  });
+  if (header()->payload == Payload::voxels) spread(cloud);
   return cloud;
 }
 
