@@ -29,6 +29,7 @@ Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progre
   if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
   if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
     return encode_cloud(*cloud, options, progress);
+  if (const auto* volume = std::get_if<VolumeVectors>(&source)) return encode_cloud(volume->cloud, options, progress);
   return EncodeError{"a stream of records is made of a surface or of vectors; expected no outline groups"};
 }
 
@@ -42,6 +43,13 @@ Encoded encode_base_and_displacements(const EncodeSource& source, EncodeOptions 
   const TriangleSource* triangles = triangles_of(source);
   if (!triangles) return EncodeError{"a displaced stream is made of a surface; expected triangles"};
   return encode_displaced(*triangles, options, progress);
+}
+
+Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const auto* volume = std::get_if<VolumeVectors>(&source);
+  if (!volume) return EncodeError{"a stream of voxels is made of a volume; expected its vectors and its layout"};
+  options.payload = Payload::voxels;
+  return encode_voxels(*volume, options, progress);
 }
 
 template <class Decoder>
@@ -69,7 +77,7 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
   return decoded;
 }
 
-constexpr std::array<PayloadRow, 4> kRows = {{
+constexpr std::array<PayloadRow, 5> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, ChunkType::records, ChunkType::records, kRecordsHeaderBytes,
      kRecordBytes, 1200 / kRecordBytes, encode_records, decode_vectors},
     {Payload::packed, "packed", PayloadReader::levels, ChunkType::packed, ChunkType::packed, 0, 0, 0, encode_packed,
@@ -78,24 +86,32 @@ constexpr std::array<PayloadRow, 4> kRows = {{
      encode_groups, decode_polygons},
     {Payload::displaced, "displaced", PayloadReader::vectors, ChunkType::displaced, ChunkType::displaced, 0, 0, 0,
      encode_base_and_displacements, decode_vectors},
+    {Payload::voxels, "voxels", PayloadReader::vectors, ChunkType::voxels, ChunkType::voxels, 0, 0, 0,
+     encode_volume_vectors, decode_vectors},
 }};
 
-// The table is in the order of the enumeration.
+// The table is in the order of the numbers, some of which are no payload's.
 static_assert([] {
-  for (std::size_t i = 0; i < kRows.size(); ++i)
-    if (static_cast<std::size_t>(kRows[i].payload) != i) return false;
+  for (std::size_t i = 1; i < kRows.size(); ++i)
+    if (!(kRows[i - 1].payload < kRows[i].payload)) return false;
   return true;
 }());
+
+const PayloadRow* row_with(std::uint8_t number) {
+  for (const PayloadRow& row : kRows)
+    if (static_cast<std::uint8_t>(row.payload) == number) return &row;
+  return nullptr;
+}
 
 }  // namespace
 
 std::span<const PayloadRow> payload_rows() { return kRows; }
 
-const PayloadRow& row_of(Payload payload) { return kRows[static_cast<std::size_t>(payload)]; }
+const PayloadRow& row_of(Payload payload) { return *row_with(static_cast<std::uint8_t>(payload)); }
 
 const PayloadRow* payload_of(std::span<const std::byte> bytes) {
   const std::optional<std::uint8_t> number = payload_number(bytes);
-  return number && *number < kRows.size() ? &kRows[*number] : nullptr;
+  return number ? row_with(*number) : nullptr;
 }
 
 bool carries(const PayloadRow& row, ChunkType type) { return type == row.chunk || type == row.inner_chunk; }

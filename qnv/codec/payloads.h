@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/encode/encode_surface.h"
+#include "qnv/encode/encode_voxels.h"
 #include "qnv/outline/outline_groups.h"
 #include "qnv/outline/outline_stream.h"
 #include "qnv/stream/container.h"
@@ -31,8 +32,8 @@ struct OutlineSource {
   const OutlineEncodeOptions& options;
 };
 /// What a stream is made of.
-using EncodeSource =
-    std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>, OutlineSource>;
+using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, std::reference_wrapper<const Cloud>,
+                                  OutlineSource, VolumeVectors>;
 
 /// What is in a stream that has ended.
 struct DecodedStream {

@@ -1,12 +1,13 @@
 #pragma once
 
-#include "qnv/displaced/surface.h"
+#include "qnv/decode/cluster_forest.h"
+#include "qnv/decode/surface_stages.h"
 #include "qnv/packed/packed.h"
 #include "qnv/records/records_assembly.h"
 #include "qnv/stream/container.h"
+#include "qnv/voxels/voxels.h"
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,7 +18,7 @@ namespace gs::qnv {
 /// picture. One thread; safe for untrusted bytes; memory is bounded by `most_vectors`.
 class StreamDecoder {
  public:
-  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26) : most_vectors_(most_vectors) {}
+  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26);
 
   /// The next bytes of the stream. False once it was refused.
   bool push(std::span<const std::byte> bytes);
@@ -30,50 +31,41 @@ class StreamDecoder {
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return reader_.problems(); }
-  [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_; }
+  [[nodiscard]] std::size_t refused_chunks() const {
+    return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused;
+  }
   /// Whether chunks were left out because of `most_vectors`.
-  [[nodiscard]] bool full() const { return full_; }
+  [[nodiscard]] bool full() const {
+    return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full;
+  }
   /// How many discs `cloud` has.
-  [[nodiscard]] std::size_t vectors() const { return vectors_; }
+  [[nodiscard]] std::size_t vectors() const {
+    return records_vectors_ + packed_.count().vectors + voxels_.count().vectors + surface_.count().vectors;
+  }
   /// Changes whenever `cloud` would.
-  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] std::uint64_t revision() const {
+    return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken;
+  }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
-  /// Everything that has arrived, each place at its finest; discs that were refined are gone.
+  /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
+  /// which the first ones cover all of it evenly.
   [[nodiscard]] Cloud cloud() const;
 
  private:
-  /// Bytes that a chunk without its parent takes, about.
-  static std::size_t cost(std::span<const std::byte> payload) { return payload.size() + 128; }
-  struct Held {
-    Cluster cluster;
-    std::vector<bool> refined;  // a voxel: its children have arrived
-  };
-  void add_packed(std::span<const std::byte> payload);
+  /// Of a displaced surface: the first stage is a part of the header, and there before any chunk.
   void begin_surface();
-  void add_stage(int number, displaced::StageHeader stage);
-  [[nodiscard]] static int shown_level(const displaced::Surface& surface);
-  void add_displaced(std::span<const std::byte> payload);
-  /// The last stage of which enough has come to take the place of those before; null: none.
-  [[nodiscard]] const displaced::Surface* stage() const;
-  void append_surface(const displaced::Surface& surface, Cloud& cloud) const;
-  void count_surface();
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
-  void take(Cluster cluster);
 
   StreamReader reader_;
-  std::size_t most_vectors_, vectors_ = 0, refused_chunks_ = 0, waiting_bytes_ = 0;
-  std::uint64_t revision_ = 0;
-  std::size_t voxels_ = 0;  // of all clusters, also where discs were refined
-  bool full_ = false;
-  bool begun_ = false;   // displaced: the first stage was read
-  bool rooted_ = false;  // the cluster without a parent has arrived
-  std::map<std::uint32_t, Held> clusters_;
-  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the parent that has not arrived
-  std::map<int, displaced::Surface> stages_;
-  std::multimap<int, std::vector<std::byte>> waiting_;  // clusters of stages whose base has not come
-  mutable std::optional<RecordsAssembly> records_;      // files what arrived only when it is asked
+  std::size_t most_vectors_, records_vectors_ = 0, refused_chunks_ = 0;
+  std::uint64_t records_revision_ = 0;
+  bool records_full_ = false;
+  ClusterForest<Cluster> packed_;
+  ClusterForest<VolumeCluster> voxels_;
+  SurfaceStages surface_;
+  mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -1,3 +1,4 @@
+#include "qnv/packed/cluster_order.h"
 #include "qnv/packed/packed_layout.h"
 #include "qnv/packed/packed_quantize.h"
 
@@ -5,20 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <queue>
 #include <utility>
 
 namespace gs::qnv {
 namespace {
 
-// With the framing of the stream, UDP and IP a cluster fits into the 1,280 bytes that IPv6 promises.
-constexpr std::size_t kClusterBytes = 1200;
 // The first cluster: with the header of the stream it should come in the first kilobyte.
 constexpr std::size_t kBaseBytes = 700;
 // A voxel that the surface only touches is left out: this part of the area of a face.
 constexpr float kLeastArea = 0.03f;
-// No single cluster divides more than this many voxels: keeps the first guesses cheap.
-constexpr std::size_t kMostParents = 4096;
 // Deeper down a smaller step pays: there are more voxels for a pixel, and their differences are small.
 constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
 
@@ -103,23 +99,8 @@ class PackedEncoder {
   // Divides all voxels of a node once, in clusters that fit.
   void divide(Node& node) const {
     const LevelSymbols all = quantize(node.voxels, node.truth, node.level);
-    const std::size_t size = all.parents.size();
-    std::size_t run = std::min<std::size_t>(size, 400);
-    for (std::size_t first = 0; first < size;) {
-      // Runs of about one length: what is left is shared out evenly.
-      const std::size_t left = size - first, parts = (left + run - 1) / run;
-      std::size_t count = (left + parts - 1) / parts;
-      auto child = divide_run(node, all, first, count);
-      while (child->encoded.payload.size() > kClusterBytes && count > 1) {
-        const double fit = static_cast<double>(kClusterBytes) / static_cast<double>(child->encoded.payload.size());
-        count = std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(count) * fit * 0.97));
-        child = divide_run(node, all, first, count);
-      }
-      const double bytes_a_parent = static_cast<double>(child->encoded.payload.size()) / static_cast<double>(count);
-      run = std::clamp<std::size_t>(static_cast<std::size_t>(kClusterBytes * 0.97 / bytes_a_parent), 1, kMostParents);
-      first += count;
-      node.children.push_back(std::move(child));
-    }
+    divide_in_runs(node, all.parents.size(),
+                   [&](std::size_t first, std::size_t count) { return divide_run(node, all, first, count); });
     node.voxels = {};
     node.truth = {};
   }
@@ -203,45 +184,6 @@ class PackedEncoder {
   PackedOptions options_;
 };
 
-// A parent stands before its children; of those that may come next, the one that gains most for its bytes.
-std::vector<EncodedCluster> in_order(std::unique_ptr<Node> base, const PackedOptions& options) {
-  struct Entry {
-    double worth;
-    std::uint64_t order;  // of two equal ones the first made comes first
-    Node* node;
-    std::uint32_t parent;
-    bool operator<(const Entry& other) const {
-      return worth != other.worth ? worth < other.worth : order > other.order;
-    }
-  };
-  std::priority_queue<Entry> ready;
-  std::uint64_t made = 0;
-  ready.push({0, made++, base.get(), kNoParent});
-  std::vector<EncodedCluster> out;
-  std::size_t discs = 0, bytes = 0;
-  while (!ready.empty()) {
-    const Entry entry = ready.top();
-    ready.pop();
-    Node& node = *entry.node;
-    bytes += node.encoded.payload.size();
-    if (options.max_bytes != 0 && bytes > options.max_bytes && !out.empty()) break;
-    const auto id = static_cast<std::uint32_t>(out.size());
-    node.encoded.header.id = id;
-    node.encoded.header.parent = entry.parent;
-    for (std::size_t i = 0; i < 4; ++i) {
-      node.encoded.payload[i] = static_cast<std::byte>(id >> (8 * i) & 255);
-      node.encoded.payload[4 + i] = static_cast<std::byte>(entry.parent >> (8 * i) & 255);
-    }
-    for (const auto& child : node.children)
-      ready.push({child->gain / static_cast<double>(child->encoded.payload.size()), made++, child.get(), id});
-    // A cluster puts its voxels in the place of those that it divides.
-    discs += node.encoded.voxels - node.encoded.divided;
-    out.push_back(std::move(node.encoded));
-    if (options.vectors != 0 && discs >= options.vectors) break;
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, const Cube& cube,
@@ -260,7 +202,7 @@ std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, 
       for (const auto& child : node->children) next.push_back(child.get());
     generation = std::move(next);
   }
-  return in_order(std::move(base), options);
+  return in_order(std::move(base), options.vectors, options.max_bytes);
 }
 
 }  // namespace gs::qnv

@@ -67,10 +67,11 @@ PackedVoxels chosen_voxels(const PackedVoxels& from, std::span<const std::uint32
   return out;
 }
 
-std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std::byte> payload) {
-  if (payload.size() < kClusterHeaderSize)
+std::variant<ClusterHeader, PackedError> read_cluster_place(std::span<const std::byte> payload,
+                                                            std::size_t header_bytes) {
+  if (payload.size() < header_bytes)
     return PackedError{"a cluster of " + std::to_string(payload.size()) + " bytes; expected " +
-                       std::to_string(kClusterHeaderSize) + " at least"};
+                       std::to_string(header_bytes) + " at least"};
   const auto u16 = [&](std::size_t i) { return byte_at(payload, i) | byte_at(payload, i + 1) << 8; };
   const auto u32 = [&](std::size_t i) { return u16(i) | u16(i + 2) << 16; };
   ClusterHeader header;
@@ -85,12 +86,27 @@ std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std
                        " times; expected once at least, and no deeper than " + std::to_string(kDeepestLevel)};
   if (header.count == 0) return PackedError{"a cluster divides no voxel"};
   if (header.id == kNoParent) return PackedError{"a cluster with the number that means none"};
-  if ((byte_at(payload, 14) & 0xe0) != 0 || (byte_at(payload, 15) & 0x80) != 0 || (byte_at(payload, 20) & 0xf8) != 0 ||
-      byte_at(payload, 21) != 0)
-    return PackedError{"a cluster of a later version: reserved bits are set"};
   if (header.parent == kNoParent && (header.level != 0 || header.first != 0 || header.count != 1))
     return PackedError{"a cluster without a parent does not divide the root"};
   return header;
+}
+
+std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std::byte> payload) {
+  auto read = read_cluster_place(payload, kClusterHeaderSize);
+  if (std::holds_alternative<PackedError>(read)) return read;
+  if ((byte_at(payload, 14) & 0xe0) != 0 || (byte_at(payload, 15) & 0x80) != 0 || (byte_at(payload, 20) & 0xf8) != 0 ||
+      byte_at(payload, 21) != 0)
+    return PackedError{"a cluster of a later version: reserved bits are set"};
+  return read;
+}
+
+void write_cluster_place(const ClusterHeader& header, std::vector<std::byte>& out) {
+  put(out, header.id, 4);
+  put(out, header.parent, 4);
+  put(out, header.first, 2);
+  put(out, header.count, 2);
+  put(out, header.level, 1);
+  put(out, header.levels, 1);
 }
 
 ClusterParameters read_parameters(std::span<const std::byte> header) {
@@ -113,12 +129,7 @@ ClusterParameters read_parameters(std::span<const std::byte> header) {
 }
 
 void write_cluster_header(const ClusterHeader& header, const ClusterParameters& p, std::vector<std::byte>& out) {
-  put(out, header.id, 4);
-  put(out, header.parent, 4);
-  put(out, header.first, 2);
-  put(out, header.count, 2);
-  put(out, header.level, 1);
-  put(out, header.levels, 1);
+  write_cluster_place(header, out);
   put(out, p.occupancy | (p.doubles ? 8u : 0u) | (p.colored ? 16u : 0u), 1);
   put(out, p.normal_shift | static_cast<std::uint32_t>(p.offset_shift) << 4, 1);
   std::uint32_t models = 0;

@@ -95,6 +95,11 @@ inline std::size_t residual_context(std::uint8_t state) {
 /// Some voxels, in the order of their indices.
 [[nodiscard]] PackedVoxels chosen_voxels(const PackedVoxels& from, std::span<const std::uint32_t> indices);
 
+/// Bytes 0 to 13 of every cluster, of whatever octree: where it stands. Safe for untrusted bytes.
+[[nodiscard]] std::variant<ClusterHeader, PackedError> read_cluster_place(std::span<const std::byte> payload,
+                                                                          std::size_t header_bytes);
+void write_cluster_place(const ClusterHeader& header, std::vector<std::byte>& out);
+
 [[nodiscard]] ClusterParameters read_parameters(std::span<const std::byte> header);
 void write_cluster_header(const ClusterHeader& header, const ClusterParameters& parameters,
                           std::vector<std::byte>& out);

@@ -1,5 +1,7 @@
 #include "qnv/packed/packed_quantize.h"
 
+#include "qnv/packed/residual_coding.h"
+
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
@@ -192,40 +194,6 @@ class Quantizer {
   LevelSymbols& out_;
 };
 
-using ResidualHistogram = std::array<std::uint32_t, kResidualSymbols>;
-
-void count(ResidualHistogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
-
-std::uint8_t cheapest(const ResidualHistogram& histogram) {
-  std::uint8_t best = 0;
-  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
-  for (std::size_t m = 0; m < kResidualModels; ++m) {
-    std::uint64_t cost = 0;
-    for (std::uint32_t s = 0; s < kResidualSymbols; ++s)
-      cost += static_cast<std::uint64_t>(histogram[s]) * residual_models()[m].cost[s];
-    if (cost < least) {
-      least = cost;
-      best = static_cast<std::uint8_t>(m);
-    }
-  }
-  return best;
-}
-
-/// The residuals that `of` gives for every child, in groups of a lane each: a group's symbols, then its escapes.
-template <class Of, class ModelOf>
-void put_residuals(RansEncoder& rans, std::size_t n, Of of, ModelOf model_of) {
-  for (std::size_t i = 0; i < n; i += kRansLanes) {
-    const std::size_t lanes = std::min(kRansLanes, n - i);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::uint32_t symbol = std::min(zigzag(of(i + lane)), kEscape);
-      const ResidualModel::Interval interval = residual_models()[model_of(i + lane)].interval[symbol];
-      rans.put(lane, interval.start, interval.frequency);
-    }
-    for (std::size_t lane = 0; lane < lanes; ++lane)
-      if (zigzag(of(i + lane)) >= kEscape) rans.put_bits(lane, zigzag(of(i + lane)), kEscapeBits);
-  }
-}
-
 }  // namespace
 
 float plane_section(int u, int v, int offset) {
@@ -233,10 +201,6 @@ float plane_section(int u, int v, int offset) {
   const glm::vec3 l1 =
       glm::vec3(static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])) * (1.0f / kOctahedral);
   return plane_section(l1, static_cast<float>(offset) * (1.0f / kOffsetUnits));
-}
-
-void put_bit(RansEncoder& rans, std::size_t lane, std::uint32_t probability, bool bit) {
-  rans.put(lane, bit ? 0 : probability, bit ? probability : kRansTotal - probability);
 }
 
 LevelSymbols quantize_level(const PackedVoxels& from, std::span<const std::span<const Voxel>> below, double edge,

@@ -40,9 +40,6 @@ struct LevelSymbols {
 /// Chooses the models that make the symbols of some levels cheapest.
 void choose_models(std::span<const LevelSymbols> levels, ClusterParameters& parameters);
 
-/// Writes one decision.
-void put_bit(RansEncoder& rans, std::size_t lane, std::uint32_t probability, bool bit);
-
 /// Writes the symbols of one level.
 void put_level(const LevelSymbols& level, const ClusterParameters& parameters, RansEncoder& rans);
 

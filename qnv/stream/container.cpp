@@ -18,7 +18,7 @@ constexpr std::uint16_t kSync = 0x4351;  // "QC"
 constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
 constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
-enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4, kBase = 5 };
+enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4, kBase = 5, kLattice = 6 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
@@ -51,10 +51,11 @@ bool all_finite(std::initializer_list<float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// False where the outlines of a stream of outlines are missing or impossible, or the base of a displaced one is
-/// missing.
+/// False where the outlines of a stream of outlines, the base of a displaced one, or the lattice of one of voxels are
+/// missing or impossible.
 bool read_sections(ByteReader& read, StreamHeader& header) {
-  bool outlines = header.payload != Payload::outlines, base = header.payload != Payload::displaced;
+  bool outlines = header.payload != Payload::outlines, lattice = header.payload != Payload::voxels;
+  bool base = header.payload != Payload::displaced;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -87,10 +88,15 @@ bool read_sections(ByteReader& read, StreamHeader& header) {
       const auto bytes = section.bytes(section.left());
       header.base.assign(bytes.begin(), bytes.end());
       base = true;
+    } else if (tag == kLattice && !lattice) {
+      const auto decoded = decode_voxel_lattice(section.bytes(section.left()));
+      if (!decoded) return false;
+      header.lattice = *decoded;
+      lattice = true;
     }
     // Sections of later versions are passed over.
   }
-  return outlines && base;
+  return outlines && base && lattice;
 }
 
 }  // namespace
@@ -98,7 +104,8 @@ bool read_sections(ByteReader& read, StreamHeader& header) {
 bool operator==(const StreamHeader& a, const StreamHeader& b) {
   return a.description == b.description && a.payload == b.payload && a.colored == b.colored && a.color == b.color &&
          a.vectors == b.vectors && a.chunks == b.chunks && a.directory == b.directory && a.cube.lower == b.cube.lower &&
-         a.cube.edge == b.cube.edge && a.palette == b.palette && a.outlines == b.outlines && a.base == b.base;
+         a.cube.edge == b.cube.edge && a.palette == b.palette && a.outlines == b.outlines && a.base == b.base &&
+         a.lattice == b.lattice;
 }
 
 std::vector<std::byte> encode_header(const StreamHeader& header) {
@@ -139,6 +146,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   if (!data.empty()) put_section(out, kTransfer, data);
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
+  if (header.payload == Payload::voxels) put_section(out, kLattice, encode_voxel_lattice(header.lattice));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
@@ -183,10 +191,15 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
   if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged: its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
-  if (payload > 3) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 3"};
-  if (kind == 1 && payload == 1) return StreamProblem{11, "holds a packed volume; expected records, or a surface"};
-  if (kind == 1 && payload == 3) return StreamProblem{11, "holds a displaced volume; expected records, or a surface"};
-  if (kind == 1 && payload == 2) return StreamProblem{11, "holds outlines of a volume; expected records, or a surface"};
+  const bool voxels = payload == static_cast<std::uint8_t>(Payload::voxels);
+  if (payload > 4) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 4"};
+  if (kind == 0 && voxels) return StreamProblem{11, "holds voxels of a surface; expected a volume"};
+  if (kind == 1 && payload == 1)
+    return StreamProblem{11, "holds a packed volume; expected records or voxels, or a surface"};
+  if (kind == 1 && payload == 3)
+    return StreamProblem{11, "holds a displaced volume; expected records or voxels, or a surface"};
+  if (kind == 1 && payload == 2)
+    return StreamProblem{11, "holds outlines of a volume; expected records or voxels, or a surface"};
   StreamHeader header;
   Description& d = header.description;
   d.kind = static_cast<Kind>(kind);
@@ -216,9 +229,11 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{26, "the header holds an impossible box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header))
-    return StreamProblem{kFixedHeaderBytes, header.payload == Payload::outlines
-                                                ? "the header's section of outlines is missing or impossible"
-                                                : "the header's section of the base is missing"};
+    return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
+                                                (header.payload == Payload::voxels      ? "the lattice"
+                                                 : header.payload == Payload::displaced ? "the base"
+                                                                                        : "outlines") +
+                                                " is missing or impossible"};
   return header;
 }
 
@@ -340,7 +355,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
     const auto payload = rest.subspan(kChunkHeaderBytes, length);
     const bool whole = checksum(checksum(0, rest.first(6)), payload) == sum;
     bool used = whole;
-    if (whole && (type <= 4 || type == 254)) on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_);
+    if (whole && (type <= 5 || type == 254)) on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_);
     if (!whole && on_damaged && header_->payload == Payload::outlines && (type == 2 || type == 3)) {
       const std::optional<bool> behind = ends_well(kChunkHeaderBytes + length);
       if (!behind) return false;

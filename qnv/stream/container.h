@@ -3,6 +3,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/base/voxels.h"
 #include "qnv/stream/outline_header.h"
+#include "qnv/stream/voxel_lattice.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +27,7 @@ constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 constexpr std::size_t kMostDirectoryEntries = std::size_t{1} << 22, kMostProblems = 100;
 
 /// What the payloads of a stream's chunks are.
-enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3 };
+enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4 };
 /// What one chunk is.
 enum class ChunkType : std::uint8_t {
   records = 0,
@@ -34,6 +35,7 @@ enum class ChunkType : std::uint8_t {
   outlines = 2,
   inner = 3,
   displaced = 4,
+  voxels = 5,
   directory = 254
 };
 
@@ -49,6 +51,7 @@ struct StreamHeader {
   std::vector<Rgb8> palette;    // records of a surface: the colours of C, at most 256
   OutlineHeader outlines;       // only of that payload
   std::vector<std::byte> base;  // displaced: the first stage (displaced/surface.h), as it came
+  VoxelLattice lattice;         // only of voxels
   friend bool operator==(const StreamHeader&, const StreamHeader&);
 };
 
@@ -56,9 +59,9 @@ struct StreamHeader {
 struct DirectoryEntry {
   std::uint64_t offset = 0;  // of its chunk header
   std::uint32_t bytes = 0;   // with the chunk header
-  std::uint8_t level =
-      0;  // packed: of its voxels; records: layer; outlines: 0, inner polygons: 1; displaced: of its vertices
-  std::uint32_t parent = 0;  // packed: the chunk that it refines; 0xffffffff: none
+  /// Packed, voxels: of its voxels; displaced: of its vertices; records: layer; outlines: 0, inner polygons: 1.
+  std::uint8_t level = 0;
+  std::uint32_t parent = 0;  // packed, voxels: the chunk that it refines; 0xffffffff: none
   std::uint32_t vectors = 0;
   Box box;  // rounded outwards to 1/65535 of the stream's box
   friend bool operator==(const DirectoryEntry&, const DirectoryEntry&) = default;

@@ -1,6 +1,7 @@
 #include "qnv/codec/payloads.h"
 
 #include "qnv/records/records_payload.h"
+#include "tests/qnv/voxel_volumes.h"
 
 #include <catch2/catch.hpp>
 
@@ -65,13 +66,17 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
   const auto grouped = group_outlines(model, {});
   REQUIRE(std::holds_alternative<OutlineGroups>(grouped));
   const OutlineEncodeOptions outline_options;
+  const SoftBall ball(12);
+  double magnitudes = 0;
+  for (const float weight : ball.cloud.weights) magnitudes += weight;
   const EncodeSource sources[] = {std::cref(triangles), std::cref(cloud),
-                                  OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}};
+                                  OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}, ball.vectors()};
   EncodeOptions few;
-  few.vectors = 500;
+  few.vectors = 5000;
   // Which of them each payload is made of.
-  const std::set<std::pair<Payload, std::size_t>> made = {
-      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0}, {Payload::outlines, 2}};
+  const std::set<std::pair<Payload, std::size_t>> made = {{Payload::records, 0}, {Payload::records, 1},
+                                                          {Payload::packed, 0},  {Payload::outlines, 2},
+                                                          {Payload::records, 3}, {Payload::voxels, 3}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);
@@ -90,7 +95,7 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
         const Cloud& vectors = std::get<Cloud>(decoded.content);
         CHECK(vectors.size() > 0);
         if (i == 1) CHECK(vectors.size() == cloud.size());
-        CHECK(vectors.description.total == Approx(i == 1 ? 40 : 1).epsilon(0.01));
+        CHECK(vectors.description.total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
       }
       // Of other payloads nothing is made.
       for (const PayloadRow& other : payload_rows()) {

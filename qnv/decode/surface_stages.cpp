@@ -1,0 +1,137 @@
+#include "qnv/decode/surface_stages.h"
+
+#include "qnv/displaced/subdivision.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+// Clusters that wait for a base that may never come, with what each takes beside its bytes.
+constexpr std::size_t kMostWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
+
+// One level beyond what has arrived is smooth, and costs nothing.
+int shown_level(const displaced::Surface& surface) { return std::min(surface.header().depth, surface.finest() + 1); }
+
+std::size_t slots_shown(const displaced::Surface& surface) { return surface.slots().vertices_at(shown_level(surface)); }
+
+}  // namespace
+
+void SurfaceStages::begin(std::span<const std::byte> base, const Box& box, std::size_t most_vectors) {
+  begun_ = true;
+  box_ = box;
+  most_vectors_ = most_vectors;
+  if (auto first = displaced::decode_stage(base))
+    add_stage(0, std::move(*first));
+  else
+    ++count_.refused;
+}
+
+void SurfaceStages::add_stage(int number, displaced::StageHeader stage) {
+  const displaced::Patches patches(stage.base.triangles, static_cast<std::uint32_t>(stage.base.vertices.size()));
+  while (stage.depth > 0 && patches.vertices_at(stage.depth) > most_vectors_) {
+    count_.full = true;
+    --stage.depth;
+  }
+  stages_.emplace(number, displaced::Surface(std::move(stage), box_));
+  ++count_.taken;
+  recount();
+  std::vector<std::vector<std::byte>> ready;
+  const auto [first, last] = waiting_.equal_range(number);
+  for (auto i = first; i != last; ++i) {
+    waiting_bytes_ -= i->second.size() + kWaitingCost;
+    ready.push_back(std::move(i->second));
+  }
+  waiting_.erase(first, last);
+  for (const auto& payload : ready) add(payload);
+}
+
+void SurfaceStages::add(std::span<const std::byte> payload) {
+  const auto cluster = displaced::decode_cluster_header(payload);
+  if (!cluster) {
+    ++count_.refused;
+    return;
+  }
+  if (cluster->kind == displaced::ClusterHeader::Kind::base) {
+    if (stages_.contains(cluster->stage)) return;  // it may come more than once, so that one gets through
+    auto stage = displaced::decode_stage(payload.subspan(cluster->bytes));
+    if (stage)
+      add_stage(cluster->stage, std::move(*stage));
+    else
+      ++count_.refused;
+    return;
+  }
+  const auto found = stages_.find(cluster->stage);
+  if (found == stages_.end()) {
+    if (waiting_bytes_ + payload.size() + kWaitingCost > kMostWaitingStageBytes) {
+      ++count_.refused;
+      return;
+    }
+    waiting_bytes_ += payload.size() + kWaitingCost;
+    waiting_.emplace(cluster->stage, std::vector<std::byte>(payload.begin(), payload.end()));
+    return;
+  }
+  if (!found->second.add(*cluster, payload)) {
+    ++count_.refused;
+    return;
+  }
+  ++count_.taken;
+  recount();
+}
+
+const displaced::Surface* SurfaceStages::shown() const {
+  for (auto i = stages_.rbegin(); i != stages_.rend(); ++i)
+    if (!i->second.header().beside && i->second.clusters() >= static_cast<std::size_t>(i->second.header().clusters))
+      return &i->second;
+  return stages_.empty() ? nullptr : &stages_.begin()->second;
+}
+
+void SurfaceStages::recount() {
+  const displaced::Surface* main = shown();
+  count_.vectors = main ? slots_shown(*main) : 0;
+  for (const auto& [number, surface] : stages_)
+    if (surface.header().beside && &surface != main) count_.vectors += slots_shown(surface);
+}
+
+void SurfaceStages::append(Cloud& cloud, bool colored) const {
+  const displaced::Surface* main = shown();
+  if (main) append(*main, cloud, colored);
+  for (const auto& [number, surface] : stages_)
+    if (surface.header().beside && &surface != main) append(surface, cloud, colored);
+}
+
+void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool colored) const {
+  const int level = shown_level(surface);
+  const std::vector<glm::vec3> places = surface.positions(level);
+  const std::vector<Rgb8> colors = surface.vertex_colors(level);
+  const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
+  const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
+  const auto start = static_cast<std::uint32_t>(cloud.positions.size());
+  cloud.positions.reserve(start + vertex_of.size());
+  for (const std::uint32_t v : vertex_of) cloud.positions.push_back(places[v]);
+  cloud.normals.reserve(start + normals.size());
+  for (const glm::vec3& n : normals) cloud.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
+  if (colored) {
+    cloud.colors.reserve(start + vertex_of.size());
+    for (const std::uint32_t v : vertex_of) cloud.colors.push_back(colors.empty() ? cloud.color : colors[v]);
+  }
+  const std::size_t first = cloud.triangles.size();
+  const std::vector<std::uint32_t> triangles = surface.triangles(level);
+  cloud.triangles.reserve(first + triangles.size());
+  for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
+  // A vector stands for a third of the triangles round it.
+  cloud.weights.resize(cloud.positions.size(), std::numeric_limits<float>::min());
+  for (std::size_t i = first; i + 2 < cloud.triangles.size(); i += 3) {
+    const std::uint32_t* t = cloud.triangles.data() + i;
+    const glm::vec3 a = cloud.positions[t[0]];
+    const float third = glm::length(glm::cross(cloud.positions[t[1]] - a, cloud.positions[t[2]] - a)) / 6;
+    for (std::size_t k = 0; k < 3; ++k) cloud.weights[t[k]] += third;
+  }
+}
+
+}  // namespace gs::qnv

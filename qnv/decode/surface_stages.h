@@ -1,0 +1,48 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+#include "qnv/displaced/surface.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+
+/// The stages of a displaced surface as they arrive, in any order; clusters that come before their base wait. One
+/// thread; safe for untrusted bytes.
+class SurfaceStages {
+ public:
+  struct Count {
+    std::size_t vectors = 0, refused = 0, taken = 0;
+    bool full = false;  // something was left out because of `most_vectors`
+  };
+
+  /// The first stage, as the stream's header has it. `box`: of the stream.
+  void begin(std::span<const std::byte> base, const Box& box, std::size_t most_vectors);
+  [[nodiscard]] bool begun() const { return begun_; }
+  /// The payload of a chunk.
+  void add(std::span<const std::byte> payload);
+  /// What is shown of all that has come: vertices, and triangles between them. `colored`: they have colours, those
+  /// whose have not come that of the cloud.
+  void append(Cloud& cloud, bool colored) const;
+  [[nodiscard]] const Count& count() const { return count_; }
+
+ private:
+  void add_stage(int number, displaced::StageHeader stage);
+  void recount();
+  /// The last stage of which enough has come to take the place of those before; null: none.
+  [[nodiscard]] const displaced::Surface* shown() const;
+  void append(const displaced::Surface& surface, Cloud& cloud, bool colored) const;
+
+  Box box_;
+  std::size_t most_vectors_ = 0, waiting_bytes_ = 0;
+  bool begun_ = false;
+  Count count_;
+  std::map<int, displaced::Surface> stages_;
+  std::multimap<int, std::vector<std::byte>> waiting_;  // by stage
+};
+
+}  // namespace gs::qnv

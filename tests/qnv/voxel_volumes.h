@@ -1,0 +1,53 @@
+#pragma once
+
+#include "qnv/encode/encode_volume.h"
+#include "qnv/encode/encode_voxels.h"
+#include "qnv/stream/container.h"
+#include "tests/qnv/volume_sources.h"
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+/// Volumes and their streams of voxels, for tests.
+namespace gs::qnv {
+
+/// A soft ball in a grid of n^3 voxels, its lattice oblique, and in it a plate; the longest quarter of its gradients.
+struct SoftBall {
+  VolumeSource source;
+  Cloud cloud;
+
+  explicit SoftBall(std::uint32_t n, double fraction = 0.25) {
+    const auto middle = static_cast<float>(n - 1) * 0.5f, radius = static_cast<float>(n) * 0.33f;
+    source = test::volume_of(test::oblique(n, n, n), [=](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+      const float dx = static_cast<float>(x) - middle, dy = static_cast<float>(y) - middle,
+                  dz = static_cast<float>(z) - middle;
+      const float ball = 1 / (1 + std::exp(std::sqrt(dx * dx + dy * dy + dz * dz) - radius));
+      return 100 * ball + (z == n / 2 && ball > 0.9f ? 80.0f : 0.0f);
+    });
+    GradientOptions options;
+    options.fraction = fraction;
+    auto found = gradient_vectors(source, options);
+    cloud = std::move(std::get<Cloud>(found));
+  }
+  [[nodiscard]] VolumeVectors vectors() const { return {cloud, source.layout}; }
+  [[nodiscard]] EncodedStream stream(const EncodeOptions& options = {}) const {
+    auto encoded = encode_voxels(vectors(), options);
+    return std::move(std::get<EncodedStream>(encoded));
+  }
+};
+
+/// The payloads of the clusters of a stream, in their order.
+inline std::vector<std::vector<std::byte>> clusters_of(std::span<const std::byte> stream) {
+  std::vector<std::vector<std::byte>> payloads;
+  StreamReader reader;
+  (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type == ChunkType::voxels) payloads.emplace_back(payload.begin(), payload.end());
+  });
+  return payloads;
+}
+
+}  // namespace gs::qnv
