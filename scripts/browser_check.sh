@@ -12,7 +12,7 @@ made=$root/build/release/desktop
 work=$(mktemp -d /tmp/ghostspace-browsers.XXXXXX)
 pictures=${1:-$work/pictures}
 mkdir -p "$pictures"
-for tool in Xvfb xdotool import nginx xdg-mime update-mime-database update-desktop-database; do
+for tool in Xvfb xdotool import nginx gio xdg-mime update-mime-database update-desktop-database; do
   command -v $tool >/dev/null || { echo "browser_check.sh: $tool is missing" >&2; exit 2; }
 done
 [ -x "$ghostspace" ] && [ -d "$made" ] || { echo "browser_check.sh: build GhostSpace first (scripts/run.sh)" >&2; exit 2; }
@@ -40,7 +40,9 @@ until_true() {
 # A user of his own, for whom GhostSpace is installed.
 export HOME=$work/home XDG_RUNTIME_DIR=$work/runtime XDG_DATA_HOME=$work/home/.local/share XDG_CONFIG_HOME=$work/home/.config
 export XDG_CACHE_HOME=$work/home/.cache
-unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY XDG_CURRENT_DESKTOP
+unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY
+# A desktop whose tools know types by shared-mime-info (gio), as all of them do; without one xdg-open asks file(1).
+export XDG_CURRENT_DESKTOP=GNOME
 mkdir -p "$XDG_RUNTIME_DIR" "$XDG_DATA_HOME"/{applications,mime/packages} "$XDG_CONFIG_HOME" "$XDG_CACHE_HOME" "$HOME/bin"
 chmod 700 "$XDG_RUNTIME_DIR"
 # What was clicked on is told to the program in these very words.
@@ -70,6 +72,7 @@ until_true 20 test -s "$work/display" || { echo "browser_check.sh: Xvfb does not
 DISPLAY=:$(cat "$work/display")
 export DISPLAY
 
+unset http_proxy https_proxy HTTP_PROXY HTTPS_PROXY all_proxy ALL_PROXY
 "$ghostspace" serve --http 0 --log "$work/serve.log" "$site" 2>"$work/serve.err" &
 started+=($!)
 until_true 20 grep -q 'serving .* on http' "$work/serve.err"
@@ -84,6 +87,7 @@ printf '[GhostSpace link]\nURL=%sboat.qnv\nBudget=40000\n' "$nginx_url" >"$work/
 printf '<!DOCTYPE html><title>Scenes</title><p><a href="boat.qnv.gslink">boat</a> <p><a href="ghostspace:%ssecond.wrl">second</a>\n' \
   "$nginx_url" >"$work/www/index.html"
 cat >"$work/nginx.conf" <<CONF
+$([ "$(id -u)" -ne 0 ] || echo "user root;")
 daemon off; pid $work/nginx/pid; error_log $work/nginx/error.log; worker_processes 1;
 events { worker_connections 64; }
 http {
@@ -97,7 +101,7 @@ http {
 CONF
 nginx -c "$work/nginx.conf" -p "$work/nginx" 2>/dev/null &
 started+=($!)
-until_true 20 curl -sf -o /dev/null "$nginx_url"
+until_true 20 curl -sf -o /dev/null "$nginx_url" || { echo "browser_check.sh: nginx does not start" >&2; exit 2; }
 
 # A user who has told his browser once that such links are GhostSpace's.
 profile() {
@@ -136,9 +140,9 @@ JSON
 }
 browse() { # BROWSER URL
   case $1 in
-    firefox-esr) firefox-esr --no-remote --profile "$work/firefox" "$2" ;;
+    firefox-esr) exec firefox-esr --no-remote --profile "$work/firefox" "$2" ;;
     chromium)
-      chromium --no-sandbox --disable-gpu --no-first-run --no-default-browser-check --password-store=basic \
+      exec chromium --no-sandbox --disable-gpu --no-first-run --no-default-browser-check --password-store=basic \
         --user-data-dir="$work/chromium" --window-size=1000,800 "$2"
       ;;
   esac >"$work/$1.log" 2>&1 &
@@ -196,6 +200,7 @@ try() { # BROWSER SERVER URL TITLE_OF_PAGE LOG
   fi
   kill "$browser" 2>/dev/null || true
   wait "$browser" 2>/dev/null || true
+  rm -rf "$work/firefox" "$work/chromium" "$HOME/Downloads" "$XDG_CACHE_HOME/ghostspace"
   for window in $(xdotool search --onlyvisible --class '^GhostSpace$' 2>/dev/null); do
     xdotool windowfocus --sync "$window" key --window "$window" ctrl+q 2>/dev/null || true
   done
