@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,5 +23,14 @@ namespace gs::app {
 
 /// The last part of a path.
 [[nodiscard]] inline std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+/// `text` cut to about `length` bytes at a character's edge, control characters made blanks: worlds name things as they
+/// like.
+[[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
+
+/// "1.5 MB".
+[[nodiscard]] std::string readable_size(std::uint64_t bytes);
+/// "0.4 of 2.3 MB", in the unit of the whole.
+[[nodiscard]] std::string readable_part(std::uint64_t bytes, std::uint64_t of);
 
 }  // namespace gs::app

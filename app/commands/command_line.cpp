@@ -6,13 +6,18 @@
 #include "app/commands/commands.h"
 #include "app/commands/options.h"
 #include "app/formats/content_types.h"
+#include "net/files/standard_input.h"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -62,6 +67,30 @@ std::string folder_of(const std::string& file) {
   return slash == std::string::npos ? "." : file.substr(0, slash + 1);
 }
 
+// A first argument that is a word, and neither a command nor the name of a file: what to say of it. Else nothing.
+std::optional<std::string> unknown_word(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+  std::error_code error;
+  if (!plain || word == net::kStandardInput || std::filesystem::exists(word, error)) return std::nullopt;
+  std::string names;
+  for (const CommandRow& command : command_rows().subspan(1))
+    names += (names.empty() ? "" : ", ") + std::string(command.name);
+  return "neither a file nor a command; expected a file, a URL or one of " + names;
+}
+
+// "-" among what is read is standard input. What is wrong with it, or nothing.
+std::optional<std::string> take_standard_input(Options& options, const CommandRow& command) {
+  const bool writes = command.run == run_encode || command.run == run_export;
+  const std::span<std::string> inputs = std::span(options.files).first(options.files.size() - (writes ? 1 : 0));
+  const auto count = std::count(inputs.begin(), inputs.end(), net::kStandardInput);
+  if (count == 0) return std::nullopt;
+  if (count > 1) return "standard input can be read once only";
+  std::replace(inputs.begin(), inputs.end(), std::string(net::kStandardInput), std::string(net::kStandardInputPath));
+  return net::hold_standard_input(options.limits.memory);
+}
+
 int parse_and_run(int count, char** arguments) {
   Options options;
   CLI::App parser("GhostSpace: a browser for VRML97 worlds and 3D models");
@@ -88,6 +117,9 @@ int parse_and_run(int count, char** arguments) {
       if (sub->parsed()) chosen = command;
     if (options.files.size() < chosen->least_files || options.files.size() > chosen->most_files)
       throw CLI::ValidationError(std::string(chosen->name), "expected " + std::string(chosen->arguments));
+    if (chosen == &command_rows().front() && !options.files.empty())
+      if (const auto problem = unknown_word(options.files.front()))
+        throw CLI::ValidationError(options.files.front(), *problem);
     if (!options.snapshot.empty() && options.files.size() > 1)
       throw CLI::ValidationError("--snapshot", "expected one file");
     if ((options.time > 0 || !options.input.empty() || options.press_sensors) && chosen == &command_rows().front() &&
@@ -113,6 +145,7 @@ int parse_and_run(int count, char** arguments) {
     return kUsage;
   }
   remove_abandoned_files();
+  if (const auto problem = take_standard_input(options, *chosen)) return fail(*problem);
   if (!options.confine.empty())
     if (const auto problem = confine({options.confine, folder_of(output_of(options, *chosen))})) return fail(*problem);
   return chosen->run(options);
@@ -149,7 +182,7 @@ std::string manual_page() {
       if (!applies(row, command)) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
-      out += ".TP\n.B " + name + " " + std::string(row.argument) + "\n" + std::string(row.help);
+      out += ".TP\n.B " + name + (row.argument.empty() ? "" : " " + std::string(row.argument)) + "\n" + std::string(row.help);
       if (!row.standard.empty()) out += " (" + std::string(row.standard) + ")";
       out += ".\n";
     }

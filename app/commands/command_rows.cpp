@@ -29,6 +29,10 @@ constexpr CommandRow kCommands[] = {
      1, run_fetch, check_fetch},
     {"nodes", "", "print the table of node types", 0, 0, run_nodes},
     {"man", "", "print the manual page (roff)", 0, 0, run_man},
+    {"desktop", "NAME",
+     "print a file that tells a desktop or a shell of the program: entry, mime, thumbnailer, metainfo, bash, zsh or "
+     "fish",
+     1, 1, run_desktop, check_desktop},
 };
 
 }  // namespace

@@ -21,6 +21,8 @@ int run_check(const Options& options);
 int run_print(const Options& options);
 int run_nodes(const Options& options);
 int run_man(const Options& options);
+int run_desktop(const Options& options);
+std::optional<std::string> check_desktop(const Options& options);
 int run_info(const Options& options);
 int run_encode(const Options& options);
 /// Polygons as outline groups (`encode --outlines`).

@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/viewer/hand_over.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
 #include "app/world/world_loader.h"
@@ -16,6 +17,7 @@ constexpr double kNoTimeout = 1e6;  // seconds
 int run_open(const Options& options) {
   const std::string first = options.files.empty() ? demo_world() : options.files.front();
   if (!options.snapshot.empty()) return run_snapshot(options, first);
+  if (options.reuse && hand_over(hand_over_folder(), options.files)) return kDone;
   ViewerOptions viewer;
   viewer.files = options.files.empty() ? std::vector<std::string>{first} : options.files;
   viewer.width = options.width;

@@ -1,15 +1,14 @@
 #include "app/commands/options.h"
 
 #include "app/commands/commands.h"
+#include "app/commands/option_values.h"
 #include "app/formats/content_types.h"
 #include "net/base/host_names.h"
 #include "render/gl/context.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <utility>
 
@@ -17,23 +16,6 @@ namespace gs::app {
 namespace {
 
 using Problem = std::optional<std::string>;
-
-template <class Number>
-bool read(std::string_view text, Number& number) {
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
-  return result.ec == std::errc() && result.ptr == text.data() + text.size() && !text.empty();
-}
-
-// "a,b,c" as numbers.
-bool read_list(std::string_view text, char separator, std::span<double> numbers) {
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::size_t end = i + 1 < numbers.size() ? text.find(separator) : text.size();
-    if (end == std::string_view::npos || !read(text.substr(0, end), numbers[i]) || !std::isfinite(numbers[i]))
-      return false;
-    text.remove_prefix(std::min(text.size(), end + 1));
-  }
-  return true;
-}
 
 Problem set_size(Options& options, const std::string& value) {
   double size[2];
@@ -58,7 +40,7 @@ Problem set_orbit(Options& options, const std::string& value) {
 
 Problem set_max_bytes(Options& options, const std::string& value) {
   options.max_bytes_given = true;
-  return read(value, options.max_bytes) ? Problem{} : "expected a number of bytes";
+  return read_bytes(value, options.max_bytes) ? Problem{} : std::string(kExpectedBytes);
 }
 
 Problem set_backend(Options& options, const std::string& value) {
@@ -106,7 +88,8 @@ Problem set_splats(Options& options, const std::string& value) {
 }
 
 Problem set_budget(Options& options, const std::string& value) {
-  return read(value, options.budget) && options.budget > 0 ? Problem{} : "expected a number of vectors, more than 0";
+  return read_count(value, options.budget) && options.budget > 0 ? Problem{}
+                                                                 : "expected a number of vectors, more than 0";
 }
 
 Problem set_loss(Options& options, const std::string& value) {
@@ -131,22 +114,17 @@ Problem set_timeout(Options& options, const std::string& value) {
 }
 
 Problem set_memory(Options& options, const std::string& value) {
-  static constexpr std::pair<char, unsigned> kSizeUnits[] = {{'K', 10}, {'M', 20}, {'G', 30}};
-  std::string_view number(value);
-  unsigned shift = 0;
-  for (const auto& [unit, bits] : kSizeUnits)
-    if (number.ends_with(unit)) shift = bits;
-  if (shift > 0) number.remove_suffix(1);
-  constexpr std::size_t kLeast = std::size_t{16} << 20, kMost = std::size_t{1} << 46;
-  std::size_t bytes = 0;
-  if (!read(number, bytes) || bytes > kMost >> shift || bytes << shift < kLeast)
+  constexpr std::uint64_t kLeast = std::uint64_t{16} << 20, kMost = std::uint64_t{1} << 46;
+  std::uint64_t bytes = 0;
+  if (!read_bytes(value, bytes) || bytes > kMost || bytes < kLeast)
     return "expected a number of bytes, or with K, M or G behind it, from 16M on";
-  options.limits.memory = bytes << shift;
+  options.limits.memory = bytes;
   return {};
 }
 
 Problem set_vectors(Options& options, const std::string& value) {
-  return read(value, options.vectors) && options.vectors > 0 ? Problem{} : "expected a number of vectors, more than 0";
+  return read_count(value, options.vectors) && options.vectors > 0 ? Problem{}
+                                                                   : "expected a number of vectors, more than 0";
 }
 
 Problem set_fraction(Options& options, const std::string& value) {
@@ -184,7 +162,7 @@ Problem set_spacing(Options& options, const std::string& value) {
 }
 
 Problem set_offset(Options& options, const std::string& value) {
-  return read(value, options.raw.offset) ? Problem{} : "expected a number of bytes";
+  return read_bytes(value, options.raw.offset) ? Problem{} : std::string(kExpectedBytes);
 }
 
 Problem set_port(std::optional<std::uint16_t>& port, const std::string& value) {
@@ -206,7 +184,9 @@ Problem set_control(Options& options, const std::string& value) {
 }
 
 Problem set_rate(Options& options, const std::string& value) {
-  return read(value, options.rate) && options.rate > 0 ? Problem{} : "expected bits a second, more than 0";
+  return read_count(value, options.rate) && options.rate > 0
+             ? Problem{}
+             : "expected bits a second, more than 0, or with k, M or G behind the number: 200k";
 }
 
 Problem set_congestion(Options& options, const std::string& value) {
@@ -219,16 +199,6 @@ Problem set_congestion(Options& options, const std::string& value) {
     names += (names.empty() ? "expected " : ", ") + std::string(row.name);
   }
   return names;
-}
-
-// "a,b,c"; false when one of them is not taken.
-bool each_of(std::string_view list, const std::function<bool(const std::string&)>& take) {
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    if (!take(std::string(list.substr(begin, end - begin)))) return false;
-    begin = end + 1;
-  }
-  return true;
 }
 
 Problem set_host_names(Options& options, const std::string& value) {
@@ -301,6 +271,11 @@ constexpr OptionRow kOptions[] = {
        o.muted = true;
        return Problem{};
      }},
+    {"--reuse", "", "", "open the files in the window that is there already, if there is one: for desktops", "open ",
+     [](Options& o, const std::string&) {
+       o.reuse = true;
+       return Problem{};
+     }},
     {"--input", "FILE", "",
      "what somebody does meanwhile: JSON lines in the order of time, such as {\"t\":3,\"viewpoint\":\"NAME\"}, which "
      "binds a Viewpoint, {\"t\":4,\"set\":\"DEF.eventIn\",\"value\":\"1 0 0\"}, which sends an event, and "
@@ -344,13 +319,14 @@ constexpr OptionRow kOptions[] = {
     {"--headlight", "on|off", "", "in place of what the world says", "open ", set_headlight},
     {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
      set_background},
-    {"--backend", "NAME", "auto", "where to draw: auto, glfw, egl or osmesa", "open ", set_backend},
+    {"--backend", "auto|glfw|egl|osmesa", "auto", "where to draw", "open ", set_backend},
     {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open ", set_splats},
     {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open ", set_budget},
     {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open fetch ",
      set_loss},
-    {"--max-bytes", "N", "",
-     "take only the first N bytes of the file, as if the rest had not arrived; encode: write at most N bytes",
+    {"--max-bytes", "SIZE", "",
+     "take only so many bytes of the file, as if the rest had not arrived; encode: write at most so many. Bytes, or "
+     "with K, M or G behind the number: 400k",
      "open check info encode fetch trace ", set_max_bytes},
     {"--vectors", "N", "", "about so many vectors", "encode export ", set_vectors},
     {"--fraction", "F", "", "this part of a volume's voxels, of a cloud's vectors, of a surface's triangles (0 to 1)",
@@ -396,7 +372,7 @@ constexpr OptionRow kOptions[] = {
      "what its voxels are: u8, i8, u16, i16, u32, i32, f32 or f64, with be behind it if big-endian",
      "encode export info ", set_voxel_type},
     {"--spacing", "X,Y,Z", "1,1,1", "the distances of its voxels", "encode export info ", set_spacing},
-    {"--offset", "BYTES", "0", "how many bytes come before the first voxel", "encode export info ", set_offset},
+    {"--offset", "SIZE", "0", "how many bytes come before the first voxel", "encode export info ", set_offset},
     {"--vrml97", "", "", "a world for any VRML97 browser, in which ours finds the stream", "export ",
      [](Options& o, const std::string&) {
        o.vrml97 = true;

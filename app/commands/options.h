@@ -39,6 +39,7 @@ struct Options {
   std::string stats;
   std::string sound;   // WAV of what is heard in simulated time; empty: none
   bool muted = false;  // in a window
+  bool reuse = false;  // of a window that is there already
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
   vrml::Limits limits;

@@ -110,6 +110,7 @@ int run_snapshot(const Options& options, const std::string& named) {
   use_universal_time();
   using render::Phase;
   const GivenPlace given = given_place(named);
+  if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   const std::string& file = given.target;
   const Clock::time_point start = Clock::now();
   render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());

@@ -40,7 +40,8 @@ bool plan_input(const Options& options, Simulation& simulation) {
 void use_universal_time() { (void)::setenv("TZ", "UTC", 1); }
 
 void tell_of_simulation(const Options& options, Simulation& simulation) {
-  const char* const file = options.files.front().c_str();
+  const std::string file_name = options.files.empty() ? demo_world() : options.files.front();
+  const char* const file = file_name.c_str();
   print_diagnostics(simulation.troubles());
   if (options.press_sensors) {
     const SensorTour::Counts counts = simulation.pressed_sensors();
@@ -69,6 +70,7 @@ int write_sound(const Options& options, const WaveFile& sound) {
 int run_trace(const Options& options) {
   use_universal_time();
   const GivenPlace given = given_place(options.files.front());
+  if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
   WorldLoading loading(given.target, load_options(options));
   OpenedWorld world = load_world(loading, given.target);
   print_diagnostics(world.diagnostics);

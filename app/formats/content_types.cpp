@@ -5,6 +5,7 @@
 #include "app/formats/mesh/avs_geometry.h"
 #include "app/formats/mesh/gltf.h"
 #include "app/formats/mesh/obj.h"
+#include "app/formats/mesh/off.h"
 #include "app/formats/mesh/ply.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/mesh/stl.h"
@@ -69,6 +70,7 @@ constexpr ContentType kTypes[] = {
     {"PLY", "application/x-ply", ".ply ", is_ply, ContentClass::mesh, alone<import_ply>},
     {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, import_gltf},
     {"OBJ", "model/obj", ".obj ", nullptr, ContentClass::mesh, import_obj},
+    {"OFF", "model/x-off", ".off ", is_off, ContentClass::mesh, alone<import_off>},
     {"STL", "model/stl", ".stl ", nullptr, ContentClass::mesh, alone<import_stl>},
     {"AVS geometry", "model/x-avs-geometry", ".mgf .geom .geo ", is_avs_geometry, ContentClass::mesh,
      alone<import_avs_geometry>},
@@ -79,13 +81,33 @@ constexpr ContentType kTypes[] = {
     {"points", "text/x-xyz", ".xyz ", nullptr, ContentClass::cloud, nullptr, import_points_xyz},
 };
 
+// Splats as pictures of WebP, in a ZIP archive or beside their meta.json.
+bool is_sog(Bytes bytes) {
+  const std::string_view text = text_of(bytes).substr(0, 4096);
+  if (text.starts_with("PK\x03\x04")) {
+    const std::string_view name = text.substr(std::min<std::size_t>(text.size(), 30), 32);
+    return name.starts_with("meta.json") || name.starts_with("means_") || name.starts_with("lod-meta.json");
+  }
+  return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
+         text.find("means_l.webp") != std::string_view::npos;
+}
+ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
+  return "SOG (splats as WebP pictures) is not read; expected splats as PLY, compressed PLY, SPZ, KSplat or .splat, "
+         "which PlayCanvas' splat-transform makes of it";
+}
+
+// What is known and not read: it is told by its name.
+constexpr ContentType kNotRead[] = {
+    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, nullptr, refuse_sog},
+};
+
 }  // namespace
 
 std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
     std::vector<ContentType> all(std::begin(kTypes), std::end(kTypes));
     for (const VolumeFormatName& volume : volume_format_names())
-      all.push_back({volume.name, "application/x-volume", volume.extensions, volume.sniff, ContentClass::volume});
+      all.push_back({volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume});
     return all;
   }();
   return types;
@@ -99,6 +121,8 @@ const ContentType* content_type_by_mark(Bytes bytes) {
 
 const ContentType& content_type_of(std::string_view path, Bytes bytes) {
   if (const ContentType* type = content_type_by_mark(bytes)) return *type;
+  for (const ContentType& type : kNotRead)
+    if (type.sniff(bytes)) return type;
   std::string name(path);
   std::transform(name.begin(), name.end(), name.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
@@ -107,6 +131,8 @@ const ContentType& content_type_of(std::string_view path, Bytes bytes) {
   if (point != std::string::npos) {
     const std::string extension = name.substr(point) + ' ';
     for (const ContentType& type : content_types())
+      if (type.extensions.find(extension) != std::string_view::npos) return type;
+    for (const ContentType& type : kNotRead)
       if (type.extensions.find(extension) != std::string_view::npos) return type;
   }
   return content_types().front();

@@ -70,7 +70,9 @@ void UiOverlay::State::opened(const std::string& path_or_url, UiActions& actions
   recent.insert(recent.begin(), path_or_url);
   if (recent.size() > kMostRecent) recent.resize(kMostRecent);
   actions.open = path_or_url;
-  open_panel = false;
+  // The panel stays until something of it shows: what cannot be opened is mended there.
+  opening = true;
+  open_problem.clear();
 }
 
 void UiOverlay::State::open_files_panel(UiActions& actions) {
@@ -93,6 +95,13 @@ void UiOverlay::State::open_files_panel(UiActions& actions) {
                                  ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
     ImGui::SameLine();
     if (ImGui::Button("Open") || entered) opened(path, actions);
+    if (!open_problem.empty()) {
+      ImGui::PushTextWrapPos(0);
+      colored_text(UiColors::kError, shortened(open_problem, 400));
+      ImGui::PopTextWrapPos();
+    } else if (opening) {
+      colored_text(UiColors::kQuiet, "Opening...");
+    }
     if (!recent.empty()) {
       colored_text(UiColors::kQuiet, "Recent");
       const std::vector<std::string> shown = recent;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kFontSize = 14.5f;
 constexpr double kTooltipDelay = 0.5;  // seconds
-constexpr double kNoticeSeconds = 3.5, kErrorSeconds = 12;
+constexpr int kFramesToFocus = 4;      // until a text field that appears has the keys, at most
 
 // Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
 constexpr const char* kFonts[] = {
@@ -101,16 +101,6 @@ ImVec4 color_of(vrml::Severity severity) {
   return UiColors::kNote;
 }
 
-std::string shortened(std::string_view text, std::size_t length) {
-  std::size_t end = std::min(text.size(), length);
-  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-  std::string result(text.substr(0, end));
-  for (char& c : result)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-  if (end < text.size()) result += "...";
-  return result;
-}
-
 void text(std::string_view text) { ImGui::TextUnformatted(text.data(), text.data() + text.size()); }
 
 void colored_text(const ImVec4& color, std::string_view string) {
@@ -142,7 +132,7 @@ UiOverlay::UiOverlay(GLFWwindow* window, float scale) : state_(std::make_unique<
   ImGui::GetIO().IniFilename = nullptr;
   set_style(scale);
   load_font(scale);
-  ImGui_ImplGlfw_InitForOpenGL(window, true);
+  ImGui_ImplGlfw_InitForOpenGL(window, false);  // events come by the window, in their order
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 
@@ -154,33 +144,14 @@ UiOverlay::~UiOverlay() {
 
 void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) {
   state_->now = now;
-  if (!state_->notice.empty() && now >= state_->notice_until) state_->notice.clear();
+  state_->notices.expire(now);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
-  state_->replay(events);
+  state_->input.add(events);
+  if (ImGui::GetIO().WantTextInput) state_->text_waits = 0;
+  if (state_->text_waits > 0) --state_->text_waits;
+  state_->input.apply(ImGui::GetIO(), state_->text_waits > 0);
   ImGui::NewFrame();
-}
-
-void UiOverlay::State::replay(const std::vector<WindowEvent>& events) {
-  ImGuiIO& io = ImGui::GetIO();
-  std::optional<glm::vec2> place = std::exchange(late_click, std::nullopt);
-  const auto key_down = [&](int code) -> bool* {
-    return code >= 0 && code < IM_ARRAYSIZE(io.KeysDown) ? &io.KeysDown[code] : nullptr;
-  };
-  for (const int code : std::exchange(late_keys, {}))
-    if (bool* down = key_down(code)) *down = false;
-  for (const WindowEvent& event : events) {
-    if (event.kind == WindowEvent::Kind::button_down) place = event.pointer;
-    // That the button or key goes up shows one frame later, and the button at the same place.
-    if (event.kind == WindowEvent::Kind::button_up && place) late_click = place;
-    bool* down = event.kind == WindowEvent::Kind::key_down ? key_down(event.code) : nullptr;
-    if (down && !*down) {
-      *down = true;
-      late_keys.push_back(event.code);
-    }
-  }
-  const ImVec2& pixels = io.DisplayFramebufferScale;
-  if (place && pixels.x > 0 && pixels.y > 0) io.MousePos = {place->x / pixels.x, place->y / pixels.y};
 }
 
 UiActions UiOverlay::build(const UiModel& model) {
@@ -208,7 +179,7 @@ UiActions UiOverlay::build(const UiModel& model) {
     else if (viewport.label.empty() && !state.open_panel)
       state.welcome(viewport, i);
   }
-  if (!state.notice.empty()) state.notice_line();
+  state.notice_lines();
   if (model.travel_anchor) state.travel_mark(model);
   if (model.over_sensor && !ImGui::GetIO().WantCaptureMouse) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
@@ -224,7 +195,8 @@ void UiOverlay::draw() {
 }
 
 bool UiOverlay::wants_pointer() const { return ImGui::GetIO().WantCaptureMouse; }
-bool UiOverlay::wants_keys() const { return ImGui::GetIO().WantTextInput; }
+bool UiOverlay::wants_keys() const { return ImGui::GetIO().WantTextInput || state_->text_waits > 0; }
+bool UiOverlay::has_input_left() const { return state_->input.waiting(); }
 
 int UiOverlay::top_height() const {
   return static_cast<int>(std::ceil(state_->top_bar_height() * ImGui::GetIO().DisplayFramebufferScale.y));
@@ -235,7 +207,7 @@ int UiOverlay::bottom_height() const {
 
 std::optional<double> UiOverlay::next_change() const {
   std::optional<double> next;
-  if (!state_->notice.empty()) next = std::max(0.0, state_->notice_until - state_->now);
+  if (const auto notice = state_->notices.next()) next = std::max(0.0, *notice - state_->now);
   const double tooltip_wait = state_->hovered_since + kTooltipDelay - state_->now;
   if (state_->hovers && tooltip_wait > 0) next = std::min(next.value_or(tooltip_wait), tooltip_wait);
   if (ImGui::GetIO().WantTextInput) next = std::min(next.value_or(0.4), 0.4);  // the caret blinks
@@ -244,6 +216,7 @@ std::optional<double> UiOverlay::next_change() const {
 
 void UiOverlay::show_open_panel() {
   state_->open_panel = state_->open_panel_appears = true;
+  state_->text_waits = kFramesToFocus;
   state_->help = false;
 }
 void UiOverlay::toggle_help() { state_->help = !state_->help; }
@@ -253,12 +226,23 @@ void UiOverlay::toggle_clouds() { state_->clouds.open = !state_->clouds.open; }
 void UiOverlay::show_log() { state_->log = true; }
 
 void UiOverlay::show_notice(std::string text, bool is_error) {
-  state_->notice = shortened(text, 400);
-  state_->notice_is_error = is_error;
-  state_->notice_until = state_->now + (is_error ? kErrorSeconds : kNoticeSeconds);
+  state_->notices.show(shortened(text, 400), is_error, state_->now);
 }
 
-void UiOverlay::clear_notice() { state_->notice.clear(); }
+void UiOverlay::clear_notices() { state_->notices.clear(); }
+
+void UiOverlay::open_ended(const std::string& problem) {
+  State& state = *state_;
+  if (!std::exchange(state.opening, false)) return;
+  state.open_problem = problem;
+  if (problem.empty()) {
+    state.open_panel = false;
+  } else if (state.open_panel) {
+    // What is typed next is another try.
+    state.open_panel_appears = true;
+    state.text_waits = kFramesToFocus;
+  }
+}
 
 bool UiOverlay::close_one() {
   if (state_->question) return state_->question_refused = true;
@@ -269,10 +253,7 @@ bool UiOverlay::close_one() {
     }
   }
   if (state_->clouds.close_one()) return true;
-  if (!state_->notice.empty()) {
-    state_->notice.clear();
-    return true;
-  }
+  if (state_->notices.close_one()) return true;
   return std::exchange(state_->log, false);
 }
 

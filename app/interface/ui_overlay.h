@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/session/session_log.h"
 #include "app/view/actions.h"
 #include "app/view/navigation.h"
 #include "app/view/viewports.h"
@@ -8,7 +9,6 @@
 #include "render/draw/renderer.h"
 #include "render/scene/cloud_look.h"
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/diagnostic.h"
 
 #include <glm/vec2.hpp>
 
@@ -65,7 +65,7 @@ struct UiModel {
   render::FrameStatistics statistics;
   double frame_ms = 0, frames_a_second = 0;
   std::string gl_renderer;
-  const vrml::Diagnostics* log = nullptr;  // of the shown file, or of the one that failed
+  const SessionLog* log = nullptr;
 
   bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
   std::string link;                        // what it leads to; may be empty
@@ -105,6 +105,8 @@ class UiOverlay {
   /// True when the pointer is over a panel, or the keys go into a text field.
   [[nodiscard]] bool wants_pointer() const;
   [[nodiscard]] bool wants_keys() const;
+  /// True when another frame is needed for what the user has done.
+  [[nodiscard]] bool has_input_left() const;
 
   /// Framebuffer pixels that the bars cover at the upper and lower edge.
   [[nodiscard]] int top_height() const;
@@ -120,7 +122,9 @@ class UiOverlay {
   void show_log();
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
-  void clear_notice();
+  void clear_notices();
+  /// What was chosen in the Open panel shows, or `problem` says why it does not: then the panel stays, for another try.
+  void open_ended(const std::string& problem);
   /// Closes the topmost panel or notice. False when there was none.
   bool close_one();
 

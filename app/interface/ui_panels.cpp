@@ -83,6 +83,11 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s") + "###" + what;
 }
 
+const char* emptiness_of(const SessionLog& log) {
+  if (log.entries() > 0) return "Nothing of this kind.";
+  return log.files().empty() ? "No file has been read yet." : "Nothing was found wrong.";
+}
+
 const char* word_of(vrml::Severity severity) {
   switch (severity) {
     case vrml::Severity::error:
@@ -121,33 +126,38 @@ void UiOverlay::State::log_rows(const std::vector<const vrml::Diagnostic*>& rows
   ImGui::EndTable();
 }
 
+float UiOverlay::State::log_top() const {
+  const float screen = ImGui::GetIO().DisplaySize.y, bottom = screen - status_bar_height();
+  return log ? bottom - 8 * scale - std::clamp(screen * 0.26f, 110 * scale, 320 * scale) : bottom;
+}
+
 void UiOverlay::State::log_panel(const UiModel& model) {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  const float bottom = screen.y - status_bar_height();
-  const float height = std::clamp(screen.y * 0.26f, 110 * scale, 320 * scale);
-  ImGui::SetNextWindowPos({8 * scale, bottom - 8 * scale}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSize({screen.x - 16 * scale, height});
+  const float bottom = screen.y - status_bar_height() - 8 * scale;
+  ImGui::SetNextWindowPos({8 * scale, bottom}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({screen.x - 16 * scale, bottom - log_top()});
   ImGui::Begin("##log", nullptr,
                kPanelFlags | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_NoBringToFrontOnFocus);
-  static const vrml::Diagnostics kEmpty;
-  const vrml::Diagnostics& log_entries = model.log ? *model.log : kEmpty;
+  static const SessionLog kEmpty;
+  const SessionLog& session_log = model.log ? *model.log : kEmpty;
   ImGui::AlignTextToFramePadding();
   text("Log");
   ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox(counted(log_entries.errors(), "error").c_str(), &show_errors);
+  ImGui::Checkbox(counted(session_log.errors(), "error").c_str(), &show_errors);
   ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox(counted(log_entries.warnings(), "warning").c_str(), &show_warnings);
+  ImGui::Checkbox(counted(session_log.warnings(), "warning").c_str(), &show_warnings);
   ImGui::SameLine(0, 16 * scale);
   ImGui::Checkbox("notes", &show_notes);
 
   std::vector<const vrml::Diagnostic*> rows;
-  for (const vrml::Diagnostic& diagnostic : log_entries.entries()) {
-    const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors
-                       : diagnostic.severity == vrml::Severity::warning ? show_warnings
-                                                                        : show_notes;
-    if (shown) rows.push_back(&diagnostic);
-  }
+  for (const SessionLog::File& file : session_log.files())
+    for (const vrml::Diagnostic& diagnostic : file.diagnostics.entries()) {
+      const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors
+                         : diagnostic.severity == vrml::Severity::warning ? show_warnings
+                                                                          : show_notes;
+      if (shown) rows.push_back(&diagnostic);
+    }
   const float buttons = ImGui::CalcTextSize("CopyClose").x + 4 * ImGui::GetStyle().FramePadding.x + 20 * scale;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowWidth() - buttons));
   ImGui::BeginDisabled(rows.empty());
@@ -161,12 +171,11 @@ void UiOverlay::State::log_panel(const UiModel& model) {
   if (ImGui::Button("Close")) log = false;
   ImGui::Separator();
   if (rows.empty())
-    colored_text(UiColors::kQuiet,
-                 log_entries.entries().empty() ? "Nothing was found wrong." : "Nothing of this kind.");
+    colored_text(UiColors::kQuiet, emptiness_of(session_log));
   else
     log_rows(rows);
-  if (log_entries.dropped() > 0)
-    colored_text(UiColors::kQuiet, "and " + std::to_string(log_entries.dropped()) + " more");
+  if (session_log.dropped() > 0)
+    colored_text(UiColors::kQuiet, "and " + std::to_string(session_log.dropped()) + " more");
   ImGui::End();
 }
 
@@ -184,24 +193,31 @@ void UiOverlay::State::help_panel() {
   ImGui::End();
 }
 
-void UiOverlay::State::notice_line() {
+void UiOverlay::State::notice_lines() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({screen.x / 2, top_bar_height() + 10 * scale}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y});
-  if (notice_is_error) ImGui::PushStyleColor(ImGuiCol_Border, UiColors::kError);
-  ImGui::Begin(
-      "##notice", nullptr,
-      kPanelFlags | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
-  if (notice_is_error) ImGui::PopStyleColor();
-  ImGui::PushTextWrapPos(std::min(screen.x - 90 * scale, 620 * scale));
-  ImGui::AlignTextToFramePadding();
-  text(notice);
-  ImGui::PopTextWrapPos();
-  if (notice_is_error) {
-    ImGui::SameLine();
-    if (ImGui::SmallButton("x")) notice.clear();
+  float top = top_bar_height() + 10 * scale;
+  std::optional<std::size_t> closed;
+  for (std::size_t i = 0; i < notices.lines().size(); ++i) {
+    const Notices::Line& line = notices.lines()[i];
+    ImGui::SetNextWindowPos({screen.x / 2, top}, ImGuiCond_Always, {0.5f, 0});
+    ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y});
+    if (line.is_problem) ImGui::PushStyleColor(ImGuiCol_Border, UiColors::kError);
+    ImGui::Begin(
+        ("##notice" + std::to_string(i)).c_str(), nullptr,
+        kPanelFlags | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+    if (line.is_problem) ImGui::PopStyleColor();
+    ImGui::PushTextWrapPos(std::min(screen.x - 90 * scale, 620 * scale));
+    ImGui::AlignTextToFramePadding();
+    text(line.text);
+    ImGui::PopTextWrapPos();
+    if (line.is_problem) {
+      ImGui::SameLine();
+      if (ImGui::SmallButton("x")) closed = i;
+    }
+    top += ImGui::GetWindowHeight() + 6 * scale;
+    ImGui::End();
   }
-  ImGui::End();
+  if (closed) notices.close(*closed);
 }
 
 }  // namespace gs::app

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "app/base/text.h"
+#include "app/interface/interface_input.h"
+#include "app/interface/notices.h"
 #include "app/interface/ui_clouds.h"
 #include "app/interface/ui_overlay.h"
 
@@ -29,19 +32,16 @@ struct UiOverlay::State {
   std::string folder_problem;
   bool all_files = false;  // not only those that some content type calls its own
   char path[4096] = {};
+  bool opening = false;             // what was chosen is being read, and nothing of it shows yet
+  std::string open_problem;         // why it could not be
+  int text_waits = 0;               // frames until the text field takes the keys
   std::vector<std::string> recent;  // newest first
 
-  // The notice.
-  std::string notice;
-  bool notice_is_error = false;
-  double notice_until = 0;
+  Notices notices;
+  InterfaceInput input;
 
   // Whether a question stands, and whether a key has answered it.
   bool question = false, question_refused = false;
-
-  // What `replay` owes the next frame.
-  std::optional<glm::vec2> late_click;
-  std::vector<int> late_keys;
 
   // What the pointer rests on: the item's upper left corner.
   ImVec2 hovered{-1, -1};
@@ -53,19 +53,18 @@ struct UiOverlay::State {
   // The log panel.
   bool show_errors = true, show_warnings = true, show_notes = true;
 
-  /// Dear ImGui sees only how keys and buttons are when a frame begins. What went down and up again in one
-  /// slow frame would be lost to it, and clicks would count where the pointer has gone since.
-  void replay(const std::vector<WindowEvent>& events);
   void top_bar(const UiModel& model, UiActions& actions);
   void mode_buttons(const UiModel& model, UiActions& actions, bool as_list);
   void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows);
   void status_bar(const UiModel& model);
   void log_panel(const UiModel& model);
   void log_rows(const std::vector<const vrml::Diagnostic*>& rows);
+  /// The upper edge of the log panel, or of the status bar where it is closed.
+  [[nodiscard]] float log_top() const;
   void help_panel();
   void open_files_panel(UiActions& actions);
   void question_panel(const UiModel& model, UiActions& actions);
-  void notice_line();
+  void notice_lines();
   void view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit, bool whole_word);
   void layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link);
   void viewport_marks(const UiModel& model);
@@ -94,9 +93,6 @@ struct UiColors {
 };
 [[nodiscard]] ImVec4 color_of(vrml::Severity severity);
 
-/// `text` cut to about `length` bytes at a character's edge, control characters made blanks: worlds name
-/// things as they like.
-[[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
 /// A button that shows whether what it stands for is on: a state of the view, or only an open panel.
 bool switch_button(const char* label, bool on, bool is_panel = false);
 void text(std::string_view text);

@@ -71,7 +71,9 @@ std::optional<std::string> prepare(const std::string& cache, const std::string& 
   fs::create_directories(cache, error);
   if (error || !fs::is_directory(cache, error)) return cache + ": cannot be made a folder for the cache";
   fs::permissions(cache, fs::perms::owner_all, error);
-  const std::string inner = fs::canonical(cache, error).string(), outer = fs::canonical(served, error).string();
+  const std::string inner = fs::canonical(cache, error).string();
+  const std::string outer = error ? std::string() : fs::canonical(served, error).string();
+  if (error) return served + ": cannot be found: " + error.message();
   if (inner == outer || inner.starts_with(outer == "/" ? outer : outer + "/"))
     return cache +
            " lies in the folder that is served; expected another place "
@@ -107,6 +109,11 @@ std::string archive_cache_folder() {
 }
 
 std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const ArchiveOptions& options) {
+  std::error_code folder_error;
+  if (!fs::is_directory(options.folder, folder_error))
+    return options.folder +
+           (fs::exists(options.folder, folder_error) ? ": is no folder" : ": there is no such folder") +
+           "; expected the folder to be served";
   std::unique_ptr<Archive> archive(new Archive());
   const bool both = options.http_port && options.cells_port;
   const std::uint64_t rate = both ? options.rate / 2 : options.rate;
@@ -151,7 +158,12 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     http.makers.push_back(thumbnail_maker(options.program, served));
     http.makers.push_back(stream_maker(options.program, served));
   }
-  http.list = [make](const net::FolderListing& listing, bool json) { return archive_index(listing, json, make); };
+  http.list = [make](const net::FolderListing& listing, const net::FolderRequest& request) {
+    return archive_index(listing, request, make);
+  };
+  http.missing = [make](const std::string& name, const net::FolderRequest& request) {
+    return scene_link_page(name, request, make);
+  };
   if (const net::CellServerDriver* cells = archive->cells_.get())
     http.more_metrics = [cells] { return cell_metrics(cells->statistics()); };
   http.report = options.report;

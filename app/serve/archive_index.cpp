@@ -1,14 +1,16 @@
 #include "app/serve/archive_index.h"
 
 #include "app/base/text.h"
+#include "app/session/link_file.h"
 #include "net/serve/http_range.h"
 #include "net/serve/served_folder.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
+#include <cctype>
+#include <charconv>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -17,6 +19,7 @@ struct WebType {
   std::string_view extensions, mime;
   bool compress;
 };
+constexpr std::string_view kLinkWebExtension = ".gslink ";
 constexpr WebType kWebTypes[] = {
     {".html .htm ", "text/html; charset=utf-8", true},
     {".css ", "text/css; charset=utf-8", true},
@@ -39,6 +42,7 @@ constexpr WebType kWebTypes[] = {
     {".wav ", "audio/wav", false},
     {".wasm ", "application/wasm", true},
     {".zip ", "application/zip", false},
+    {kLinkWebExtension, kLinkMime, false},
 };
 // Of our types, those that are mostly text.
 constexpr std::string_view kTexts = ".wrl .vrml .obj .mgf .geom .geo .inp .ucd .xyz ";
@@ -102,18 +106,134 @@ std::string json_page(const net::FolderListing& listing, bool made) {
   return page.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+// What a click opens: streams of what is none, worlds and streams themselves.
+std::string opened_name(const std::string& name, bool made) {
+  const ContentType* type = content_type_by_name(name);
+  return type && made && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
+}
+
+// The value of a field of a form, decoded: "search=a+b%20c&sort=size".
+std::string field_of(std::string_view query, std::string_view name) {
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    std::string_view part = query.substr(0, end);
+    query.remove_prefix(std::min(query.size(), end + 1));
+    if (!part.starts_with(name) || part.substr(name.size(), 1) != "=") continue;
+    part.remove_prefix(name.size() + 1);
+    std::string text;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      unsigned code = 0;
+      const bool escaped =
+          part[i] == '%' && i + 2 < part.size() &&
+          std::from_chars(part.data() + i + 1, part.data() + i + 3, code, 16).ptr == part.data() + i + 3;
+      text += escaped ? static_cast<char>(code) : part[i] == '+' ? ' ' : part[i];
+      if (escaped) i += 2;
+    }
+    return text;
+  }
+  return {};
+}
+
+constexpr std::string_view kIndexStyle =
+    ":root { color-scheme: light dark; --line: #8884; --quiet: #8889; --accent: #3b82d6; }\n"
+    "body { font: 15px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 70em; padding: 1em 1.5em 3em; }\n"
+    "header { display: flex; flex-wrap: wrap; gap: 1em; align-items: baseline; justify-content: space-between; "
+    "border-bottom: 1px solid var(--line); padding-bottom: 0.6em; }\n"
+    "h1 { font-size: 1.3em; margin: 0; overflow-wrap: anywhere; }\nh1 a { text-decoration: none; }\n"
+    "a { color: var(--accent); }\nsearch, form { display: flex; gap: 0.4em; }\n"
+    "input, button { font: inherit; padding: 0.2em 0.6em; }\ntable { border-collapse: collapse; width: 100%; }\n"
+    "th { text-align: left; font-weight: 600; white-space: nowrap; }\nth a { color: inherit; text-decoration: none; }\n"
+    "th, td { padding: 0.35em 0.7em; border-bottom: 1px solid var(--line); vertical-align: middle; }\n"
+    "td.picture { width: 112px; padding-left: 0; }\n.number { text-align: right; white-space: nowrap; }\n"
+    "td.name { overflow-wrap: anywhere; }\n.more { font-size: 85%; }\n.more, footer { color: var(--quiet); }\n"
+    "img { display: block; width: 112px; height: 84px; object-fit: cover; border-radius: 6px; background: var(--line); "
+    "}\n"
+    "tr:hover td { background: #8881; }\nfooter { margin-top: 1.5em; font-size: 85%; }\n";
+
+// "Archive / a / b", each part a link to that folder.
+std::string path_heading(std::string_view path) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 1; begin < path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    names.emplace_back(path.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  std::string up, heading;
+  for (std::size_t i = names.size(); i-- > 0;) {
+    heading = " / <a href=\"" + (up.empty() ? "./" : up) + "\">" + html(names[i]) + "</a>" + heading;
+    up += "../";
+  }
+  return "<a href=\"" + (up.empty() ? "./" : up) + "\">Archive</a>" + heading;
+}
+
 std::string html_row(const net::FolderEntry& entry, bool made) {
   const std::string url = link(entry.name, entry.folder);
-  std::string row = "<tr><td>";
-  if (made && !entry.folder && content_type_by_name(entry.name))
-    row += "<a href=\"" + url + "\"><img src=\"" + url +
-           "?thumbnail\" alt=\"\" loading=\"lazy\" width=\"160\" "
-           "height=\"120\"></a>";
-  row += "</td><td><a href=\"" + url + "\">" + html(entry.name) + (entry.folder ? "/" : "") + "</a>";
-  if (made && !entry.folder && can_be_encoded(entry.name))
-    row += " <a class=\"made\" href=\"" + link(entry.name + ".qnv", false) + "\">.qnv</a>";
-  return row + "</td><td class=\"number\">" + (entry.folder ? std::string() : readable_size(entry.size)) + "</td><td>" +
-         net::http_date(entry.modified) + "</td></tr>\n";
+  const bool opens = !entry.folder && content_type_by_name(entry.name);
+  const std::string scene = link(opened_name(entry.name, made) + std::string(kLinkExtension), false);
+  const std::string target = opens ? scene : url;
+  std::string row = "<tr><td class=\"picture\">";
+  if (made && opens)
+    row += "<a href=\"" + target + "\"><img src=\"" + url +
+           "?thumbnail\" alt=\"\" loading=\"lazy\" width=\"112\" height=\"84\"></a>";
+  row += "</td><td class=\"name\"><a href=\"" + target + "\">" + html(entry.name) + (entry.folder ? "/" : "") + "</a>";
+  if (opens) {
+    row += "<div class=\"more\"><a href=\"" + url + "\" download>file</a>";
+    if (made && can_be_encoded(entry.name))
+      row += " <a class=\"made\" href=\"" + link(entry.name + ".qnv", false) + "\" download>stream</a>";
+    row += " " + html(content_type_by_name(entry.name)->name) + "</div>";
+  }
+  const std::string date = net::http_date(entry.modified);
+  return row + "</td><td class=\"number\">" + (entry.folder ? std::string() : readable_size(entry.size)) +
+         "</td><td class=\"number\">" + date + "</td></tr>\n";
+}
+
+/// The columns by which a folder is sorted; folders come first in any case.
+struct SortRow {
+  std::string_view name, heading;
+  bool (*before)(const net::FolderEntry& a, const net::FolderEntry& b);
+};
+constexpr SortRow kSorts[] = {
+    {"name", "Name", [](const net::FolderEntry& a, const net::FolderEntry& b) { return a.name < b.name; }},
+    {"size", "Size", [](const net::FolderEntry& a, const net::FolderEntry& b) { return a.size < b.size; }},
+    {"date", "Date", [](const net::FolderEntry& a, const net::FolderEntry& b) { return a.modified < b.modified; }},
+};
+
+std::vector<net::FolderEntry> chosen_entries(const net::FolderListing& listing, const std::string& search,
+                                             const std::string& sort) {
+  std::vector<net::FolderEntry> entries;
+  const std::string wanted = lower_case(search);
+  for (const net::FolderEntry& entry : listing.entries)
+    if (wanted.empty() || lower_case(entry.name).find(wanted) != std::string::npos) entries.push_back(entry);
+  const bool down = sort.starts_with('-');
+  for (const SortRow& row : kSorts)
+    if (row.name == std::string_view(sort).substr(down ? 1 : 0))
+      std::stable_sort(entries.begin(), entries.end(), [&](const net::FolderEntry& a, const net::FolderEntry& b) {
+        if (a.folder != b.folder) return a.folder;
+        return down ? row.before(b, a) : row.before(a, b);
+      });
+  return entries;
+}
+
+std::string form_text(std::string_view text) {
+  std::string out;
+  static constexpr char kDigits[] = "0123456789ABCDEF";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0)
+      out += c;
+    else
+      out += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return out;
+}
+
+std::string column_heading(const SortRow& row, const std::string& search, const std::string& sort) {
+  const bool down = sort == row.name;  // the other way round next time
+  const bool chosen = down || sort == "-" + std::string(row.name);
+  std::string href = "?sort=" + std::string(down ? "-" : "") + std::string(row.name);
+  if (!search.empty()) href += "&amp;search=" + form_text(search);
+  return "<th" + std::string(row.name == "name" ? "" : " class=\"number\"") + "><a href=\"" + href + "\">" +
+         std::string(row.heading) + (chosen ? (down ? " &#9650;" : " &#9660;") : "") + "</a></th>";
 }
 
 }  // namespace
@@ -140,40 +260,44 @@ bool can_be_encoded(std::string_view name) {
   return type && type->content != ContentClass::stream;
 }
 
-std::string readable_size(std::uint64_t bytes) {
-  static constexpr std::array<const char*, 5> kUnits{"B", "kB", "MB", "GB", "TB"};
-  auto value = static_cast<double>(bytes);
-  std::size_t unit = 0;
-  while (value >= 999.5 && unit + 1 < kUnits.size()) {
-    value /= 1000;
-    ++unit;
+net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request, bool made) {
+  if (request.json) return {"application/json", json_page(listing, made)};
+  const std::string search = field_of(request.query, "search"), sort = field_of(request.query, "sort");
+  const std::string known_sort = sort.size() <= 5 ? sort : std::string();
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + html(listing.path) +
+                     "</title>\n<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n";
+  page.append(kIndexStyle).append("</style></head>\n<body><header><h1>").append(path_heading(listing.path));
+  page +=
+      "</h1><form role=\"search\"><input type=\"search\" name=\"search\" placeholder=\"Search this folder\" value=\"" +
+      html(search) + "\">";
+  if (!known_sort.empty()) page += "<input type=\"hidden\" name=\"sort\" value=\"" + html(known_sort) + "\">";
+  page += "<button>Search</button></form></header>\n<table>\n<tr><th></th>";
+  for (const SortRow& row : kSorts) page += column_heading(row, search, known_sort);
+  page += "</tr>\n";
+  if (listing.path != "/")
+    page += "<tr><td class=\"picture\"></td><td><a href=\"../\">..</a></td><td></td><td></td></tr>\n";
+  const std::vector<net::FolderEntry> entries = chosen_entries(listing, search, known_sort);
+  std::uint64_t bytes = 0;
+  for (const net::FolderEntry& entry : entries) {
+    bytes += entry.folder ? 0 : entry.size;
+    page += html_row(entry, made);
   }
-  char text[32];
-  std::snprintf(text, sizeof text, unit == 0 || value >= 99.95 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
-  return text;
-}
-
-net::FolderPage archive_index(const net::FolderListing& listing, bool json, bool made) {
-  if (json) return {"application/json", json_page(listing, made)};
-  const std::string title = html(listing.path);
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta "
-      "charset=\"utf-8\"><title>" +
-      title +
-      "</title>\n<meta name=\"viewport\" "
-      "content=\"width=device-width\">\n<style>\n"
-      "body { font: 16px sans-serif; margin: 2em; color-scheme: light dark; }\n"
-      "td { padding: 0.2em 0.8em; vertical-align: middle; }\n.number { "
-      "text-align: right; }\n"
-      ".made { font-size: 80%; }\nimg { display: block; background: #8884; "
-      "}\n</style></head>\n<body><h1>" +
-      title + "</h1>\n<table>\n";
-  if (listing.path != "/") page += "<tr><td></td><td><a href=\"../\">..</a></td><td></td><td></td></tr>\n";
-  for (const net::FolderEntry& entry : listing.entries) page += html_row(entry, made);
   page += "</table>\n";
   if (!listing.complete) page += "<p>There are more; they are not listed.</p>\n";
-  page += "<p><a href=\"?json\">JSON</a></p></body></html>\n";
+  page += "<footer>" + std::to_string(entries.size()) + (entries.size() == 1 ? " entry, " : " entries, ") +
+          readable_size(bytes) +
+          ". A click opens a scene in GhostSpace while it comes. <a href=\"?json\">JSON</a></footer></body></html>\n";
   return {"text/html; charset=utf-8", page};
+}
+
+std::optional<net::FolderPage> scene_link_page(const std::string& name, const net::FolderRequest& request, bool made) {
+  if (!name.ends_with(kLinkExtension) || request.url.empty()) return std::nullopt;
+  const std::string scene = name.substr(0, name.size() - kLinkExtension.size());
+  const bool stream = made && scene.ends_with(".qnv") && can_be_encoded(scene.substr(0, scene.size() - 4));
+  if (!stream && !content_type_by_name(scene)) return std::nullopt;
+  SceneLink link;
+  link.url = request.url + net::encode_name(scene);
+  return net::FolderPage{std::string(kLinkMime), link_file_text(link)};
 }
 
 }  // namespace gs::app

@@ -3,6 +3,7 @@
 #include "app/formats/content_types.h"
 #include "net/serve/http_server.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,9 +24,13 @@ namespace gs::app {
 /// The page of a folder for people (HTML, without scripts) or programs (JSON).
 /// With `made`: with pictures of what opens as a world, and the streams that
 /// can be asked for. Names are any bytes.
-[[nodiscard]] net::FolderPage archive_index(const net::FolderListing& listing, bool json, bool made);
-
-/// "1.5 MB".
-[[nodiscard]] std::string readable_size(std::uint64_t bytes);
+/// `request.query` may have fields of a form: search (part of a name) and sort (name, size or date, with a - before it
+/// the other way round).
+[[nodiscard]] net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request,
+                                            bool made);
+/// The link (see SceneLink) by which a click on a page opens a scene: of a name "x.wrl.gslink" to x.wrl, as the client
+/// knows the folder. Nothing: it is no such name.
+[[nodiscard]] std::optional<net::FolderPage> scene_link_page(const std::string& name, const net::FolderRequest& request,
+                                                             bool made);
 
 }  // namespace gs::app

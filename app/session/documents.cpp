@@ -44,6 +44,7 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   document->world.title = loading.title();
   document->world.feeds = loading.feeds();
   document->world.diagnostics = loading.diagnostics();
+  document->has_navigation_info = list.has_navigation;
   document->list = std::make_shared<const render::RenderList>(std::move(list));
   inspect_clouds(*document);
   return document;

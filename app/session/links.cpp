@@ -1,5 +1,7 @@
 #include "app/session/links.h"
 
+#include "app/session/link_file.h"
+
 #include "app/formats/content_types.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
@@ -49,15 +51,20 @@ bool is_for_browser(const net::Url& url) {
 }  // namespace
 
 GivenPlace given_place(const std::string& path_or_url) {
+  if (const auto link = scene_link_of(path_or_url)) {
+    if (const auto* problem = std::get_if<std::string>(&*link)) return {path_or_url, {}, 0, *problem};
+    const auto& known = std::get<SceneLink>(*link);
+    return {known.url, known.viewpoint, known.budget, {}};
+  }
   const std::size_t mark = path_or_url.rfind('#');
-  if (mark == std::string::npos) return {path_or_url, {}};
-  GivenPlace parts{path_or_url.substr(0, mark), path_or_url.substr(mark + 1)};
+  if (mark == std::string::npos) return {path_or_url, {}, 0, {}};
+  GivenPlace parts{path_or_url.substr(0, mark), path_or_url.substr(mark + 1), 0, {}};
   net::Url url = net::parse_url(path_or_url);
   if (!url.scheme.empty() && net::find_scheme(url.scheme))
-    return url.scheme == "data" ? GivenPlace{path_or_url, {}} : parts;
+    return url.scheme == "data" ? GivenPlace{path_or_url, {}, 0, {}} : parts;
   std::error_code error;
   return std::filesystem::exists(path_or_url, error) || !std::filesystem::exists(parts.target, error)
-             ? GivenPlace{path_or_url, {}}
+             ? GivenPlace{path_or_url, {}, 0, {}}
              : parts;
 }
 

@@ -2,6 +2,7 @@
 
 #include "vrml/scene/scene_graph.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,11 @@ struct Link {
 };
 
 /// A file or URL as the user gives it: "#NAME" behind it is the Viewpoint to begin at (VRML97 4.5.2), unless a file is
-/// called so.
+/// called so. A link to a scene (link_file.h) is the place where it leads.
 struct GivenPlace {
   std::string target, viewpoint;
+  std::size_t budget = 0;  // vectors that a link asks for; 0: none
+  std::string problem;     // what is wrong with a link, which is the target then
 };
 [[nodiscard]] GivenPlace given_place(const std::string& path_or_url);
 

@@ -78,7 +78,6 @@ void Panes::fill(std::size_t pane) {
   const Pane& model = panes_[active_];
   panes_[pane].wanted = model.wanted;
   panes_[pane].shown = model.shown;
-  panes_[pane].log = model.log;
   if (const View* view = model.view()) panes_[pane].views[model.shown] = *view;
 }
 
@@ -104,7 +103,6 @@ void Panes::preview(std::uint64_t reading, std::shared_ptr<Document> document) {
     const auto place = pane.views.find(*path);
     if (place == pane.views.end()) continue;
     place->second = grown(place->second, document, place->second.home_size);
-    if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
   }
 }
 
@@ -118,7 +116,6 @@ void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, c
     if (place == pane.views.end()) continue;
     place->second =
         grows ? grown(place->second, document, place->second.home_size) : renewed(place->second, document, viewport);
-    if (pane.shown == *path && pane.wanted == *path) pane.log = document->world.diagnostics;
   }
 }
 
@@ -135,12 +132,6 @@ void Panes::grow(const Document& document) {
         (void)follow_world(view);
         if (at_home(view)) view = grown(view, view.document, view.home_size);
       }
-}
-
-void Panes::log_changed(const Document& document) {
-  for (Pane& pane : panes_)
-    if (const View* view = pane.view(); view && view->document.get() == &document && pane.shown == pane.wanted)
-      pane.log = document.world.diagnostics;
 }
 
 std::vector<std::size_t> Panes::fail(std::uint64_t reading) {
@@ -173,7 +164,6 @@ std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::
     Change change{sight[i], false, true};
     pane.shown = pane.wanted;
     pane.input.release();
-    pane.log = document->world.diagnostics;
     if (!pane.view()) {
       change.first = true;
       pane.views[pane.shown] = view_of(std::move(document), places[i].size(), viewpoint, &change.found);

@@ -5,7 +5,6 @@
 #include "app/view/input_tracker.h"
 #include "app/view/viewports.h"
 #include "render/draw/renderer.h"
-#include "vrml/scene/diagnostic.h"
 
 #include <glm/vec2.hpp>
 
@@ -26,7 +25,6 @@ struct Pane {
   std::string wanted;                 // path of the file chosen; empty: none
   std::string shown;                  // path of what is on the screen: `wanted`, or the one before until it is read
   std::map<std::string, View> views;  // by path: who comes back to a file finds it as he left it
-  vrml::Diagnostics log;              // of the shown file, or of the one that failed
   InputTracker input;
   render::FrameStatistics statistics;
 
@@ -77,8 +75,6 @@ class Panes {
   void preview(std::uint64_t reading, std::shared_ptr<Document> document);
   /// A living world has got more nodes: who has not moved yet sees all of it.
   void grow(const Document& document);
-  /// What is wrong with a file that is shown has been told anew.
-  void log_changed(const Document& document);
   /// A reading came to nothing. The viewports that waited for it go back to what they showed, or on to a file that
   /// no other shows; their numbers. Empty when nobody waits any more.
   std::vector<std::size_t> fail(std::uint64_t reading);

@@ -6,6 +6,7 @@
 #include "app/session/folder_questions.h"
 #include "app/session/links.h"
 #include "app/session/panes.h"
+#include "app/session/session_log.h"
 #include "app/session/world_reader.h"
 #include "app/view/actions.h"
 #include "app/view/picking.h"
@@ -71,12 +72,17 @@ struct Frame {
     const View* view = nullptr;
   };
   std::vector<Picture> pictures;
-  bool changed = false;             // something else is to be seen than before
-  bool news = false;                // and something else to be told: files, progress, messages
-  bool moving = false;              // it goes on with the next step, whenever that is
-  bool loading = false;             // what somebody waits for is still coming
-  std::optional<double> next_life;  // when time goes on in a world, in seconds since 1970; nothing: when input comes
-  bool files_chosen = false;        // what was told about others is past
+  bool changed = false;              // something else is to be seen than before
+  bool news = false;                 // and something else to be told: files, progress, messages
+  bool moving = false;               // it goes on with the next step, whenever that is
+  bool loading = false;              // what somebody waits for is still coming
+  std::optional<double> next_life;   // when time goes on in a world, in seconds since 1970; nothing: when input comes
+  bool files_chosen = false;         // what was told about others is past
+  std::vector<std::string> arrived;  // files of which there is something to be seen, or more than before
+  struct Failure {
+    std::string path, reason;
+  };
+  std::vector<Failure> failed;  // files that could not be opened
   std::vector<Notice> notices;
   std::vector<std::string> web_pages;  // that are to be opened elsewhere
   bool show_log = false;
@@ -152,6 +158,9 @@ class Session {
   void move_viewer_to(const glm::dvec3& place);
 
   [[nodiscard]] const FolderQuestions::Question* question() const { return questions_.current(); }
+  /// What is said of the files of the session.
+  [[nodiscard]] SessionLog& log() { return log_; }
+  [[nodiscard]] const SessionLog& log() const { return log_; }
   /// How far the readings of a file are.
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
   /// Of the active viewport; null: nothing is shown there.
@@ -251,8 +260,10 @@ class Session {
   };
   std::optional<HeldSensor> held_sensor_;       // see press_sensor
   std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
+  std::map<std::string, std::size_t> budgets_;  // vectors that links ask for, by file
   std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
   FolderQuestions questions_;
+  SessionLog log_;
   bool linked_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last
   double next_priorities_ = 0;

@@ -58,7 +58,9 @@ bool Session::take_news() {
 
 // True when what comes from now on is the document's own affair.
 bool Session::take_document(const Reader& from, WorldReader::News& news) {
+  log_.note(from.reading.path, news.document->world.diagnostics);
   if (news.document->is_preview) {
+    frame_.arrived.push_back(from.reading.path);
     panes_.preview(from.reading.number, news.document);
     return false;
   }
@@ -66,9 +68,11 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
     return true;
   }
+  frame_.arrived.push_back(from.reading.path);
   const std::shared_ptr<Document> document = news.document;
   if (document->living && mesh_worker_) document->living->set_mesh_worker(mesh_worker_);
   if (document->living && !document->living->has_started()) begin_world(*document, world_time());
+  log_.note(from.reading.path, document->world.diagnostics);  // with what was left out
   places_behind_.erase(from.reading.path);
   questions_.ask(from.reading.path, document->world.outside);
   document->reader = from.reader;
@@ -95,7 +99,7 @@ bool Session::take_arrivals(Document& document, const std::string& path, WorldRe
   if (!news.arrivals.outside.empty()) questions_.ask(path, news.arrivals.outside);
   const bool told = !news.arrivals.diagnostics.entries().empty();
   if (arrive(document, std::move(news.arrivals))) panes_.grow(document);
-  if (told) panes_.log_changed(document);
+  if (told) log_.note(path, document.world.diagnostics);
   return true;
 }
 
@@ -139,10 +143,8 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
     reason = diagnostic.message;
     break;
   }
-  for (const std::size_t i : waited) {
-    panes_.at(i).log = diagnostics;
-    if (i == panes_.active()) frame_.show_log = true;
-  }
+  if (std::find(waited.begin(), waited.end(), panes_.active()) != waited.end()) frame_.show_log = true;
+  frame_.failed.push_back({path, reason});
   tell("Could not open " + file_label(path) + ": " + reason, true);
   entries_.erase(path);
   // The first URL that can be read (VRML97 6.2).
@@ -158,6 +160,8 @@ void Session::show_loaded() {
       entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
     if (!change.found) tell("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     if (options_.headlight) seen.headlight = *options_.headlight;
+    if (const auto budget = budgets_.find(panes_.at(change.pane).shown); budget != budgets_.end())
+      seen.budget = budget->second;
     if (change.pane == panes_.active() && seen.document->world.diagnostics.errors() > 0) frame_.show_log = true;
     if (linked_ && change.pane != panes_.active()) panes_.link(panes_.active());
     if (!options_.simulated) picker_.items().prepare(*seen.list);

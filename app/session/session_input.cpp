@@ -51,6 +51,8 @@ void Session::handle(const SessionInput::Event& input) {
     case Kind::wheel:
     case Kind::drop:
       return handle_pointer(input);
+    case Kind::pointer_left:
+    case Kind::character:
     case Kind::refresh:
       return;
   }
@@ -278,7 +280,17 @@ std::vector<std::string> Session::places_of(const std::vector<std::string>& give
   std::vector<std::string> places;
   for (const std::string& one : given) {
     const GivenPlace place = given_place(one);
+    if (!place.problem.empty()) {
+      vrml::Diagnostics said;
+      said.add({vrml::Severity::error, one, {}, place.problem});
+      log_.note(one, said);
+      frame_.failed.push_back({one, place.problem});
+      frame_.show_log = true;
+      tell("Could not open " + file_label(one) + ": " + place.problem, true);
+      continue;
+    }
     if (!place.viewpoint.empty()) entries_[place.target] = place.viewpoint;
+    if (place.budget > 0) budgets_[place.target] = place.budget;
     places.push_back(place.target);
   }
   return places;

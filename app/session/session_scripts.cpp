@@ -14,7 +14,7 @@ void Session::take_script_news(Document& document) {
     if (message.printed) message.diagnostic.file = "print";
     document.world.diagnostics.add(std::move(message.diagnostic));
   }
-  if (told) panes_.log_changed(document);
+  if (told) log_.note(document.world.path, document.world.diagnostics);
   for (const ScriptRequest& request : document.living->take_script_requests()) serve(document, request);
 }
 

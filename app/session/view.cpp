@@ -117,6 +117,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
   view.headlight = before.headlight;
+  view.budget = before.budget;
   // Who reads a file again has changed something and wants to see it, from where he is.
   if (view.rules.allows(before.navigation.mode)) {
     view.navigation.pose = before.navigation.pose;
@@ -130,6 +131,7 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
   view.headlight = before.headlight;
+  view.budget = before.budget;
   if (view.document == before.document) view.left = before.left;
   if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
     view.viewpoint = before.viewpoint;

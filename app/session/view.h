@@ -39,6 +39,7 @@ struct View {
   vrml::NodePlace bound_place;        // of that; it may have been removed since
   bool bound_jump = true;             // its field, when that was last looked at
   bool headlight = true;
+  std::size_t budget = 0;  // vectors that a link asks for; 0: as many as the viewport has
   render::CloudLook look;
 };
 

@@ -78,6 +78,8 @@ InputTracker::Gesture InputTracker::take(const WindowEvent& event, NavigationMod
       axes_[static_cast<std::size_t>(event.device)] = {event.move, event.turn};
       break;
     case Kind::drop:
+    case Kind::pointer_left:
+    case Kind::character:
     case Kind::refresh:
       break;
   }

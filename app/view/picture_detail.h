@@ -25,4 +25,27 @@ class PictureDetail {
   int coarseness_ = 1;
 };
 
+/// How long pictures may take while a world is read, whose progress is to be seen meanwhile: one that takes longer is
+/// given up, and for as long as it took none is tried; then the next may take longer. A plain value, of seconds.
+class LoadingPace {
+ public:
+  static constexpr double kFirst = 0.5, kMost = 8;
+
+  /// Whether a picture that was begun at `begin` is gone on with.
+  [[nodiscard]] bool go_on(double begin, double now) const { return begin >= rests_until_ && now - begin < patience_; }
+  /// A picture was drawn, or given up, from `begin` to `now`.
+  void note(bool given_up, double begin, double now) {
+    if (begin < rests_until_) return;
+    if (!given_up) {
+      patience_ = kFirst;
+    } else if (now - begin >= patience_) {
+      rests_until_ = now + (now - begin);
+      patience_ = patience_ * 2 > kMost ? kMost : patience_ * 2;
+    }
+  }
+
+ private:
+  double patience_ = kFirst, rests_until_ = 0;
+};
+
 }  // namespace gs::app

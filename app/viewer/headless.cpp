@@ -79,22 +79,11 @@ class EndOnSignals {
   struct sigaction before_[2]{};
 };
 
-/// Prints what is told of worlds, each thing once.
-class Teller {
- public:
-  void tell(const Session& session, const Frame& frame) {
-    for (const Notice& notice : frame.notices) complain("ghostspace: %s", notice.text.c_str());
-    const Panes& panes = session.panes();
-    const Pane& pane = panes.at(panes.active());
-    const auto& entries = pane.log.entries();
-    if (std::exchange(path_, pane.shown) != pane.shown || entries.size() < told_) told_ = 0;
-    for (; told_ < entries.size(); ++told_) complain("%s", entries[told_].text().c_str());
-  }
-
- private:
-  std::string path_;
-  std::size_t told_ = 0;
-};
+// Prints what is told of worlds, each thing once.
+void tell(Session& session, const Frame& frame) {
+  for (const Notice& notice : frame.notices) complain("ghostspace: %s", notice.text.c_str());
+  for (const std::string& line : session.log().take_untold()) complain("%s", line.c_str());
+}
 
 bool is_anything_there(const Session& session) {
   const Panes& panes = session.panes();
@@ -132,11 +121,10 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
   session.set_guest(&control);
   SessionInput input;
   input.area = Viewport{0, 0, options.width, options.height};
-  Teller teller;
   while (!told_to_end && !control.wants_to_end()) {
     const Frame frame = session.step(world_time(), input);
     session.ask_for_streams();
-    teller.tell(session, frame);
+    tell(session, frame);
     if (!is_anything_there(session)) {
       error = "there is no world to be controlled";
       break;

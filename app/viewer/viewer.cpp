@@ -1,5 +1,7 @@
 #include "app/viewer/viewer.h"
 
+#include "app/base/console.h"
+#include "app/base/text.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
 #include "render/image/image.h"
@@ -13,6 +15,13 @@ namespace {
 constexpr int kSettlingFrames = 3;     // the interface needs a second look after a change
 constexpr double kIdleWait = 30;       // seconds; any event ends it
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
+
+// Of a window: what the author calls the world, and where it is from.
+std::string title_of(const std::string& title, const std::string& file) {
+  constexpr std::size_t kMost = 100;  // bytes
+  if (title.empty() || title == file) return file;
+  return shortened(title, kMost) + " (" + file + ")";
+}
 
 }  // namespace
 
@@ -50,6 +59,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       renderer_(std::move(renderer)),
       ui_(window_->handle(), window_->content_scale()),
       session_(session_options(options), load, &Window::wake),
+      hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
       frames_wanted_(kSettlingFrames) {}
 
 std::optional<std::string> Viewer::start_control() {
@@ -70,6 +80,7 @@ void Viewer::run() {
     const bool in_sight = size.x > 0 && size.y > 0;
     const double now = Window::now();
     const std::vector<WindowEvent> events = in_sight ? window_->take_events() : std::vector<WindowEvent>{};
+    take_handed_over();
     SessionInput input;
     input.look = in_sight;
     if (in_sight) input.area = area();
@@ -92,6 +103,7 @@ void Viewer::run() {
     window_->present();
     measure(now, Window::now(), continuous);
     if (frames_wanted_ > 0) --frames_wanted_;
+    if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
   }
   window_->hide();
 }
@@ -119,7 +131,12 @@ void Viewer::wait_idle() {
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
-  if (frame.files_chosen) ui_.clear_notice();
+  if (frame.files_chosen) ui_.clear_notices();
+  const auto chosen = [this](const std::string& path) { return path == opening_; };
+  if (std::any_of(frame.arrived.begin(), frame.arrived.end(), chosen)) ui_.open_ended({});
+  for (const Frame::Failure& failure : frame.failed)
+    if (chosen(failure.path)) ui_.open_ended(failure.reason);
+  for (const std::string& line : session_.log().take_untold()) complain("%s", line.c_str());
   for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem);
   for (const std::string& page : frame.web_pages) {
     const bool opened = open_in_browser(page);
@@ -140,11 +157,20 @@ void Viewer::measure(double started, double now, bool continuous) {
   last_frame_ = started;
 }
 
+void Viewer::take_handed_over() {
+  if (!hand_over_) return;
+  const HandOver::Taken taken = hand_over_->take();
+  if (!taken.files.empty()) session_.open_files(taken.files);
+  if (!taken.asked) return;
+  window_->raise();
+  frames_wanted_ = kSettlingFrames;
+}
+
 void Viewer::show_title() {
   std::string title = "GhostSpace";
   if (const View* seen = session_.view()) {
     const OpenedWorld& world = seen->document->world;
-    title = (world.title.empty() ? file_label(world.path) : world.title) + " - " + title;
+    title = title_of(world.title, file_label(world.path)) + " - " + title;
   }
   if (title == title_) return;
   title_ = title;

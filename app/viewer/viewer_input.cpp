@@ -48,7 +48,10 @@ bool Viewer::run(Action action) {
 }
 
 void Viewer::apply(const UiActions& actions) {
-  if (actions.open) session_.open_files({*actions.open});
+  if (actions.open) {
+    opening_ = given_place(*actions.open).target;
+    session_.open_files({*actions.open});
+  }
   if (actions.file) session_.select_file(*actions.file);
   if (actions.layout) session_.choose_layout(*actions.layout);
   if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);

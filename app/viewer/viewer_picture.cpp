@@ -1,3 +1,4 @@
+#include "app/base/text.h"
 #include "app/viewer/viewer_window.h"
 
 #include <algorithm>
@@ -68,15 +69,21 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   const double begin = Window::now();
   draw.coarseness = detail.coarseness(frames_wanted_ > 0 || frame_.moving);
   draw.go_on = [this, begin] {
-    if (Window::now() - begin < kMostUninterrupted) return true;
+    const double now = Window::now();
+    if (frame_.loading && !pace_.go_on(begin, now)) return false;
+    if (now - begin < kMostUninterrupted) return true;
     window_->poll();
     return !window_->should_close() && !window_->has_events();
   };
   draw.headlight = seen->headlight;
+  if (seen->budget > 0) draw.budget = std::min(draw.budget, seen->budget);
   draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
   pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
-  detail.note(draw.coarseness, pane.statistics.given_up, Window::now() - begin);
+  const double end = Window::now();
+  if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
+  // What was given up for the sake of progress says nothing about who moves.
+  if (!frame_.loading || !pane.statistics.given_up) detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
 }
 
 // The user interface ------------------------------------------------------------------------------
@@ -86,11 +93,7 @@ std::string Viewer::progress_of(const std::string& path) const {
   std::string text = file_label(path);
   for (const LoadingState& state : session_.progress_of(path)) {
     if (state.received == 0) continue;
-    const auto megabytes = [](std::uint64_t bytes) {
-      const std::uint64_t tenths = (bytes + 50'000) / 100'000;
-      return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
-    };
-    text += ": " + megabytes(state.received) + (state.total ? " of " + megabytes(*state.total) : "") + " MB";
+    text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
     if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
   }
   return text;
@@ -124,7 +127,7 @@ UiModel Viewer::model() {
   model.frame_ms = frame_ms_;
   model.frames_a_second = frames_a_second_;
   model.gl_renderer = renderer_->gl_renderer();
-  model.log = &pane.log;
+  model.log = &session_.log();
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();

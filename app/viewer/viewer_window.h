@@ -4,6 +4,7 @@
 #include "app/session/session.h"
 #include "app/view/actions.h"
 #include "app/view/picture_detail.h"
+#include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
 #include "app/window/window.h"
 #include "render/draw/renderer.h"
@@ -35,6 +36,7 @@ class Viewer {
   void measure(double started, double now, bool continuous);
   void tell(const Frame& frame);
   void show_title();
+  void take_handed_over();
 
   /// What of the events is the session's; does what is the interface's own.
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
@@ -55,10 +57,13 @@ class Viewer {
   UiOverlay ui_;
   Session session_;
   std::unique_ptr<ControlService> control_;  // null: nobody may control it
+  std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
   Refinement refinement_;
   std::array<PictureDetail, kMostViewports> details_;
+  LoadingPace pace_;
   std::string title_;
+  std::string opening_;  // what was chosen in the Open panel last
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;
   bool was_continuous_ = false;

@@ -141,8 +141,15 @@ struct Window::Callbacks {
     self(window).events_.push_back(event(window, focused ? WindowEvent::Kind::refresh : WindowEvent::Kind::focus_lost));
   }
   static void refresh(GLFWwindow* window) { self(window).events_.push_back(event(window, WindowEvent::Kind::refresh)); }
-  static void character(GLFWwindow* window, unsigned) { refresh(window); }
-  static void entered(GLFWwindow* window, int) { refresh(window); }
+  static void character(GLFWwindow* window, unsigned code_point) {
+    WindowEvent e = event(window, WindowEvent::Kind::character);
+    e.code = static_cast<int>(code_point);
+    self(window).events_.push_back(std::move(e));
+  }
+  static void entered(GLFWwindow* window, int entered) {
+    self(window).events_.push_back(
+        event(window, entered ? WindowEvent::Kind::pointer : WindowEvent::Kind::pointer_left));
+  }
   static void resized(GLFWwindow* window, int, int) { refresh(window); }
   static void rescaled(GLFWwindow* window, float, float) { refresh(window); }
   static void closing(GLFWwindow* window) { refresh(window); }
@@ -230,6 +237,12 @@ std::vector<WindowEvent> Window::take_events() { return std::exchange(events_, {
 
 bool Window::should_close() const { return glfwWindowShouldClose(window_) != 0; }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::raise() {
+  glfwRestoreWindow(window_);
+  glfwShowWindow(window_);
+  glfwFocusWindow(window_);
+  glfwRequestWindowAttention(window_);
+}
 void Window::hide() { glfwHideWindow(window_); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 

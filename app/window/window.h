@@ -51,6 +51,8 @@ class Window final : public render::GlContext {
   void close();
   /// Takes the window off the screen at once, while what it showed is still being put away.
   void hide();
+  /// Before other windows, as far as the desktop lets it.
+  void raise();
   void set_title(const std::string& title);
   void toggle_full_screen();
   /// Pixels of the framebuffer; 0 when minimised.

@@ -54,6 +54,8 @@ struct WindowEvent {
     button_down,
     button_up,
     pointer,
+    pointer_left,  // the window
+    character,     // of text, as keys make it
     wheel,
     drop,
     focus_lost,
@@ -62,7 +64,7 @@ struct WindowEvent {
   };
   Kind kind = Kind::refresh;
   Key key = Key::unknown;
-  int code = 0;  // of the key, as the window system's library numbers them
+  int code = 0;  // of the key, as the window system's library numbers them; of the character, its code point
   MouseButton button = MouseButton::left;
   bool shift = false, control = false, alt = false;
   glm::vec2 pointer{0.0f};

@@ -6,6 +6,7 @@
 #include "app/world/outline_handler.h"
 #include "app/world/scene_handler.h"
 #include "net/base/schemes.h"
+#include "net/files/standard_input.h"
 #include "net/load/transport.h"
 
 #include <algorithm>
@@ -54,10 +55,12 @@ void WorldLoading::State::start() {
   if (asked.scheme.empty() || asked.scheme == "file") {
     const std::string path = asked.scheme.empty() ? world.path : net::path_of_url(asked);
     std::error_code error;
-    const std::filesystem::path absolute = std::filesystem::absolute(path, error);
-    first->candidates = {net::url_of_path(error ? path : absolute.lexically_normal().string())};
+    // What a text on standard input refers to lies where the program was started.
+    const std::string place = path == net::kStandardInputPath ? "stdin" : path;
+    const std::filesystem::path absolute = std::filesystem::absolute(place, error);
+    first->candidates = {net::url_of_path(error ? place : absolute.lexically_normal().string())};
     first->given_path = path;
-    policy = policy_of_world(path, options.allowed);
+    policy = policy_of_world(place, options.allowed);
   } else {
     first->candidates = {asked};
   }

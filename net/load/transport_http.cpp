@@ -4,6 +4,7 @@
 #include <memory>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include <curl/curl.h>
 
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "net/base/reference_policy.h"
+#include "net/base/token_bucket.h"
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
 #include "net/load/transport.h"
@@ -25,6 +27,8 @@ constexpr long kIdleConnections = 32;
 /// One block of a compressed body may grow a thousandfold, and is held by curl while we have no room: so it is small.
 constexpr long kCompressedBlock = 16 << 10;
 constexpr long kPlainBlock = 64 << 10;
+/// Where the rate is limited: what is handed over at once, and what the system may hold of a connection.
+constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
 
 struct FreeEasy {
   void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
@@ -154,6 +158,7 @@ class CurlTransport final : public HttpTransport {
     bool proxied = false;                        // the host's address is the proxy's to find
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
+    std::optional<TimePoint> slowed;  // since when it waits for its turn at the rate of all
   };
 
   static std::size_t header_callback(char* data, std::size_t, std::size_t count, void* user) {
@@ -170,7 +175,13 @@ class CurlTransport final : public HttpTransport {
     auto& transfer = *static_cast<Transfer*>(user);
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
-    return ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+    const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
+    // What the system takes ahead of us has passed the line already.
+    if (const std::uint64_t rate = transfer.transport->options_.bytes_per_second; rate > 0 && socket >= 0) {
+      const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kLeastAhead, kMostAhead));
+      (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
+    }
+    return socket;
   }
   /// Before each request, also on a connection that was made for another.
   static int request_callback(void* user, char* address, char*, int, int) {
@@ -191,6 +202,7 @@ class CurlTransport final : public HttpTransport {
     return transfer.wants_pause != transfer.paused && (transfer.head_done || !transfer.wants_pause);
   }
   void apply_pauses();
+  void go_on_at_rate();
   void end_refused();
   void collect();
   void watch_the_clock();
@@ -199,6 +211,14 @@ class CurlTransport final : public HttpTransport {
     sink_->on_end(transfer.id, how);
   }
   void remove_over();
+  [[nodiscard]] long block_size(long most) const {
+    const std::uint64_t rate = options_.bytes_per_second;
+    if (rate == 0) return most;
+    return static_cast<long>(std::clamp<std::uint64_t>(rate / 10, kLeastBlock, static_cast<std::uint64_t>(most)));
+  }
+  [[nodiscard]] static Instant instant(TimePoint time) {
+    return std::chrono::duration_cast<Instant>(time.time_since_epoch());
+  }
   [[nodiscard]] Milliseconds patience(const Transfer& transfer) const {
     return transfer.head_done ? options_.stall_timeout : options_.head_timeout;
   }
@@ -208,6 +228,8 @@ class CurlTransport final : public HttpTransport {
   std::unordered_map<TransferId, std::unique_ptr<Transfer>> transfers_;
   TransferSink* sink_ = nullptr;  // during step
   TimePoint now_{};
+  mutable TokenBucket rate_;  // of all transfers together, where that is limited; is filled when it is asked
+  bool rate_begun_ = false;
   bool dirty_ = false;  // something is to be done that no socket tells of
 };
 
@@ -253,8 +275,6 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
   curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
-  if (options_.bytes_per_second > 0)
-    curl_easy_setopt(easy, CURLOPT_MAX_RECV_SPEED_LARGE, static_cast<curl_off_t>(options_.bytes_per_second));
   if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   const std::string proxy =
       options_.proxy_from_environment ? proxy_of(parse_url(request.url), environment_variable) : std::string();
@@ -283,11 +303,11 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     add("If-Range", request.if_range);
     // Ranges of a compressed form would be of no use.
     add("Accept-Encoding", "identity");
-    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, kPlainBlock);
+    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
   } else {
     // Only what cannot grow without bound between two of our looks.
     curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
-    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, kCompressedBlock);
+    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kCompressedBlock));
   }
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
@@ -335,6 +355,13 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
     transfer.paused = true;
     return CURL_WRITEFUNC_PAUSE;
   }
+  if (options_.bytes_per_second > 0) {
+    if (!rate_.has(1, instant(now_))) {
+      transfer.slowed = now_;
+      return CURL_WRITEFUNC_PAUSE;
+    }
+    rate_.take(bytes.size(), instant(now_));
+  }
   transfer.progress = now_;
   if (transfer.discarding) {
     transfer.discarded += bytes.size();
@@ -351,9 +378,24 @@ void CurlTransport::apply_pauses() {
   for (auto& [id, transfer] : transfers_) {
     if (transfer->over || !pause_is_due(*transfer)) continue;
     transfer->paused = transfer->wants_pause;
+    transfer->slowed.reset();
     transfer->progress = now_;
     // Going on may hand over what curl has held back, and that may pause again.
     curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
+  }
+}
+
+// One block each, who has waited longest first.
+void CurlTransport::go_on_at_rate() {
+  while (rate_.has(1, instant(now_))) {
+    Transfer* first = nullptr;
+    for (auto& [id, transfer] : transfers_)
+      if (!transfer->over && !transfer->paused && transfer->slowed && (!first || transfer->slowed < first->slowed))
+        first = transfer.get();
+    if (!first) return;
+    first->slowed.reset();
+    first->progress = now_;
+    curl_easy_pause(first->easy.get(), CURLPAUSE_CONT);
   }
 }
 
@@ -361,8 +403,15 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   sink_ = &sink;
   now_ = now;
   dirty_ = false;
+  // Empty at the start: what was not asked for has not been saved up.
+  if (options_.bytes_per_second > 0 && !std::exchange(rate_begun_, true)) {
+    const std::uint64_t burst = std::max(options_.bytes_per_second / 10, kLeastBlock);
+    rate_ = TokenBucket(options_.bytes_per_second, burst, instant(now));
+    rate_.take(burst, instant(now));
+  }
   remove_over();
   apply_pauses();
+  if (options_.bytes_per_second > 0) go_on_at_rate();
   int running = 0;
   curl_multi_perform(multi_.get(), &running);
   end_refused();
@@ -403,7 +452,7 @@ void CurlTransport::collect() {
 
 void CurlTransport::watch_the_clock() {
   for (auto& [id, transfer] : transfers_) {
-    const bool held_back = transfer->paused || (transfer->wants_pause && transfer->head_done);
+    const bool held_back = transfer->paused || transfer->slowed || (transfer->wants_pause && transfer->head_done);
     if (transfer->over || held_back || now_ - transfer->progress < patience(*transfer)) continue;
     const std::string what =
         transfer->head_done ? "no byte of the body came within " : "no complete head of an answer came within ";
@@ -422,8 +471,11 @@ std::optional<TimePoint> CurlTransport::deadline(TimePoint now) const {
   std::optional<TimePoint> first;
   for (const auto& [id, transfer] : transfers_) {
     if (transfer->over || pause_is_due(*transfer)) return now;
-    const TimePoint time = transfer->progress + patience(*transfer);
-    if (!transfer->paused && (!first || time < *first)) first = time;
+    if (transfer->paused) continue;
+    const TimePoint time = transfer->slowed
+                               ? TimePoint(std::chrono::ceil<TimePoint::duration>(rate_.when(1, instant(now))))
+                               : transfer->progress + patience(*transfer);
+    if (!first || time < *first) first = time;
   }
   return dirty_ ? std::optional(now) : first;
 }

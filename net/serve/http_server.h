@@ -30,6 +30,13 @@ struct FolderPage {
   std::string mime, body;
 };
 
+/// How a folder, or something in it, is asked for.
+struct FolderRequest {
+  bool json = false;
+  std::string query;  // behind the '?', as it came
+  std::string url;  // of the folder as the client knows it, "http://host:8080/a/"; empty: it does not say by which name
+};
+
 /// A kind of file that is made of another when someone asks for it.
 struct Maker {
   std::string name;  // in metrics and keys: letters only
@@ -62,7 +69,9 @@ struct HttpServerOptions {
   std::vector<Maker> makers;
   std::function<ServedType(const std::string& name)> type_of;  // none: all are application/octet-stream
   /// None: folders are not listed.
-  std::function<FolderPage(const FolderListing& listing, bool json)> list;
+  std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
+  /// A page in the place of a file of this name, which is not there; nothing: it is not found. None: none is.
+  std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
   /// Lines for /metrics of others than this server.
   std::function<std::string()> more_metrics;
   /// More names that the server answers for where those are looked at; see HostNames.

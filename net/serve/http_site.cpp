@@ -199,8 +199,12 @@ HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& pat
   const RequestPath& names = std::get<RequestPath>(parsed);
   auto opened = root_.open(names);
   if (const auto* refusal = std::get_if<PathRefusal>(&opened)) {
-    if (refusal->status == 404 && !names.folder)
+    if (refusal->status == 404 && !names.folder) {
       if (auto reply = made(request, names, query, true)) return std::move(*reply);
+      if (options_.missing)
+        if (auto page = options_.missing(names.names.back(), request_of(request, names, query)))
+          return text(request, page->mime, std::move(page->body));
+    }
     return problem(refusal->status, refusal->message);
   }
   ServedFile& found = std::get<ServedFile>(opened);
@@ -217,6 +221,15 @@ HttpSite::Reply HttpSite::get(const HttpRequest& request, const std::string& pat
   return answer;
 }
 
+FolderRequest HttpSite::request_of(const HttpRequest& request, RequestPath path, const std::string& query) {
+  FolderRequest result{wants_json(request, query), query, {}};
+  if (!path.folder) path.names.pop_back();
+  path.folder = true;
+  const std::string host = request.hosts.empty() ? std::string() : request.hosts.front();
+  if (host_of(host)) result.url = "http://" + host + path.text();
+  return result;
+}
+
 HttpSite::Reply HttpSite::folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const {
   if (query != "json") {
     RequestPath index = path;
@@ -227,7 +240,7 @@ HttpSite::Reply HttpSite::folder(const HttpRequest& request, const RequestPath& 
       return file(request, index, std::move(*found));
   }
   if (!options_.list) return problem(404, "folders are not listed");
-  FolderPage page = options_.list(root_.list(path), wants_json(request, query));
+  FolderPage page = options_.list(root_.list(path), request_of(request, path, query));
   return text(request, page.mime, std::move(page.body));
 }
 

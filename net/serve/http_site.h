@@ -76,6 +76,7 @@ class HttpSite {
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
   [[nodiscard]] bool is_for_us(const HttpRequest& request) const;
   [[nodiscard]] Reply get(const HttpRequest& request, const std::string& path, const std::string& query) const;
+  [[nodiscard]] static FolderRequest request_of(const HttpRequest& request, RequestPath path, const std::string& query);
   [[nodiscard]] Reply folder(const HttpRequest& request, const RequestPath& path, const std::string& query) const;
   [[nodiscard]] Reply file(const HttpRequest& request, const RequestPath& path, ServedFile file) const;
   [[nodiscard]] std::optional<Reply> made(const HttpRequest& request, const RequestPath& path, const std::string& query,

@@ -354,12 +354,14 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   // Bindable nodes of an Inline are not bound at start (VRML97 4.6.10).
   const bool counts = bound_ ? view.node == bound : parent.main;
   if (!counts || std::exchange(have, true)) return;
-  if (kind == NodeKind::background)
+  if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
-  else if (kind == NodeKind::fog)
+  } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);
-  else
+  } else {
     list_.navigation = navigation_state(view);
+    list_.has_navigation = true;
+  }
 }
 
 void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {

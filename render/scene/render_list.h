@@ -157,6 +157,7 @@ struct RenderList {
   std::vector<SoundPlace> sounds;
   Background background;
   NavigationState navigation;
+  bool has_navigation = false;  // of a node, and not what the standard says where there is none
   Fog fog;
   vrml::Bounds bounds;                                          // world space, of all items that are no overlays
   bool overlays = false;                                        // some items are

@@ -31,7 +31,8 @@ class ServedSample {
     fs::create_symlink("a.txt", base_ / "www" / "way_in");
     inode_ = std::get<ServedFile>(root("").open(RequestPath{{"secret"}, false})).stamp.inode;
     options_.type_of = [](const std::string& name) { return ServedType{"text/plain", name.ends_with(".txt")}; };
-    options_.list = [](const FolderListing& listing, bool json) {
+    options_.list = [](const FolderListing& listing, const FolderRequest& request) {
+      const bool json = request.json;
       std::string body = listing.path;
       for (const FolderEntry& entry : listing.entries) body += entry.name + '\n';
       return FolderPage{json ? "application/json" : "text/html", body};

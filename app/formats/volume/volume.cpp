@@ -20,12 +20,13 @@ VolumeResult open_without_header(const VolumeFile&) {
 }
 
 constexpr VolumeFormat kVolumeFormats[] = {
-    {{"AVS field", ".fld "}, is_avs_field, open_avs_field},
-    {{"NRRD", ".nrrd .nhdr "}, is_nrrd, open_nrrd},
-    {{"MetaImage", ".mhd .mha "}, is_meta_image, open_meta_image},
-    {{"NIfTI", ".nii .hdr .img "}, is_nifti, open_nifti},
-    {{"FITS", ".fits .fit .fts "}, is_fits, open_fits},
-    {{"VTK ImageData", ".vti "}, is_vti, open_vti},
+    {{"AVS field", ".fld ", nullptr, "application/x-avs-field"}, is_avs_field, open_avs_field},
+    {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd"}, is_nrrd, open_nrrd},
+    {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage"}, is_meta_image, open_meta_image},
+    {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti"}, is_nifti, open_nifti},
+    {{"FITS", ".fits .fit .fts ", nullptr, "image/fits"}, is_fits, open_fits},
+    {{"VTK ImageData", ".vti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
+    {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
     {{"raw voxels", ".raw .vol "}, nullptr, open_without_header},
 };
 

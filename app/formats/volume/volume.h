@@ -56,6 +56,7 @@ struct VolumeFormatName {
   std::string_view name;                                      // "NRRD"
   std::string_view extensions;                                // lower case, each with its point, a blank behind each
   bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // by the first bytes; null: only the name tells
+  std::string_view mime = "application/x-volume";
 };
 [[nodiscard]] std::span<const VolumeFormatName> volume_format_names();
 

@@ -106,12 +106,14 @@ struct VolumeFormat {
 [[nodiscard]] bool is_meta_image(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_nifti(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_fits(std::span<const std::byte> bytes);
+[[nodiscard]] bool is_slc(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_vti(std::span<const std::byte> bytes);
 [[nodiscard]] VolumeResult open_avs_field(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_nrrd(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_meta_image(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_nifti(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_fits(const VolumeFile& file);
+[[nodiscard]] VolumeResult open_slc(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_vti(const VolumeFile& file);
 [[nodiscard]] VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw);
 

@@ -62,7 +62,8 @@ void read_field(std::string_view name, std::string_view value, NrrdHeader& heade
     header.data_file = value;
     header.detached = true;
   }
-  if (key == "content") add_metadata(layout, "title", value);
+  // "content" is a title where a person wrote it; tools write the history of the data there: "crop(tooth,[51,153])".
+  if (key == "content") add_metadata(layout, value.find('(') == std::string_view::npos ? "title" : "content", value);
   if (key == "space" || key == "space units" || key == "sample units") add_metadata(layout, key, value);
 }
 

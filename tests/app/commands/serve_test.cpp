@@ -82,7 +82,7 @@ TEST_CASE("An index shows names as text, whatever is in them") {
                      {"\"><script>x", false, 1500, 784111777},
                      {"javascript:a.wrl", false, 5, 0},
                      {"\xff", false, 0, 0}};
-  const std::string html = archive_index(listing, false, true).body;
+  const std::string html = archive_index(listing, {}, true).body;
   CHECK(html.find("<b>") == std::string::npos);
   CHECK(html.find("<script>") == std::string::npos);
   CHECK(html.find("href=\"javascript") == std::string::npos);
@@ -90,14 +90,60 @@ TEST_CASE("An index shows names as text, whatever is in them") {
   CHECK(html.find("1.5 kB") != std::string::npos);
   CHECK(html.find("Sun, 06 Nov 1994 08:49:37 GMT") != std::string::npos);
   CHECK(html.find("href=\"../\"") != std::string::npos);
-  const auto json = nlohmann::json::parse(archive_index(listing, true, true).body);
+  const auto json = nlohmann::json::parse(archive_index(listing, {true, {}, {}}, true).body);
   REQUIRE(json["entries"].size() == 4);
   CHECK(json["path"] == "/<b>/");
   CHECK(json["entries"][2]["qnv"] == "./javascript%3Aa.wrl.qnv");
   CHECK(json["entries"][2]["type"] == "model/vrml");
-  CHECK(archive_index(listing, false, false).body.find("thumbnail") == std::string::npos);
-  CHECK(readable_size(999) == "999 B");
-  CHECK(readable_size(1'000'000) == "1.0 MB");
+  CHECK(archive_index(listing, {}, false).body.find("thumbnail") == std::string::npos);
+}
+
+TEST_CASE("An index is searched and sorted by the server, without a script") {
+  net::FolderListing listing;
+  listing.path = "/a b/c/";
+  listing.entries = {
+      {"sub", true, 0, 0}, {"Tower.wrl", false, 10, 3}, {"gate.wrl", false, 30, 1}, {"x.stl", false, 20, 2}};
+  const auto order = [&](const std::string& query) {
+    const std::string page = archive_index(listing, {false, query, {}}, true).body;
+    CHECK(page.find("<script") == std::string::npos);
+    std::map<std::size_t, std::string> places;
+    for (const net::FolderEntry& entry : listing.entries)
+      if (const std::size_t at = page.find(">" + entry.name); at != std::string::npos) places[at] = entry.name;
+    std::string names;
+    for (const auto& [at, name] : places) names += name + " ";
+    return names;
+  };
+  CHECK(order("") == "sub Tower.wrl gate.wrl x.stl ");
+  CHECK(order("sort=size") == "sub Tower.wrl x.stl gate.wrl ");
+  CHECK(order("sort=-size") == "sub gate.wrl x.stl Tower.wrl ");
+  CHECK(order("sort=date&search=") == "sub gate.wrl x.stl Tower.wrl ");
+  CHECK(order("search=TOWER") == "Tower.wrl ");
+  CHECK(order("search=%2ewrl&sort=-name") == "gate.wrl Tower.wrl ");
+  CHECK(order("search=nothing").empty());
+  const std::string page = archive_index(listing, {false, "search=%22%3E%3Cb%3E&sort=%22%3E%3Cb%3E", {}}, true).body;
+  CHECK(page.find("\"><b>") == std::string::npos);
+  CHECK(page.find("<a href=\"../\">a b</a> / <a href=\"./\">c</a>") != std::string::npos);
+  // A click opens the stream of a mesh and a world itself.
+  CHECK(page.find("Tower.wrl.gslink") == std::string::npos);
+  const std::string whole = archive_index(listing, {}, true).body;
+  CHECK(whole.find("href=\"./Tower.wrl.gslink\"") != std::string::npos);
+  CHECK(whole.find("href=\"./x.stl.qnv.gslink\"") != std::string::npos);
+  CHECK(archive_index(listing, {}, false).body.find("href=\"./x.stl.gslink\"") != std::string::npos);
+}
+
+TEST_CASE("A link names the scene as the client knows the server") {
+  const net::FolderRequest request{false, {}, "http://example.org:8080/a%20b/"};
+  const auto text = [&](const std::string& name, bool made = true) {
+    const auto page = scene_link_page(name, request, made);
+    return page ? page->mime + "|" + page->body : std::string();
+  };
+  CHECK(text("my world.wrl.gslink") ==
+        "application/x-ghostspace-link|[GhostSpace link]\nURL=http://example.org:8080/a%20b/my%20world.wrl\n");
+  CHECK(text("x.stl.qnv.gslink").find("x.stl.qnv\n") != std::string::npos);
+  CHECK(text("x.txt.gslink").empty());
+  CHECK(text("x.wrl").empty());
+  CHECK_FALSE(scene_link_page("x.wrl.gslink", {}, true));
+  CHECK(served_type_of("a.gslink").mime == "application/x-ghostspace-link");
 }
 
 TEST_CASE("A child program is limited, stopped, and says what went wrong") {

@@ -36,4 +36,22 @@ TEST_CASE("Pictures become finer again as soon as finer ones would not be late")
   CHECK(detail.coarseness(true) == 1);
 }
 
+TEST_CASE("While a world is read, pictures that take long do not keep its progress from being seen") {
+  LoadingPace pace;
+  CHECK(pace.go_on(10, 10.49));
+  CHECK_FALSE(pace.go_on(10, 10.5));
+  pace.note(true, 10, 10.6);
+  CHECK_FALSE(pace.go_on(11, 11));  // the interface has its turn, as long as that took
+  pace.note(true, 11, 11);
+  CHECK(pace.go_on(11.25, 12));
+  CHECK_FALSE(pace.go_on(11.25, 12.25));
+  for (double begin = 20; begin < 1000; begin += 50) pace.note(true, begin, begin + LoadingPace::kMost);
+  CHECK(pace.go_on(2000, 2000 + LoadingPace::kMost - 0.1));
+  CHECK_FALSE(pace.go_on(2000, 2000 + LoadingPace::kMost));
+  pace.note(true, 2000, 2000.1);  // for what the user did
+  CHECK(pace.go_on(2001, 2003));
+  pace.note(false, 2001, 2003);
+  CHECK_FALSE(pace.go_on(2010, 2010.5));
+}
+
 }  // namespace gs::app::picture_detail_test

@@ -281,7 +281,8 @@ TEST_CASE("HTTP server: folders, JSON and metrics") {
   site.write("b", "12");
   site.write("sub/c", "");
   site.write(".d", "");
-  site.options.list = [](const FolderListing& listing, bool json) {
+  site.options.list = [](const FolderListing& listing, const FolderRequest& request) {
+    const bool json = request.json;
     std::string text = (json ? "json " : "html ") + listing.path;
     for (const FolderEntry& entry : listing.entries)
       text += " " + entry.name + (entry.folder ? "/" : "=" + std::to_string(entry.size));

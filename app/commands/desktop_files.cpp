@@ -1,0 +1,209 @@
+#include "app/commands/desktop_files.h"
+
+#include "app/base/console.h"
+#include "app/commands/command_line.h"
+#include "app/commands/commands.h"
+#include "app/formats/content_types.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+/// How a type is known by its first bytes, in the words of shared-mime-info; and by which of its extensions it is not,
+/// since others use them for something else.
+struct DesktopType {
+  std::string_view mime;  // of one or more content types
+  std::string_view comment;
+  std::string_view magic;      // texts at offset 0, a line each, with escapes of C; empty: only the name tells
+  std::string_view ambiguous;  // extensions, as in the table of content types
+  std::string_view aliases;    // other names that servers give it, a blank behind each
+};
+constexpr DesktopType kDesktopTypes[] = {
+    {"model/vrml", "VRML world", "#VRML V2.0\n#VRML V1.0", "", "x-world/x-vrml application/x-vrml "},
+    {"model/x-qnv", "QNV stream of a 3D scene", "\\x89QNV\\r\\n\\x1a\\n", "", ""},
+    {"application/x-ply", "PLY 3D model or Gaussian splats", "ply\\n\nply\\r", "", "model/ply "},
+    {"model/gltf-binary", "glTF 3D scene", "glTF", ".gltf ", ""},
+    {"model/obj", "OBJ 3D model", "", "", ""},
+    {"model/x-off", "OFF 3D model", "OFF\\n\nCOFF\\n\nNOFF\\n", "", ""},
+    {"model/stl", "STL 3D model", "", "", ""},
+    {"model/x-avs-geometry", "AVS geometry", "# Micro AVS Geom:", ".geom .geo ", ""},
+    {"model/x-avs-ucd", "AVS UCD mesh", "", ".inp ", ""},
+    {"model/x-spz", "SPZ Gaussian splats", "NGSP", "", ""},
+    {"model/x-splat", "Gaussian splats", "", "", ""},
+    {"model/x-ksplat", "KSplat Gaussian splats", "", "", ""},
+    {"text/x-xyz", "Points of a 3D scan", "", ".xyz ", ""},
+    {"application/x-avs-field", "AVS field", "# AVS", ".fld ", ""},
+    {"application/x-nrrd", "NRRD volume", "NRRD000", "", ""},
+    {"application/x-metaimage", "MetaImage volume", "ObjectType = Image\nNDims = ", "", ""},
+    {"application/x-nifti", "NIfTI volume", "", ".hdr .img ", ""},
+    {"image/fits", "FITS image or volume", "SIMPLE  =                    T", "", ""},
+    {"application/x-vtk-image-data", "VTK image data", "", "", ""},
+    {"application/x-slc", "SLC volume", "11111\\n", "", ""},
+    {"application/x-volume", "Volume without a header", "", ".raw .vol ", ""},
+};
+
+const DesktopType* desktop_type_of(const ContentType& type) {
+  const auto* found = std::find_if(std::begin(kDesktopTypes), std::end(kDesktopTypes),
+                                   [&](const DesktopType& row) { return row.mime == type.mime; });
+  return found == std::end(kDesktopTypes) ? nullptr : found;
+}
+
+std::vector<std::string> parts_of(std::string_view text, char end) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::size_t at = std::min(text.find(end), text.size());
+    parts.emplace_back(text.substr(0, at));
+    text.remove_prefix(std::min(text.size(), at + 1));
+  }
+  return parts;
+}
+
+// "*.wrl" ..., of the extensions by which a type is known.
+std::vector<std::string> globs_of(const ContentType& type, const DesktopType& desktop) {
+  std::vector<std::string> globs;
+  for (const std::string& extension : parts_of(type.extensions, ' '))
+    if (desktop.ambiguous.find(extension + " ") == std::string_view::npos) globs.push_back("*" + extension);
+  return globs;
+}
+
+// Those that a desktop can tell from others, in the order of the table, each once.
+std::vector<std::string> desktop_mime_types() {
+  std::vector<std::string> names;
+  for (const ContentType& type : content_types()) {
+    const DesktopType* desktop = desktop_type_of(type);
+    if (!desktop || (desktop->magic.empty() && globs_of(type, *desktop).empty())) continue;
+    std::vector<std::string> all = parts_of(desktop->aliases, ' ');
+    all.insert(all.begin(), std::string(type.mime));
+    for (const std::string& one : all)
+      if (std::find(names.begin(), names.end(), one) == names.end()) names.push_back(one);
+  }
+  return names;
+}
+
+std::string xml_text(std::string_view text) {
+  std::string out;
+  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  return out;
+}
+
+std::string shared_mime_info() {
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<mime-info xmlns=\"http://www.freedesktop.org/standards/shared-mime-info\">\n";
+  // Several rows may be of one type.
+  std::map<std::string_view, std::pair<std::string, std::string>> types;
+  std::vector<std::string_view> order;
+  for (const ContentType& type : content_types()) {
+    const DesktopType* desktop = desktop_type_of(type);
+    if (!desktop || (desktop->magic.empty() && globs_of(type, *desktop).empty())) continue;
+    auto [entry, fresh] = types.try_emplace(type.mime);
+    auto& [head, body] = entry->second;
+    if (fresh) {
+      order.push_back(type.mime);
+      head = "    <comment>" + xml_text(desktop->comment) + "</comment>\n    <icon name=\"" +
+             std::string(kDesktopName) + "\"/>\n";
+    }
+    if (fresh)
+      for (const std::string& alias : parts_of(desktop->aliases, ' ')) head += "    <alias type=\"" + alias + "\"/>\n";
+    if (fresh && !desktop->magic.empty()) {
+      body += "    <magic priority=\"60\">\n";
+      for (const std::string& magic : parts_of(desktop->magic, '\n'))
+        body += "      <match type=\"string\" offset=\"0\" value=\"" + xml_text(magic) + "\"/>\n";
+      body += "    </magic>\n";
+    }
+    for (const std::string& glob : globs_of(type, *desktop)) body += "    <glob pattern=\"" + glob + "\"/>\n";
+  }
+  for (const std::string_view mime : order)
+    text += "  <mime-type type=\"" + std::string(mime) + "\">\n" + types[mime].first + types[mime].second +
+            "  </mime-type>\n";
+  text +=
+      "  <mime-type type=\"application/x-ghostspace-link\">\n    <comment>Link to a 3D scene</comment>\n"
+      "    <icon name=\"" +
+      std::string(kDesktopName) +
+      "\"/>\n    <magic priority=\"60\">\n      <match type=\"string\" offset=\"0\" value=\"[GhostSpace link]\"/>\n"
+      "    </magic>\n    <glob pattern=\"*.gslink\"/>\n  </mime-type>\n";
+  return text + "</mime-info>\n";
+}
+
+std::string mime_list() {
+  std::string list;
+  for (const std::string& type : desktop_mime_types()) list += type + ";";
+  return list;
+}
+
+std::string desktop_entry() {
+  return "[Desktop Entry]\nType=Application\nName=GhostSpace\nGenericName=3D Viewer\n"
+         "Comment=Walk through VRML worlds, look at models, scans and volumes, also while they are loading\n"
+         "Keywords=VRML;3D;VR;model;viewer;STL;PLY;glTF;volume;splats;\nExec=ghostspace --reuse "
+         "%U\nTryExec=ghostspace\n"
+         "Icon=" +
+         std::string(kDesktopName) +
+         "\nTerminal=false\nStartupWMClass=GhostSpace\nStartupNotify=false\nCategories=Graphics;3DGraphics;Viewer;"
+         "\nMimeType=" +
+         mime_list() +
+         "application/x-ghostspace-link;x-scheme-handler/ghostspace;\nActions=demo;\n\n"
+         "[Desktop Action demo]\nName=Open the Demo World\nExec=ghostspace\n";
+}
+
+std::string thumbnailer_entry() {
+  return "[Thumbnailer Entry]\nTryExec=ghostspace\nExec=ghostspace --offline --timeout 10 --memory 1G --size %sx%s "
+         "--snapshot %o %i\nMimeType=" +
+         mime_list() + "\n";
+}
+
+std::string metainfo() {
+  std::string mimes;
+  for (const std::string& type : desktop_mime_types()) mimes += "    <mediatype>" + type + "</mediatype>\n";
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<component type=\"desktop-application\">\n  <id>" +
+         std::string(kDesktopName) +
+         "</id>\n  <metadata_license>CC0-1.0</metadata_license>\n  <name>GhostSpace</name>\n"
+         "  <summary>Browser for 3D worlds and remote scientific data</summary>\n  <description>\n"
+         "    <p>GhostSpace opens VRML97 worlds, which move and answer to the pointer, meshes, volumes and Gaussian "
+         "splats, from disk or over the network, and shows them while they come.</p>\n"
+         "    <p>It says what is wrong with a file by line and column while it shows the rest, and turns any of them "
+         "into "
+         "streams of which the first kilobytes are already a whole picture.</p>\n  </description>\n"
+         "  <launchable type=\"desktop-id\">" +
+         std::string(kDesktopName) + ".desktop</launchable>\n  <icon type=\"stock\">" + std::string(kDesktopName) +
+         "</icon>\n  <categories>\n    <category>Graphics</category>\n    <category>3DGraphics</category>\n"
+         "    <category>Viewer</category>\n  </categories>\n  <provides>\n    <binary>ghostspace</binary>\n" +
+         mimes +
+         "  </provides>\n  <content_rating type=\"oars-1.1\"/>\n  <releases>\n    <release "
+         "version=\"" GHOSTSPACE_VERSION "\" date=\"2026-11-23\"/>\n  </releases>\n</component>\n";
+}
+
+constexpr DesktopFile kDesktopFiles[] = {
+    {"entry", "the entry of the desktop's menu", desktop_entry},
+    {"mime", "types of files, by name and first bytes (shared-mime-info)", shared_mime_info},
+    {"thumbnailer", "the entry for the makers of thumbnails", thumbnailer_entry},
+    {"metainfo", "what software centres show (AppStream)", metainfo},
+    {"bash", "completion for bash", bash_completion},
+    {"zsh", "completion for zsh", zsh_completion},
+    {"fish", "completion for fish", fish_completion},
+};
+
+}  // namespace
+
+std::span<const DesktopFile> desktop_files() { return kDesktopFiles; }
+
+std::optional<std::string> check_desktop(const Options& options) {
+  std::string names;
+  for (const DesktopFile& file : kDesktopFiles) {
+    if (file.name == options.files.front()) return std::nullopt;
+    names += (names.empty() ? "expected one of " : ", ") + std::string(file.name);
+  }
+  return names;
+}
+
+int run_desktop(const Options& options) {
+  for (const DesktopFile& file : kDesktopFiles)
+    if (file.name == options.files.front()) print_text(file.make());
+  return kDone;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,213 @@
+#include "app/formats/mesh/off.h"
+
+#include "app/base/text.h"
+#include "app/formats/common/scene_builder.h"
+#include "app/formats/common/text_cursor.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+// http://www.geomview.org/docs/html/OFF.html
+
+namespace gs::app {
+namespace {
+
+constexpr double kMostCount = 2e9;
+
+/// What stands at each corner, by the letters before OFF.
+struct OffKind {
+  bool texture = false, colors = false, normals = false, four = false, any_dimension = false;
+};
+
+std::optional<OffKind> off_kind_of(std::string_view word) {
+  OffKind kind;
+  const auto take = [&word](std::string_view letters) {
+    const bool there = word.starts_with(letters);
+    if (there) word.remove_prefix(letters.size());
+    return there;
+  };
+  kind.texture = take("ST");
+  kind.colors = take("C");
+  kind.normals = take("N");
+  kind.four = take("4");
+  kind.any_dimension = take("n");
+  return word == "OFF" ? std::optional(kind) : std::nullopt;
+}
+
+class OffImporter {
+ public:
+  OffImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+      : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
+
+  void run() {
+    const std::optional<OffKind> kind = off_kind_of(cursor_.word());
+    if (!kind) return builder_.fail("not an OFF file: expected OFF, COFF, NOFF or STOFF at the start", {1, 1});
+    kind_ = *kind;
+    if (kind_.four || kind_.any_dimension)
+      return builder_.fail("points of other than three dimensions (4OFF, nOFF); expected OFF", {1, 1});
+    to_number();
+    if (text_left().starts_with("BINARY")) return builder_.fail("a binary OFF file; expected text", place());
+    std::array<std::int64_t, 3> counts{};
+    for (std::int64_t& count : counts)
+      if (!count_of(count)) return builder_.fail("expected the numbers of points, faces and edges", place());
+    const bool whole =
+        read_points(static_cast<std::size_t>(counts[0])) && read_faces(static_cast<std::size_t>(counts[1]));
+    if (!whole) builder_.fail(problem_, place());
+    build();
+  }
+
+ private:
+  [[nodiscard]] vrml::SourceLocation place() { return lines_.location(cursor_.next); }
+  [[nodiscard]] std::string_view text_left() const {
+    return {cursor_.next, static_cast<std::size_t>(cursor_.end - cursor_.next)};
+  }
+  /// Past white space and comments; false at the end.
+  bool to_number() {
+    while (cursor_.skip_space()) {
+      if (*cursor_.next != '#') return true;
+      (void)cursor_.line();
+    }
+    return false;
+  }
+  template <class Number>
+  bool number(Number& value) {
+    return to_number() && cursor_.number(value);
+  }
+  /// A whole number from 0 on.
+  bool count_of(std::int64_t& value) {
+    double read = 0;
+    if (!number(read) || !(read >= 0 && read <= kMostCount)) return false;
+    value = static_cast<std::int64_t>(read);
+    return static_cast<double>(value) == read;
+  }
+  /// The numbers up to the end of the line, at most as many as there is room for.
+  std::size_t rest_of_line(std::array<float, 6>& numbers, bool& whole) {
+    const std::string_view line = cursor_.line();
+    TextCursor rest(line.data(), line.data() + line.size());
+    std::size_t count = 0;
+    whole = true;
+    while (count < numbers.size() && rest.skip_space() && *rest.next != '#') {
+      const char* first = rest.next;
+      if (!rest.number(numbers[count])) break;
+      for (const char* c = first; c < rest.next; ++c) whole = whole && *c != '.' && *c != 'e' && *c != 'E';
+      ++count;
+    }
+    return count;
+  }
+  static vrml::Color color_of(const float* numbers, bool whole) {
+    const float most = whole ? 255.0f : 1.0f;
+    return {numbers[0] / most, numbers[1] / most, numbers[2] / most};
+  }
+
+  bool read_points(std::size_t count) {
+    const bool more = kind_.colors || kind_.texture;
+    for (std::size_t i = 0; i < count; ++i) {
+      glm::vec3 point(0), normal(0);
+      bool good = true;
+      for (int k = 0; k < 3; ++k) good = good && number(point[k]);
+      for (int k = 0; kind_.normals && k < 3; ++k) good = good && number(normal[k]);
+      if (!good) return stop("a point", i, count);
+      points_.push(point);
+      if (kind_.normals) normals_.push(normal);
+      if (more) read_point_look();
+    }
+    return true;
+  }
+  void read_point_look() {
+    std::array<float, 6> numbers{};
+    bool whole = true;
+    const std::size_t found = rest_of_line(numbers, whole), texture = kind_.texture ? 2 : 0;
+    // A colour among coordinates with a point is taken as it is written: whole numbers only where all are.
+    if (kind_.colors)
+      colors_.push(found >= 3 + texture ? color_of(numbers.data(), whole && texture == 0) : vrml::Color{1, 1, 1});
+    if (texture == 0) return;
+    const bool there = found >= texture;
+    texture_.push(there ? glm::vec2(numbers[found - 2], numbers[found - 1]) : glm::vec2(0));
+  }
+
+  bool read_faces(std::size_t count) {
+    bool colored = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      std::int64_t corners = 0;
+      if (!count_of(corners)) return stop("a face", i, count);
+      for (std::int64_t k = 0; k < corners; ++k) {
+        double index = 0;
+        if (!number(index)) {
+          indices_.drop(static_cast<std::size_t>(k));
+          return stop("a face", i, count);
+        }
+        indices_.push(index >= 0 && index < kBadIndex ? static_cast<std::int32_t>(index) : kBadIndex);
+      }
+      std::array<float, 6> numbers{};
+      bool whole = true;
+      const std::size_t found = rest_of_line(numbers, whole);
+      // One and two corners are a point and a line; a face has three at least.
+      if (corners < 3) {
+        indices_.drop(static_cast<std::size_t>(corners));
+        ++left_out_;
+        continue;
+      }
+      indices_.push(kFaceEnd);
+      convex_ = convex_ && corners == 3;
+      colored = colored || found >= 3;
+      face_colors_.push(found >= 3 ? color_of(numbers.data(), whole) : vrml::Color{0.8f, 0.8f, 0.8f});
+    }
+    if (!colored) face_colors_.drop(face_colors_.size());
+    return true;
+  }
+  bool stop(const std::string& what, std::size_t i, std::size_t count) {
+    problem_ = "the file ends too early, or has something else there: expected " + what + " (" + std::to_string(i + 1) +
+               " of " + std::to_string(count) + ")";
+    return false;
+  }
+
+  void build() {
+    if (left_out_ > 0) builder_.note(std::to_string(left_out_) + " faces of fewer than three corners are left out");
+    if (indices_.empty()) return builder_.warn("no faces in the file");
+    Geometry geometry;
+    geometry.positions = points_.take();
+    geometry.coord_index = indices_.take();
+    geometry.convex = convex_;
+    geometry.normals = normals_.take();
+    geometry.texture_coordinates = texture_.take();
+    geometry.colors = colors_.take();
+    if (geometry.colors.empty()) {
+      geometry.colors = face_colors_.take();
+      geometry.color_per_vertex = geometry.colors.empty();
+    }
+    const vrml::NodeId node = builder_.geometry(std::move(geometry));
+    if (!node) return;
+    builder_.add_root(builder_.shape(node, builder_.appearance({})));
+  }
+
+  TextCursor cursor_;
+  LineCounter lines_;
+  SceneBuilder& builder_;
+  OffKind kind_;
+  std::string problem_;
+  Appender<glm::vec3> points_{builder_.scene()}, normals_{builder_.scene()};
+  Appender<glm::vec2> texture_{builder_.scene()};
+  Appender<vrml::Color> colors_{builder_.scene()}, face_colors_{builder_.scene()};
+  Appender<std::int32_t> indices_{builder_.scene()};
+  std::size_t left_out_ = 0;
+  bool convex_ = true;
+};
+
+}  // namespace
+
+void import_off(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  OffImporter(bytes, builder).run();
+}
+
+bool is_off(std::span<const std::byte> bytes) {
+  constexpr std::size_t kLongest = 8;
+  TextCursor cursor(bytes.first(std::min(bytes.size(), kLongest)));
+  return off_kind_of(cursor.word()).has_value();
+}
+
+}  // namespace gs::app

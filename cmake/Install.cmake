@@ -1,0 +1,68 @@
+# What `cmake --install` puts where (the folders of the freedesktop specifications), and the Debian package of it by CPack.
+# scripts/package.sh builds that.
+include(GNUInstallDirs)
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+set(desktop_name org.ghostspace.GhostSpace)
+set(made ${CMAKE_BINARY_DIR}/desktop)
+# FILE is written by `ghostspace ARGUMENTS`, of the program's own tables.
+function(ghostspace_makes file)
+  add_custom_command(OUTPUT ${made}/${file} COMMAND ${CMAKE_COMMAND} -E make_directory ${made}
+                     COMMAND ghostspace ${ARGN} > ${made}/${file}.new
+                     COMMAND ${CMAKE_COMMAND} -E rename ${made}/${file}.new ${made}/${file}
+                     DEPENDS ghostspace VERBATIM)
+  set_property(GLOBAL APPEND PROPERTY ghostspace_made ${made}/${file})
+endfunction()
+ghostspace_makes(ghostspace.1 man)
+ghostspace_makes(${desktop_name}.desktop desktop entry)
+ghostspace_makes(${desktop_name}.xml desktop mime)
+ghostspace_makes(${desktop_name}.metainfo.xml desktop metainfo)
+ghostspace_makes(ghostspace.thumbnailer desktop thumbnailer)
+ghostspace_makes(ghostspace.bash desktop bash)
+ghostspace_makes(ghostspace.zsh desktop zsh)
+ghostspace_makes(ghostspace.fish desktop fish)
+add_custom_command(OUTPUT ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg
+                   COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/draw_icons.py ${made}/icons
+                   DEPENDS ${PROJECT_SOURCE_DIR}/scripts/draw_icons.py VERBATIM)
+find_program(GZIP_PROGRAM gzip REQUIRED)
+add_custom_command(OUTPUT ${made}/ghostspace.1.gz COMMAND ${GZIP_PROGRAM} -9nkf ${made}/ghostspace.1
+                   DEPENDS ${made}/ghostspace.1 VERBATIM)
+set_property(GLOBAL APPEND PROPERTY ghostspace_made ${made}/ghostspace.1.gz)
+get_property(all GLOBAL PROPERTY ghostspace_made)
+add_custom_target(desktop_files ALL DEPENDS ${all} ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg)
+
+install(TARGETS ghostspace RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/worlds ${PROJECT_SOURCE_DIR}/assets/protos
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/ghostspace)
+install(FILES ${made}/ghostspace.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${made}/${desktop_name}.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
+install(FILES ${made}/${desktop_name}.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages)
+install(FILES ${made}/${desktop_name}.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo)
+install(FILES ${made}/ghostspace.thumbnailer DESTINATION ${CMAKE_INSTALL_DATADIR}/thumbnailers)
+install(DIRECTORY ${made}/icons/hicolor DESTINATION ${CMAKE_INSTALL_DATADIR}/icons)
+install(FILES ${made}/ghostspace.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME ghostspace)
+install(FILES ${made}/ghostspace.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions RENAME _ghostspace)
+install(FILES ${made}/ghostspace.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+foreach(document formats serving security control scripts)
+  install(FILES ${PROJECT_SOURCE_DIR}/docs/${document}.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace)
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME ghostspace)
+set(CPACK_PACKAGE_VENDOR GhostSpace)
+set(CPACK_PACKAGE_CONTACT "GhostSpace <ghostspace@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_DESCRIPTION "GhostSpace opens VRML97 worlds, meshes, volumes and Gaussian splats, in a window or from the
+command line, shows them while they come over the network, and says what is wrong with a file.")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/package)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# What is opened at run time: rendering without a display and fonts for all, the rest for sounds, movies and 3D mice.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1, libopenal1, libavcodec59, libavformat59, libswscale6, libfluidsynth3, \
+timgm6mb-soundfont, shared-mime-info, desktop-file-utils, xdg-utils, ca-certificates")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "spacenavd, libspnav0")
+include(CPack)

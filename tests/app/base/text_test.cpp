@@ -1,0 +1,25 @@
+#include "app/base/text.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::app::text_test {
+
+TEST_CASE("Sizes are told in the unit that suits them, parts in that of the whole") {
+  CHECK(readable_size(999) == "999 B");
+  CHECK(readable_size(1'000'000) == "1.0 MB");
+  CHECK(readable_part(0, 183'000) == "0 of 183 kB");
+  CHECK(readable_part(45'200, 183'000) == "45 of 183 kB");
+  CHECK(readable_part(45'200, 2'300'000) == "0.0 of 2.3 MB");
+  CHECK(readable_part(12'345, 45'678) == "12.3 of 45.7 kB");
+  CHECK(readable_part(500, 999) == "500 of 999 B");
+  CHECK(readable_part(999'960'000, 1'000'000'000'000) == "0.0 of 1.0 TB");
+}
+
+TEST_CASE("Names are cut between characters, and control nothing") {
+  CHECK(shortened("abc", 3) == "abc");
+  CHECK(shortened("abcd", 3) == "abc...");
+  CHECK(shortened("a\nb", 9) == "a b");
+  CHECK(shortened("\xc3\xa4\xc3\xa4", 3) == "\xc3\xa4...");
+}
+
+}  // namespace gs::app::text_test

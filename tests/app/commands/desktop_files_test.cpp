@@ -1,0 +1,111 @@
+#include "app/commands/desktop_files.h"
+
+#include "app/commands/options.h"
+#include "app/formats/content_types.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace gs::app::desktop_files_test {
+
+std::string made(std::string_view name) {
+  for (const DesktopFile& file : desktop_files())
+    if (file.name == name) return file.make();
+  FAIL(name);
+  return {};
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+bool there_is(const std::string& program) { return run_shell("command -v " + program).status == 0; }
+
+TEST_CASE("Each kind of file that opens is a type of the desktop, and the entry and the thumbnailer take it") {
+  const std::string mime = made("mime"), entry = made("entry"), thumbnailer = made("thumbnailer");
+  for (const ContentType& type : content_types()) {
+    INFO(type.name << " " << type.mime);
+    // Those that only an ambiguous name tells are left to who else knows it.
+    const bool told = has(mime, "type=\"" + std::string(type.mime) + "\"");
+    CHECK((told || type.name == "raw voxels" || type.name == "points"));
+    CHECK(has(entry, std::string(type.mime) + ";") == told);
+    CHECK(has(thumbnailer, std::string(type.mime) + ";") == told);
+  }
+  for (const char* part : {"<glob pattern=\"*.wrl\"/>", "value=\"#VRML V2.0\"", "<alias type=\"x-world/x-vrml\"/>",
+                           "<glob pattern=\"*.gslink\"/>", "value=\"NRRD000\"", "value=\"\\x89QNV\\r\\n\\x1a\\n\""})
+    CHECK(has(mime, part));
+  for (const char* part : {"*.img", "*.raw", "*.hdr", "*.vol", "*.xyz"})
+    CHECK_FALSE(has(mime, "\"" + std::string(part)));
+  CHECK(has(entry, "Exec=ghostspace --reuse %U\n"));
+  CHECK(has(entry, "x-scheme-handler/ghostspace;"));
+  CHECK(has(thumbnailer, "--snapshot %o %i\n"));
+}
+
+TEST_CASE("Desktop files are right in the words of the desktop's own tools, where those are installed") {
+  const ScratchFolder folder;
+  const struct {
+    const char *name, *file, *tool, *arguments;
+  } rows[] = {{"entry", "org.ghostspace.GhostSpace.desktop", "desktop-file-validate", ""},
+              {"metainfo", "org.ghostspace.GhostSpace.metainfo.xml", "appstreamcli", "validate --no-net"},
+              {"mime", "org.ghostspace.GhostSpace.xml", "xmllint", "--noout"},
+              {"bash", "ghostspace.bash", "bash", "-n"},
+              {"zsh", "_ghostspace", "zsh", "-n"},
+              {"fish", "ghostspace.fish", "fish", "--no-execute"}};
+  for (const auto& row : rows) {
+    const std::string file = folder.write(row.file, made(row.name));
+    if (!there_is(row.tool)) {
+      WARN(std::string("skipped: ") + row.tool + " is not installed");
+      continue;
+    }
+    const Run result = run_shell(std::string(row.tool) + " " + row.arguments + " " + quoted(file));
+    INFO(row.name << "\n" << result.output);
+    CHECK(result.status == 0);
+  }
+}
+
+TEST_CASE("Shells complete every option and command of the tables") {
+  const std::string bash = bash_completion(), zsh = zsh_completion(), fish = fish_completion();
+  for (const CommandRow& command : command_rows().subspan(1))
+    for (const std::string& text : {bash, zsh, fish}) CHECK(has(text, std::string(command.name)));
+  for (const OptionRow& row : option_rows()) {
+    CHECK(has(bash, std::string(row.name)));
+    CHECK(has(zsh, "'" + std::string(row.repeats ? "*" : "") + std::string(row.name) + "["));
+    CHECK(has(fish, " -l " + std::string(row.name.substr(2)) + " "));
+  }
+}
+
+TEST_CASE("bash completes commands, their options, words and files") {
+  const ScratchFolder folder;
+  const std::string script = folder.write("completion", bash_completion());
+  folder.write("d/world.wrl", "");
+  folder.write("d/packed.STL.gz", "");
+  folder.write("d/other.txt", "");
+  folder.write("d/inner/x", "");
+  const auto completed = [&](const std::string& words, int word) {
+    return run_shell("cd " + quoted(folder.path("d")) + " && bash -c 'source " + script +
+                     "; compopt() { :; }; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(word) +
+                     "; _ghostspace; printf \"%s \" \"${COMPREPLY[@]}\"'")
+        .output;
+  };
+  CHECK(completed("ghostspace ser", 1) == "serve ");
+  CHECK(completed("ghostspace check --scr", 2) == "--scripts ");
+  CHECK(completed("ghostspace --scr", 1).find("--scripts") == std::string::npos);
+  CHECK(completed("ghostspace --headlight o", 2) == "on off ");
+  CHECK(completed("ghostspace --splats c", 2) == "cpu ");
+  CHECK(completed("ghostspace --size 1", 2) == " ");
+  CHECK(completed("ghostspace check w", 2) == "world.wrl ");
+  const std::string all = completed("ghostspace info \"\"", 2);
+  for (const char* name : {"inner ", "packed.STL.gz ", "world.wrl "}) CHECK(has(all, name));
+  CHECK_FALSE(has(all, "other"));
+  CHECK(completed("ghostspace --allow \"\"", 2) == "inner ");
+}
+
+TEST_CASE("desktop prints them, and says which there are") {
+  CHECK(run("desktop entry").output == made("entry"));
+  const Run wrong = run("desktop nothing");
+  CHECK(wrong.status == 2);
+  CHECK(has(wrong.output, "entry, mime, thumbnailer"));
+}
+
+}  // namespace gs::app::desktop_files_test

@@ -1,0 +1,92 @@
+#include "app/commands/option_values.h"
+
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::app::option_values_test {
+
+const std::string kBall =
+    "#VRML V2.0 utf8\nShape { appearance Appearance { material Material { } } geometry Sphere { } }\n";
+
+TEST_CASE("Numbers of bytes may end in k, M or G, of things too") {
+  std::uint64_t number = 0;
+  CHECK((read_bytes("400k", number) && number == 400 * 1024));
+  CHECK((read_bytes("3M", number) && number == 3 << 20));
+  CHECK((read_bytes("2g", number) && number == std::uint64_t{2} << 30));
+  CHECK((read_bytes("17", number) && number == 17));
+  CHECK((read_count("400k", number) && number == 400'000));
+  CHECK((read_count("2M", number) && number == 2'000'000));
+  for (const char* bad : {"", "k", "-1", "1.5M", "4kk", "4 k", "k4", "0x10", "99999999999G", "18446744073709551616"})
+    CHECK_FALSE(read_bytes(bad, number));
+  CHECK((read_bytes("18446744073709551615", number) && number == ~std::uint64_t{0}));
+  std::uint16_t small = 0;
+  CHECK_FALSE(read_bytes("64k", small));
+  CHECK((read_bytes("63k", small) && small == 63 * 1024));
+}
+
+TEST_CASE("--max-bytes 1k takes so many bytes of a file") {
+  const ScratchFolder folder;
+  const std::string text = kBall + "Shape { geometry Cone { } }" + std::string(4000, ' ') + "Nonsense { }\n";
+  const std::string file = folder.write("a.wrl", text);
+  CHECK(run("check --max-bytes 1k " + quoted(file)).output.empty());
+  CHECK(run("check --max-bytes 5K " + quoted(file)).output.find("Nonsense") != std::string::npos);
+  CHECK(run("check --max-bytes some " + quoted(file)).output.find("400k") != std::string::npos);
+}
+
+TEST_CASE("- is standard input: of a file and of a pipe, once, and for what is read only") {
+  const ScratchFolder folder;
+  const std::string file = folder.write("a.wrl", kBall);
+  const Run redirected = run("print - < " + quoted(file));
+  CHECK(redirected.status == 0);
+  CHECK(redirected.output.find("geometry Sphere") != std::string::npos);
+  const Run piped = run_shell("cat " + quoted(file) + " | " GHOSTSPACE_BINARY " print -");
+  CHECK(piped.output == redirected.output);
+  const Run wrong = run_shell("echo 'Nonsense { }' | " GHOSTSPACE_BINARY " check -");
+  CHECK(wrong.status == 1);
+  CHECK(wrong.output.starts_with("/dev/stdin:1:1: error"));
+  CHECK(run("check - - < " + quoted(file)).output.find("once") != std::string::npos);
+  // What a text refers to lies where the program was started.
+  folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\n");
+  const Run outer = run_shell("cd " + quoted(folder.path("")) + " && cat outer.wrl | " GHOSTSPACE_BINARY " check -");
+  INFO(outer.output);
+  CHECK(outer.status == 0);
+  CHECK(outer.output.empty());
+  const Run large = run_shell("head -c 20000000 /dev/zero | " GHOSTSPACE_BINARY " check --memory 16M -");
+  CHECK(large.status == 1);
+  CHECK(large.output.find("--memory") != std::string::npos);
+}
+
+TEST_CASE("A word that is neither file nor command is wrong usage, and opens no window") {
+  const Run result = run("frobnicate");
+  CHECK(result.status == 2);
+  CHECK(result.output.starts_with("ghostspace: frobnicate: neither a file nor a command"));
+  CHECK(result.output.find("serve") != std::string::npos);
+  const ScratchFolder folder;
+  folder.write("frobnicate", kBall);
+  const Run file = run_shell("cd " + quoted(folder.path("")) +
+                             " && " GHOSTSPACE_BINARY " --backend osmesa --size 32x32 --snapshot o.png frobnicate");
+  INFO(file.output);
+  CHECK(file.status == 0);
+}
+
+TEST_CASE("a picture without a file is of the demo world") {
+  const ScratchFolder folder;
+  const Run result = run("--backend osmesa --size 32x24 --snapshot " + quoted(folder.path("o.png")));
+  INFO(result.output);
+  CHECK(result.status == 0);
+  CHECK(folder.read("o.png").starts_with("\x89PNG"));
+}
+
+TEST_CASE("serve of a folder that is missing says so") {
+  const ScratchFolder folder;
+  const Run missing = run("serve --http 0 " + quoted(folder.path("nothing")));
+  CHECK(missing.status == 1);
+  CHECK(missing.output.find("nothing: there is no such folder") != std::string::npos);
+  CHECK(missing.output.find("cache") == std::string::npos);
+  const Run file = run("serve --http 0 " + quoted(folder.write("a.wrl", kBall)));
+  CHECK(file.output.find("is no folder") != std::string::npos);
+}
+
+}  // namespace gs::app::option_values_test

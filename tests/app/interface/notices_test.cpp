@@ -1,0 +1,39 @@
+#include "app/interface/notices.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::app::notices_test {
+
+TEST_CASE("A second line does not take the place of the first") {
+  Notices notices;
+  CHECK_FALSE(notices.next());
+  notices.show("Could not open a.wrl", true, 10);
+  notices.show("Speed 2 m/s", false, 11);
+  REQUIRE(notices.lines().size() == 2);
+  CHECK(notices.lines()[0].text == "Could not open a.wrl");
+  CHECK(notices.next() == 11 + Notices::kSeconds);
+  notices.expire(11 + Notices::kSeconds);
+  REQUIRE(notices.lines().size() == 1);
+  CHECK(notices.lines()[0].is_problem);
+  notices.expire(10 + Notices::kProblemSeconds);
+  CHECK(notices.lines().empty());
+}
+
+TEST_CASE("Lines are shown once, a few at a time, and closed one by one") {
+  Notices notices;
+  for (int i = 0; i < 3; ++i) notices.show("Louder", false, i);
+  REQUIRE(notices.lines().size() == 1);
+  CHECK(notices.lines()[0].until == 2 + Notices::kSeconds);
+  for (int i = 0; i < 9; ++i) notices.show(std::to_string(i), true, 3);
+  CHECK(notices.lines().size() == Notices::kMost);
+  CHECK(notices.lines().back().text == "8");
+  notices.close(0);
+  CHECK(notices.lines().front().text == "5");
+  notices.close(99);
+  CHECK(notices.lines().size() == Notices::kMost - 1);
+  while (notices.close_one()) {
+  }
+  CHECK(notices.lines().empty());
+}
+
+}  // namespace gs::app::notices_test

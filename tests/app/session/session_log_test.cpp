@@ -1,0 +1,74 @@
+#include "app/session/session_log.h"
+
+#include "app/session/session.h"
+#include "tests/app/one_world.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <thread>
+
+namespace gs::app::session_log_test {
+
+using Lines = std::vector<std::string>;
+
+vrml::Diagnostics said(const Lines& messages) {
+  vrml::Diagnostics all;
+  for (const std::string& message : messages) all.add({vrml::Severity::error, "a.wrl", {1, 1}, message});
+  return all;
+}
+
+TEST_CASE("The log of a session keeps what was said of each file, and tells it once") {
+  SessionLog log;
+  log.note("a.wrl", said({"one"}));
+  CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: one"});
+  log.note("a.wrl", said({"one", "two"}));
+  log.note("b.wrl", said({}));
+  CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: two"});
+  CHECK(log.errors() == 2);
+  CHECK(log.files().size() == 2);
+  log.note("a.wrl", said({"three"}));  // it was read again
+  CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: three"});
+  CHECK(log.errors() == 1);
+  for (std::size_t i = 0; i < 2 * SessionLog::kMostFiles; ++i) log.note(std::to_string(i), said({"x"}));
+  CHECK(log.files().size() == SessionLog::kMostFiles);
+  CHECK(log.errors() == SessionLog::kMostFiles);
+}
+
+Frame steps_until(Session& session, const std::function<bool(const Frame&)>& done) {
+  SessionInput input;
+  input.area = Viewport{0, 0, 200, 100};
+  for (int i = 0; i < 2000; ++i) {
+    Frame frame = session.step(world_time(), input);
+    if (done(frame)) return frame;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  FAIL("it never comes");
+  return {};
+}
+
+TEST_CASE("Files that failed stay in the log when another one shows, and each is told of") {
+  const ScratchFolder folder;
+  const std::string good =
+      folder.write("good.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\nNoSuchNode { } NoSuchNode { }\n");
+  const std::string missing = folder.path("missing.wrl"), other = folder.path("other.wrl");
+  Session session({}, {}, {});
+  session.open_files({missing});
+  const Frame first = steps_until(session, [](const Frame& frame) { return !frame.failed.empty(); });
+  CHECK(first.failed[0].path == missing);
+  CHECK(first.show_log);
+  session.open_files({other, good});
+  bool failed = false, arrived = false;
+  (void)steps_until(session, [&](const Frame& frame) {
+    failed = failed || !frame.failed.empty();
+    arrived = arrived || std::find(frame.arrived.begin(), frame.arrived.end(), good) != frame.arrived.end();
+    return failed && arrived;
+  });
+  REQUIRE(session.log().files().size() == 3);
+  CHECK(session.log().files()[0].path == missing);
+  // Each of an ignored type of node: said once.
+  CHECK(session.log().errors() == 3);
+}
+
+}  // namespace gs::app::session_log_test

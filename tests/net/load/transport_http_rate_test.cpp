@@ -1,0 +1,73 @@
+#include <catch2/catch.hpp>
+
+#include <map>
+#include <set>
+
+#include "net/load/transport.h"
+#include "tests/net/bad_server.h"
+#include "tests/net/load_helpers.h"
+
+/// The rate that a client asks for is kept by all its transfers over HTTP together. The clock is the test's own.
+namespace gs::net::rate_test {
+
+using namespace gs::net;
+using namespace gs::net::test;
+
+struct Counter final : TransferSink {
+  HeadVerdict on_head(TransferId, const ResponseHead&) override { return HeadVerdict::take; }
+  DataVerdict on_data(TransferId id, std::span<const std::byte> bytes) override {
+    received[id] += bytes.size();
+    all += bytes.size();
+    return DataVerdict::more;
+  }
+  void on_end(TransferId id, const TransferEnd& end) override {
+    CHECK_FALSE(end.error);
+    ended.insert(id);
+  }
+  std::map<TransferId, std::size_t> received;
+  std::set<TransferId> ended;
+  std::size_t all = 0;
+};
+
+TEST_CASE("A client's rate over HTTP is that of all its transfers, from the first byte on") {
+  constexpr std::size_t kSize = 150'000;
+  constexpr std::uint64_t kRate = 25'000;  // bytes a second: 200 kbit/s
+  const auto serve = [&](BadServer::Exchange& exchange) {
+    exchange.send(http("200 OK", "Content-Type: model/vrml\r\n", std::string(kSize, 'x')));
+  };
+  const BadServer first(serve), second(serve, "127.0.0.2");
+  LoaderOptions options;
+  options.proxy_from_environment = false;
+  options.bytes_per_second = kRate;
+  options.unix_seconds = [] { return std::int64_t{1'700'000'000}; };
+  const auto transport = make_http_transport(options);
+  Counter counter;
+  TimePoint now{std::chrono::hours(1)};
+  const TimePoint begin = now;
+  for (const TransferId id : {TransferId{1}, TransferId{2}}) {
+    TransferRequest request;
+    request.url = (id == 1 ? first : second).url();
+    transport->start(id, request, now);
+  }
+  const auto seconds = [&] { return std::chrono::duration<double>(now - begin).count(); };
+  const double block = kRate / 10.0;
+  double shared = 0;  // of what both had got when the first was there
+  for (int step = 0; step < 100'000 && counter.ended.size() < 2; ++step) {
+    transport->step(counter, now);
+    INFO(seconds() << " s, " << counter.all << " bytes");
+    REQUIRE(static_cast<double>(counter.all) <= kRate * seconds() + 2 * block);
+    if (counter.ended.empty()) shared = static_cast<double>(std::min(counter.received[1], counter.received[2]));
+    transport->wait(Milliseconds(1), {});
+    // As far as the transport waits for its rate, not for the server.
+    const auto next = transport->deadline(now);
+    if (next && *next > now && *next < now + Milliseconds(1000)) now = *next;
+    if (counter.all == 0) continue;
+    now += Milliseconds(1);
+  }
+  CHECK(counter.ended.size() == 2);
+  CHECK(counter.all == 2 * kSize);
+  CHECK(seconds() >= (2.0 * kSize - 2 * block) / kRate);
+  CHECK(shared > 0.8 * kSize);  // neither waited for the other
+}
+
+}  // namespace gs::net::rate_test
