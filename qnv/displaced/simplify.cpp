@@ -370,7 +370,8 @@ void Simplifier::close_rims(double most) {
       for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
         if (!alive(c / 3)) continue;
         const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // the side from w to v
-        if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
+        // The outside of a triangle alone is no hole.
+        if (w == u || c / 3 == corner / 3 || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
             triangle_left_of(w, u) != kNone || round(u, v, w) > most)
           continue;
         add_triangle(u, v, w);

@@ -7,9 +7,10 @@
 namespace gs::qnv::displaced {
 
 /// A mesh of about `triangles` triangles that lies close to another: edges are collapsed, the least quadric error first
-/// (Garland and Heckbert 1997), and short ones among equals, so that triangles stay compact. The topology stays: no
-/// part is cut off, no hole closed, and every component keeps at least a tetrahedron or a triangle, so that more
-/// triangles may be left than were asked for. `mesh` is as `MeshBuilder::finish` gives it, and so is what comes back.
+/// (Garland and Heckbert 1997), and short ones among equals, so that triangles stay compact. No part is cut off,
+/// and every component keeps at least a tetrahedron or a triangle, so that more triangles may be left than were asked
+/// for. The topology stays, but for holes and tunnels too small to be seen in what was asked for: they are closed.
+/// `mesh` is as `MeshBuilder::finish` gives it, and so is what comes back.
 [[nodiscard]] SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles);
 
 }  // namespace gs::qnv::displaced
