@@ -64,6 +64,9 @@ void check_sound(const Cloud& cloud) {
   require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
   require(cloud.cells.empty() || cloud.cells.size() == cloud.size());
   for (const float weight : cloud.weights) require(weight > 0 && std::isfinite(weight));
+  for (const glm::vec3& p : cloud.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  require(cloud.triangles.size() % 3 == 0);
+  for (const std::uint32_t vertex : cloud.triangles) require(vertex < cloud.size());
 }
 
 // One decoder gets everything at once, the other piece by piece.
