@@ -1,5 +1,6 @@
 #include "qnv/decode/surface_stages.h"
 
+#include "qnv/base/finite.h"
 #include "qnv/displaced/subdivision.h"
 
 #include <glm/geometric.hpp>
@@ -15,8 +16,24 @@ namespace {
 // Clusters that wait for a base that may never come, with what each takes beside its bytes.
 constexpr std::size_t kMostWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
 
+// A surface is shown at a level that has at most so many vertices for each byte that came, and these besides.
+constexpr std::size_t kMostVerticesAByte = 1024, kVerticesBesides = 65536;
+
 // One level beyond what has arrived is smooth, and costs nothing.
-int shown_level(const displaced::Surface& surface) { return std::min(surface.header().depth, surface.finest() + 1); }
+int shown_level(const displaced::Surface& surface) {
+  int level = std::min(surface.header().depth, surface.finest() + 1);
+  const std::size_t most = kVerticesBesides + kMostVerticesAByte * surface.cluster_bytes();
+  while (level > 0 && surface.slots().vertices_at(level) > most) --level;
+  return level;
+}
+
+bool has_enough(const displaced::Surface& surface) {
+  return surface.clusters() >= static_cast<std::size_t>(surface.header().clusters);
+}
+
+std::size_t most_slots(const displaced::Surface& surface) {
+  return surface.slots().vertices_at(surface.header().depth);
+}
 
 std::size_t slots_shown(const displaced::Surface& surface) { return surface.slots().vertices_at(shown_level(surface)); }
 
@@ -33,13 +50,15 @@ void SurfaceStages::begin(std::span<const std::byte> base, const Box& box, std::
 }
 
 void SurfaceStages::add_stage(int number, displaced::StageHeader stage) {
-  const displaced::Patches patches(stage.base.triangles, static_cast<std::uint32_t>(stage.base.vertices.size()));
-  while (stage.depth > 0 && patches.vertices_at(stage.depth) > most_vectors_) {
+  displaced::Surface surface(std::move(stage));
+  while (!fits(surface)) {
     count_.full = true;
-    --stage.depth;
+    if (surface.header().depth == 0) return;
+    surface.limit_depth(surface.header().depth - 1);
   }
-  stages_.emplace(number, displaced::Surface(std::move(stage), box_));
+  stages_.emplace(number, std::move(surface));
   ++count_.taken;
+  drop_stages();
   recount();
   std::vector<std::vector<std::byte>> ready;
   const auto [first, last] = waiting_.equal_range(number);
@@ -51,14 +70,42 @@ void SurfaceStages::add_stage(int number, displaced::StageHeader stage) {
   for (const auto& payload : ready) add(payload);
 }
 
+// What is shown has no more vectors than there may be; of stages that wait there may be as many again.
+bool SurfaceStages::fits(const displaced::Surface& surface) const {
+  std::size_t beside = 0, largest = 0, all = most_slots(surface);
+  (surface.header().beside ? beside : largest) = all;
+  for (const auto& [number, other] : stages_) {
+    const std::size_t slots = most_slots(other);
+    all += slots;
+    if (other.header().beside)
+      beside += slots;
+    else
+      largest = std::max(largest, slots);
+  }
+  return beside + largest <= most_vectors_ && all <= 2 * most_vectors_;
+}
+
+void SurfaceStages::drop_stages() {
+  int last = 0;
+  for (const auto& [number, surface] : stages_)
+    if (!surface.header().beside && has_enough(surface)) last = number;
+  std::erase_if(stages_, [&](const auto& of) {
+    const bool gone = of.first < last && !of.second.header().beside;
+    if (gone) gone_ |= 1u << of.first;
+    return gone;
+  });
+}
+
 void SurfaceStages::add(std::span<const std::byte> payload) {
   const auto cluster = displaced::decode_cluster_header(payload);
   if (!cluster) {
     ++count_.refused;
     return;
   }
+  if ((gone_ >> cluster->stage & 1) != 0) return;
   if (cluster->kind == displaced::ClusterHeader::Kind::base) {
-    if (stages_.contains(cluster->stage)) return;  // it may come more than once, so that one gets through
+    // It may come more than once, so that one gets through.
+    if (stages_.contains(cluster->stage)) return;
     auto stage = displaced::decode_stage(payload.subspan(cluster->bytes));
     if (stage)
       add_stage(cluster->stage, std::move(*stage));
@@ -76,18 +123,16 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
     waiting_.emplace(cluster->stage, std::vector<std::byte>(payload.begin(), payload.end()));
     return;
   }
-  if (!found->second.add(*cluster, payload)) {
-    ++count_.refused;
-    return;
-  }
+  if (cluster->level > found->second.header().depth && count_.full) return;
+  if (!found->second.add(*cluster, payload)) ++count_.refused;
   ++count_.taken;
+  drop_stages();
   recount();
 }
 
 const displaced::Surface* SurfaceStages::shown() const {
   for (auto i = stages_.rbegin(); i != stages_.rend(); ++i)
-    if (!i->second.header().beside && i->second.clusters() >= static_cast<std::size_t>(i->second.header().clusters))
-      return &i->second;
+    if (!i->second.header().beside && has_enough(i->second)) return &i->second;
   return stages_.empty() ? nullptr : &stages_.begin()->second;
 }
 
@@ -113,7 +158,11 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
   const auto start = static_cast<std::uint32_t>(cloud.positions.size());
   cloud.positions.reserve(start + vertex_of.size());
-  for (const std::uint32_t v : vertex_of) cloud.positions.push_back(places[v]);
+  const displaced::Frame frame(box_);
+  for (const std::uint32_t v : vertex_of) {
+    const glm::vec3 p = frame.outside(places[v]);
+    cloud.positions.push_back(finite(p) ? p : frame.lower);
+  }
   cloud.normals.reserve(start + normals.size());
   for (const glm::vec3& n : normals) cloud.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
   if (colored) {
@@ -130,8 +179,11 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
     const std::uint32_t* t = cloud.triangles.data() + i;
     const glm::vec3 a = cloud.positions[t[0]];
     const float third = glm::length(glm::cross(cloud.positions[t[1]] - a, cloud.positions[t[2]] - a)) / 6;
-    for (std::size_t k = 0; k < 3; ++k) cloud.weights[t[k]] += third;
+    if (finite(third))
+      for (std::size_t k = 0; k < 3; ++k) cloud.weights[t[k]] += third;
   }
+  for (std::size_t i = start; i < cloud.weights.size(); ++i)
+    cloud.weights[i] = std::min(cloud.weights[i], std::numeric_limits<float>::max());
 }
 
 }  // namespace gs::qnv

@@ -32,6 +32,9 @@ class SurfaceStages {
 
  private:
   void add_stage(int number, displaced::StageHeader stage);
+  /// Forgets the stages whose place another one has taken.
+  void drop_stages();
+  [[nodiscard]] bool fits(const displaced::Surface& surface) const;
   void recount();
   /// The last stage of which enough has come to take the place of those before; null: none.
   [[nodiscard]] const displaced::Surface* shown() const;
@@ -40,6 +43,7 @@ class SurfaceStages {
   Box box_;
   std::size_t most_vectors_ = 0, waiting_bytes_ = 0;
   bool begun_ = false;
+  std::uint32_t gone_ = 0;  // a bit a stage whose place another one has taken
   Count count_;
   std::map<int, displaced::Surface> stages_;
   std::multimap<int, std::vector<std::byte>> waiting_;  // by stage

@@ -32,6 +32,11 @@ struct Step {
   std::uint32_t vertex = 0;  // where it is far: its number
 };
 
+// A base has at most so many triangles a byte; an encoder that needs fewer bytes adds zeros.
+constexpr std::size_t kMostTrianglesAByte = 64;
+// So many gates may lead from a vertex at once, and to it. Meshes have two or three.
+constexpr std::size_t kMostGates = 64;
+
 std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 
 /// A whole number of any sign: how many bits it has, learned; its sign and all but its highest bit, plain.
@@ -67,6 +72,7 @@ class BaseReader {
   }
   bool crease(std::size_t context, std::uint32_t, std::uint32_t) { return decoder_.get(models_.crease[context]); }
   [[nodiscard]] int bits() const { return bits_; }
+  [[nodiscard]] bool exhausted() const { return decoder_.exhausted(); }
 
  private:
   int offset(OffsetModel& model) {
@@ -148,6 +154,7 @@ class BaseWriter {
     return is;
   }
   [[nodiscard]] int bits() const { return mesh_.bits; }
+  [[nodiscard]] static bool exhausted() { return false; }
   std::vector<std::byte> finish() { return encoder_.finish(); }
 
   std::vector<std::uint32_t> source;
@@ -177,9 +184,11 @@ class BaseWriter {
 /// Open gates by the vertices at their ends; of several at one vertex the newest counts.
 class Gates {
  public:
-  void open(const Gate& gate) {
+  /// False where there are too many.
+  bool open(const Gate& gate) {
     by_start_[gate.a].push_back(gate);
     by_end_[gate.b].push_back(gate);
+    return by_start_[gate.a].size() <= kMostGates && by_end_[gate.b].size() <= kMostGates;
   }
   void close(std::uint32_t a, std::uint32_t b) {
     drop(by_start_[a], a, b);
@@ -228,8 +237,8 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
       ++around[u];
       if (gates.is_open(v, u))
         gates.close(v, u);
-      else if (!sides.contains(key(v, u)))
-        gates.open({u, v, corners[(k + 2) % 3]});
+      else if (!sides.contains(key(v, u)) && !gates.open({u, v, corners[(k + 2) % 3]}))
+        return false;
     }
     mesh.triangles.push_back(corners);
     return true;
@@ -242,7 +251,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
       if (!add_vertex(last, 1)) return false;
       last = mesh.vertices.back();
     }
-    if (!add_triangle(first, first + 1, first + 2)) return false;
+    if (!add_triangle(first, first + 1, first + 2) || decisions.exhausted()) return false;
     for (pivot = first; pivot < mesh.vertices.size(); ++pivot)
       while (const Gate* open = gates.to(pivot)) {
         const Gate gate = *open;
@@ -256,6 +265,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
         const Step step = decisions.step(context(gate.a), context(gate.b), has_left, right != nullptr,
                                          static_cast<std::uint32_t>(mesh.vertices.size()));
         std::uint32_t vertex = step.vertex;
+        if (decisions.exhausted()) return false;
         if (step.beside == Beside::rim) {
           gates.close(gate.a, gate.b);
           continue;
@@ -285,7 +295,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
     if (crease) meet[edge.from] = meet[edge.to] = 1;
   }
   if (!any) mesh.creases.clear();
-  return true;
+  return !decisions.exhausted();
 }
 
 }  // namespace
@@ -297,6 +307,8 @@ CodedBase encode_base(const BaseMesh& mesh, const std::function<bool(std::uint32
   coded.source = std::move(writer.source);
   coded.bytes = writer.finish();
   coded.bytes.insert(coded.bytes.begin(), static_cast<std::byte>(mesh.bits));
+  const std::size_t least = (mesh.triangles.size() + kMostTrianglesAByte - 1) / kMostTrianglesAByte;
+  if (coded.bytes.size() < least) coded.bytes.resize(least);
   return coded;
 }
 
@@ -306,7 +318,7 @@ std::optional<BaseMesh> decode_base(std::span<const std::byte> bytes, std::size_
   if (bits < 1 || bits > 16) return {};
   BaseReader reader(bytes.subspan(1), bits);
   BaseMesh mesh;
-  if (!grow(reader, most_triangles, mesh)) return {};
+  if (!grow(reader, std::min(most_triangles, kMostTrianglesAByte * bytes.size()), mesh)) return {};
   return mesh;
 }
 

@@ -1,5 +1,7 @@
 #include "qnv/displaced/binary_coder.h"
 
+#include <utility>
+
 namespace gs::qnv::displaced {
 
 void BinaryEncoder::shift() {
@@ -27,7 +29,7 @@ std::vector<std::byte> BinaryEncoder::finish() {
     }
   }
   for (int i = 0; i < 5; ++i) shift();
-  while (!bytes_.empty() && bytes_.back() == std::byte{0}) bytes_.pop_back();
+  for (std::size_t i = 0; i < kSparedZeros && !bytes_.empty() && bytes_.back() == std::byte{0}; ++i) bytes_.pop_back();
   return std::move(bytes_);
 }
 

@@ -14,6 +14,9 @@ namespace gs::qnv::displaced {
 // probabilities, nor the 32 bytes that eight states end with (rans.h); they learn from what they decode. The bytes are
 // defined in FORMAT.md, "Binary range coding".
 
+/// Zeros that a decoder reads behind the end of the bytes, and an encoder leaves out at most.
+inline constexpr std::size_t kSparedZeros = 8;
+
 /// What a yes is worth: a probability of 1/65536 that learns, fast at first.
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1
@@ -47,7 +50,7 @@ class BinaryEncoder {
   void put_bits(std::uint32_t value, int bits) {
     for (int i = bits; i-- > 0;) narrow((value >> i & 1) != 0, range_ >> 1);
   }
-  /// The bytes. Zeros at the end are left out: a decoder reads them anyway.
+  /// The bytes. Up to kSparedZeros zeros at the end are left out: a decoder reads them anyway.
   [[nodiscard]] std::vector<std::byte> finish();
   /// How many bytes there are by now, about.
   [[nodiscard]] std::size_t size() const { return bytes_.size() + pending_; }
@@ -75,7 +78,8 @@ class BinaryEncoder {
   bool first_ = true;        // nothing is in the cache
 };
 
-/// Reads what BinaryEncoder wrote; of other bytes, something. Never reads outside of them: behind their end are zeros.
+/// Reads what BinaryEncoder wrote; of other bytes, something. Never reads outside of them: behind their end are zeros,
+/// of which no stream needs more than kSparedZeros.
 class BinaryDecoder {
  public:
   explicit BinaryDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
@@ -93,6 +97,9 @@ class BinaryDecoder {
     return value;
   }
 
+  /// Whether more was needed than there is: then the bytes are none that an encoder wrote.
+  [[nodiscard]] bool exhausted() const { return at_ > bytes_.size() + kSparedZeros; }
+
  private:
   bool decide(std::uint32_t bound) {
     const bool bit = code_ < bound;
@@ -108,7 +115,10 @@ class BinaryDecoder {
     }
     return bit;
   }
-  std::uint32_t next() { return at_ < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at_++]) : 0; }
+  std::uint32_t next() {
+    const std::size_t at = at_++;
+    return at < bytes_.size() ? std::to_integer<std::uint32_t>(bytes_[at]) : 0;
+  }
 
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;

@@ -1,13 +1,13 @@
 #pragma once
 
 #include "qnv/displaced/binary_coder.h"
+#include "qnv/displaced/number_array.h"
 #include "qnv/displaced/patches.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
-#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -23,10 +23,10 @@ class ClusterCoder {
       : coder_(coder), patches_(patches), first_(first), end_(first + count) {}
 
   /// `now`: a number a vertex of this level (1 and up), of which those of the run's new ones count. `sideways`: the
-  /// same of lines, from the first vertex of an edge on; empty: there are none.
-  void level(int level, std::span<std::int16_t> now, std::span<std::int16_t> sideways);
+  /// same of lines, from the first vertex of an edge on; null or empty: there are none. False where the bytes ended.
+  bool level(int level, NumberArray& now, NumberArray* sideways);
   /// Of vertices of the base, each with the first of all patches that it is a corner of.
-  void base(std::span<std::int16_t> now);
+  bool base(NumberArray& now);
 
  private:
   static constexpr bool kWrites = std::is_same_v<Coder, BinaryEncoder>;
@@ -56,9 +56,14 @@ class ClusterCoder {
       value = static_cast<std::int16_t>(negative ? -size : size);
     }
   }
+  [[nodiscard]] bool good() const {
+    if constexpr (kWrites)
+      return true;
+    else
+      return !coder_.exhausted();
+  }
   [[nodiscard]] bool mine(std::uint32_t patch) const { return patch >= first_ && patch < end_; }
-  bool any_in(std::uint32_t patch, int level, std::span<const std::int16_t> now,
-              std::span<const std::int16_t> sideways) const;
+  bool any_in(std::uint32_t patch, int level, const NumberArray& now, const NumberArray* sideways) const;
 
   Coder& coder_;
   const Patches& patches_;
@@ -72,34 +77,33 @@ class ClusterCoder {
 };
 
 template <class Coder>
-void ClusterCoder<Coder>::base(std::span<std::int16_t> now) {
-  for (std::uint32_t p = first_; p < end_; ++p)
+bool ClusterCoder<Coder>::base(NumberArray& now) {
+  for (std::uint32_t p = first_; p < end_ && good(); ++p)
     for (const std::uint32_t v : patches_.triangles()[p])
       if (patches_.owner(v) == p) residual(now[v], 0);
+  return good();
 }
 
 template <class Coder>
-bool ClusterCoder<Coder>::any_in(std::uint32_t patch, int level, std::span<const std::int16_t> now,
-                                 std::span<const std::int16_t> sideways) const {
+bool ClusterCoder<Coder>::any_in(std::uint32_t patch, int level, const NumberArray& now,
+                                 const NumberArray* sideways) const {
   const std::size_t n = std::size_t{1} << level, edges_at = patches_.base_vertices();
-  const auto any = [](std::span<const std::int16_t> values) {
-    return std::any_of(values.begin(), values.end(), [](std::int16_t v) { return v != 0; });
-  };
   for (std::uint32_t k = 0; k < 3; ++k) {
     if (!patches_.owns(patch, k)) continue;
     const std::size_t start = patches_.edge_start(patches_.edge(patch, k), level);
-    if (any(now.subspan(start, n - 1))) return true;
-    if (!sideways.empty() && any(sideways.subspan(start - edges_at, n - 1))) return true;
+    if (now.any(start, n - 1)) return true;
+    if (sideways && sideways->any(start - edges_at, n - 1)) return true;
   }
-  return any(now.subspan(patches_.inner_start(patch, level), (n - 1) * (n - 2) / 2));
+  return now.any(patches_.inner_start(patch, level), (n - 1) * (n - 2) / 2);
 }
 
 template <class Coder>
-void ClusterCoder<Coder>::level(int level, std::span<std::int16_t> now, std::span<std::int16_t> sideways) {
+bool ClusterCoder<Coder>::level(int level, NumberArray& now, NumberArray* sideways) {
+  if (sideways && sideways->empty()) sideways = nullptr;
   const std::size_t n = std::size_t{1} << level, edges_at = patches_.base_vertices();
   const auto small = [](std::int16_t v) { return static_cast<std::uint8_t>(std::min(std::abs(int{v}), 255)); };
   known_.resize((n + 1) * (n + 2) / 2);
-  for (std::uint32_t p = first_; p < end_; ++p) {
+  for (std::uint32_t p = first_; p < end_ && good(); ++p) {
     const bool filled = bit(filled_[empties_], kWrites && any_in(p, level, now, sideways));
     empties_ = filled ? 0 : std::min<std::uint32_t>(empties_ + 1, 2);
     if (!filled) continue;
@@ -115,7 +119,7 @@ void ClusterCoder<Coder>::level(int level, std::span<std::int16_t> now, std::spa
         if (edge.owner == p) {
           const std::uint32_t beside = t > 1 ? 2u * known_[last] : 0u;
           residual(now[v], beside);
-          if (edge.line() && !sideways.empty()) residual(sideways[v - edges_at], beside);
+          if (edge.line() && sideways) residual((*sideways)[v - edges_at], beside);
         }
         known_[at] = small(now[v]);
         last = at;
@@ -131,6 +135,7 @@ void ClusterCoder<Coder>::level(int level, std::span<std::int16_t> now, std::spa
       }
     }
   }
+  return good();
 }
 
 }  // namespace gs::qnv::displaced

@@ -104,13 +104,10 @@ void StageEncoder::make_base(const SurfaceMesh& coarse) {
                                                 : 8;
     if (small.triangles.size() == coarse.triangles.size()) base.bits = options_.beside ? 11 : 12;
     out_.header.beside = options_.beside;
-    const glm::vec3 size = options_.box.size();
-    const float longest = std::max({size.x, size.y, size.z});
     const int cells = 1 << base.bits;
     for (const glm::vec3& p : small.positions)
       base.vertices.push_back(
-          glm::clamp(glm::ivec3(glm::floor((p - options_.box.lower) / longest * static_cast<float>(cells))),
-                     glm::ivec3(0), glm::ivec3(cells - 1)));
+          glm::clamp(glm::ivec3(glm::floor(p * static_cast<float>(cells))), glm::ivec3(0), glm::ivec3(cells - 1)));
     base.triangles = small.triangles;
     const auto is_crease = [&](std::uint32_t a, std::uint32_t b) {
       const glm::vec3 from = small.positions[a], to = small.positions[b];
@@ -272,7 +269,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
   const auto& places = level_places_[static_cast<std::size_t>(h.level)];
   std::vector<std::uint32_t> grid;
   double gain = 0, area = 0;
-  const auto of = [&](std::span<const std::int16_t> numbers, std::size_t v, double step) {
+  const auto of = [&](const NumberArray& numbers, std::size_t v, double step) {
     const double moved = step * numbers[v];
     gain += moved * moved;
   };
@@ -316,14 +313,14 @@ void StageEncoder::cut(Surface& surface, ClusterHeader header) {
   if (header.kind == ClusterHeader::Kind::color) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
       ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-      if (header.level == 1) coder.base(surface.colors(0)[channel]);
-      coder.level(header.level, surface.colors(header.level)[channel], {});
+      if (header.level == 1) (void)coder.base(surface.colors(0)[channel]);
+      (void)coder.level(header.level, surface.colors(header.level)[channel], nullptr);
     }
   } else {
     ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-    if (header.level == 1) coder.base(surface.numbers(header.layer, 0).normal);
+    if (header.level == 1) (void)coder.base(surface.numbers(header.layer, 0).normal);
     LevelNumbers& numbers = surface.numbers(header.layer, header.level);
-    coder.level(header.level, numbers.normal, numbers.sideways);
+    (void)coder.level(header.level, numbers.normal, &numbers.sideways);
   }
   const std::vector<std::byte> body = encoder.finish();
   cluster.payload.insert(cluster.payload.end(), body.begin(), body.end());
@@ -375,7 +372,7 @@ float StageEncoder::error_of(const Surface& surface) const {
 
 void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   make_base(coarse);
-  Surface surface(out_.header, options_.box);
+  Surface surface(out_.header);
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   const int depth = out_.header.depth;
   displace_base(surface);

@@ -10,7 +10,7 @@
 
 namespace gs::qnv::displaced {
 
-/// The surface that a stream stands for, as encoders look at it.
+/// The surface that a stream stands for, as encoders look at it, in a Frame, like all that follows.
 class Target {
  public:
   explicit Target(SurfaceMesh mesh);
@@ -55,7 +55,6 @@ struct StageOptions {
   std::size_t most_bytes = 0;   // of its header; 0: any
   int number = 0;
   int step_exponent = 10, layers = 2;
-  Box box;  // the stream's
   bool colored = false;
   bool beside = false;  // StageHeader::beside; then the base is the whole mesh
   unsigned threads = 0;

@@ -6,13 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace gs::qnv::displaced {
 namespace {
-
-// A byte may hold the numbers of so many new vertices at most: those that are certain to be 0 cost 1/700 of a bit.
-constexpr std::size_t kMostVerticesAByte = 8192;
 
 void put_number(std::vector<std::byte>& out, std::uint32_t value) {
   for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value | 128));
@@ -96,31 +95,46 @@ std::optional<ClusterHeader> decode_cluster_header(std::span<const std::byte> pa
   return header;
 }
 
-Surface::Surface(StageHeader header, const Box& box)
+Frame::Frame(const Box& box) : lower(box.lower), size(std::max({box.size().x, box.size().y, box.size().z})) {
+  if (!(size > 0)) size = std::numeric_limits<float>::min();
+}
+
+Surface::Surface(StageHeader header)
     : header_(std::move(header)),
-      lower_(box.lower),
-      size_(std::max({box.size().x, box.size().y, box.size().z})),
       patches_(header_.base.triangles, static_cast<std::uint32_t>(header_.base.vertices.size())) {
   patches_.set_creases(header_.base.creases);
   slots_ = patches_.cut();
   lines_ = patches_.has_lines();
 }
 
-float Surface::step(int layer) const { return std::ldexp(size_, -header_.step_exponent - kLayerShift * layer); }
+float Surface::step(int layer) const { return std::ldexp(1.0f, -header_.step_exponent - kLayerShift * layer); }
 
-LevelNumbers& Surface::numbers(int layer, int level) {
+LevelNumbers& Surface::sparse(int layer, int level) {
   LevelNumbers& found = numbers_[static_cast<std::size_t>(layer)][static_cast<std::size_t>(level)];
   if (found.normal.empty()) {
-    found.normal.assign(patches_.vertices_at(level), 0);
-    if (lines_ && level > 0) found.sideways.assign(patches_.inner_start(0, level) - patches_.base_vertices(), 0);
+    found.normal.assign_zeros(patches_.vertices_at(level));
+    if (lines_ && level > 0) found.sideways.assign_zeros(patches_.inner_start(0, level) - patches_.base_vertices());
   }
   return found;
 }
 
-std::array<std::vector<std::int16_t>, 3>& Surface::colors(int level) {
+std::array<NumberArray, 3>& Surface::sparse_colors(int level) {
   auto& found = colors_[static_cast<std::size_t>(level)];
   for (auto& channel : found)
-    if (channel.empty()) channel.assign(patches_.vertices_at(level), 0);
+    if (channel.empty()) channel.assign_zeros(patches_.vertices_at(level));
+  return found;
+}
+
+LevelNumbers& Surface::numbers(int layer, int level) {
+  LevelNumbers& found = sparse(layer, level);
+  found.normal.fill_pages();
+  found.sideways.fill_pages();
+  return found;
+}
+
+std::array<NumberArray, 3>& Surface::colors(int level) {
+  auto& found = sparse_colors(level);
+  for (NumberArray& channel : found) channel.fill_pages();
   return found;
 }
 
@@ -129,38 +143,47 @@ const LevelNumbers* Surface::find(int layer, int level) const {
   return found.normal.empty() ? nullptr : &found;
 }
 
+// No patch gets numbers twice: what comes second would depend on the order, and could keep a decoder at work for ever.
+bool Surface::take_run(const ClusterHeader& cluster) {
+  const int kind = cluster.kind == ClusterHeader::Kind::color ? kLayers : cluster.layer;
+  std::vector<bool>& taken = taken_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(cluster.level)];
+  taken.resize(patches_.size());
+  const auto first = taken.begin() + static_cast<std::ptrdiff_t>(cluster.first);
+  const auto end = first + static_cast<std::ptrdiff_t>(cluster.count);
+  if (std::find(first, end, true) != end) return false;
+  std::fill(first, end, true);
+  return true;
+}
+
 bool Surface::add(const ClusterHeader& cluster, std::span<const std::byte> payload) {
+  const bool color = cluster.kind == ClusterHeader::Kind::color;
   if (cluster.level > header_.depth || cluster.first >= patches_.size() ||
-      cluster.count > patches_.size() - cluster.first)
+      cluster.count > patches_.size() - cluster.first || (color && !header_.colored) || !take_run(cluster))
     return false;
-  const std::span<const std::byte> body = payload.subspan(cluster.bytes);
-  const std::size_t vertices = std::size_t{cluster.count} << (2 * cluster.level);
-  if (vertices > kMostVerticesAByte * payload.size()) return false;
-  BinaryDecoder decoder(body);
-  if (cluster.kind == ClusterHeader::Kind::color) {
-    if (!header_.colored) return false;
+  ++clusters_;
+  cluster_bytes_ += payload.size();
+  BinaryDecoder decoder(payload.subspan(cluster.bytes));
+  if (color) {
+    auto &base = sparse_colors(0), &now = sparse_colors(cluster.level);
     for (std::size_t channel = 0; channel < 3; ++channel) {
       ClusterCoder<BinaryDecoder> coder(decoder, patches_, cluster.first, cluster.count);
-      if (cluster.level == 1) coder.base(colors(0)[channel]);
-      coder.level(cluster.level, colors(cluster.level)[channel], {});
+      if (cluster.level == 1 && !coder.base(base[channel])) return false;
+      if (!coder.level(cluster.level, now[channel], nullptr)) return false;
     }
-    ++clusters_;
     return true;
   }
-  ClusterCoder<BinaryDecoder> coder(decoder, patches_, cluster.first, cluster.count);
-  if (cluster.level == 1) coder.base(numbers(cluster.layer, 0).normal);
-  LevelNumbers& now = numbers(cluster.layer, cluster.level);
-  coder.level(cluster.level, now.normal, now.sideways);
   finest_ = std::max(finest_, cluster.level);
-  ++clusters_;
-  return true;
+  ClusterCoder<BinaryDecoder> coder(decoder, patches_, cluster.first, cluster.count);
+  if (cluster.level == 1 && !coder.base(sparse(cluster.layer, 0).normal)) return false;
+  LevelNumbers& now = sparse(cluster.layer, cluster.level);
+  return coder.level(cluster.level, now.normal, &now.sideways);
 }
 
 std::vector<glm::vec3> Surface::base_positions() const {
   std::vector<glm::vec3> positions;
   positions.reserve(header_.base.vertices.size());
-  const float cell = std::ldexp(size_, -header_.base.bits);
-  for (const glm::ivec3& v : header_.base.vertices) positions.push_back(lower_ + (glm::vec3(v) + 0.5f) * cell);
+  const float cell = std::ldexp(1.0f, -header_.base.bits);
+  for (const glm::ivec3& v : header_.base.vertices) positions.push_back((glm::vec3(v) + 0.5f) * cell);
   return positions;
 }
 

@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/displaced/base_mesh.h"
+#include "qnv/displaced/number_array.h"
 #include "qnv/displaced/patches.h"
 
 #include <glm/vec3.hpp>
@@ -34,6 +35,17 @@ struct StageHeader {
 /// Nothing where the bytes are none. Safe for untrusted bytes.
 [[nodiscard]] std::optional<StageHeader> decode_stage(std::span<const std::byte> bytes);
 
+/// Surfaces are worked out in units of the longest edge of the stream's box, from its lower corner on: what is as small
+/// as a molecule, or far from the origin, is as exact as anything else.
+struct Frame {
+  glm::vec3 lower{0};
+  float size = 1;
+
+  explicit Frame(const Box& box);
+  [[nodiscard]] glm::vec3 inside(const glm::vec3& p) const { return (p - lower) / size; }
+  [[nodiscard]] glm::vec3 outside(const glm::vec3& p) const { return lower + p * size; }
+};
+
 /// Which numbers a cluster holds.
 struct ClusterHeader {
   enum class Kind : std::uint8_t { base = 0, displacement = 1, color = 2 };
@@ -50,35 +62,38 @@ struct ClusterHeader {
 
 /// Whole numbers of the vertices of one level; empty: none have come.
 struct LevelNumbers {
-  std::vector<std::int16_t> normal, sideways;  // as ClusterCoder has them
+  NumberArray normal, sideways;  // as ClusterCoder has them
 };
 
 /// One stage as far as it has arrived. Any subset of its clusters is a surface without cracks: who has got no number
 /// stays where it is predicted. One thread.
 class Surface {
  public:
-  /// `box`: the stream's.
-  Surface(StageHeader header, const Box& box);
+  explicit Surface(StageHeader header);
 
   [[nodiscard]] const StageHeader& header() const { return header_; }
+  /// Nothing of deeper levels will be taken.
+  void limit_depth(int depth) { header_.depth = depth; }
   [[nodiscard]] const Patches& patches() const { return patches_; }
   [[nodiscard]] float step(int layer) const;
-  /// The numbers of a cluster. False where it is none, or too large for its bytes. Safe for untrusted bytes.
+  /// The numbers of a cluster. False where it is none, where its bytes end early, or where some of its numbers came
+  /// before. Safe for untrusted bytes: memory and time are in proportion to the bytes.
   bool add(const ClusterHeader& cluster, std::span<const std::byte> payload);
-  /// How many have come.
+  /// How many have come, and how many bytes they have.
   [[nodiscard]] std::size_t clusters() const { return clusters_; }
+  [[nodiscard]] std::size_t cluster_bytes() const { return cluster_bytes_; }
   /// Deepest level of which something has come; 0: none.
   [[nodiscard]] int finest() const { return finest_; }
 
   /// All numbers of a kind, for who makes them.
   [[nodiscard]] LevelNumbers& numbers(int layer, int level);
-  [[nodiscard]] std::array<std::vector<std::int16_t>, 3>& colors(int level);
+  [[nodiscard]] std::array<NumberArray, 3>& colors(int level);
 
   /// The patches, cut along their creases: whose vertices have normals.
   [[nodiscard]] const Patches& slots() const { return slots_; }
   /// The directions in which vertices of the base at these places are moved: means of the sectors' normals.
   [[nodiscard]] std::vector<glm::vec3> base_normals(const std::vector<glm::vec3>& places) const;
-  /// Places of the base's vertices on the lattice, units of the source.
+  /// Places of the base's vertices on the lattice. This and all that follows: as Frame has it.
   [[nodiscard]] std::vector<glm::vec3> base_positions() const;
   /// The vertices of a level, with all that has arrived.
   [[nodiscard]] std::vector<glm::vec3> positions(int level) const;
@@ -91,16 +106,19 @@ class Surface {
 
  private:
   [[nodiscard]] const LevelNumbers* find(int layer, int level) const;
+  LevelNumbers& sparse(int layer, int level);
+  std::array<NumberArray, 3>& sparse_colors(int level);
+  bool take_run(const ClusterHeader& cluster);
 
   StageHeader header_;
-  glm::vec3 lower_{0};
-  float size_ = 1;
   Patches patches_, slots_;
   bool lines_ = false;
   int finest_ = 0;
-  std::size_t clusters_ = 0;
+  std::size_t clusters_ = 0, cluster_bytes_ = 0;
   std::array<std::array<LevelNumbers, kDeepestPatch + 1>, kLayers> numbers_;
-  std::array<std::array<std::vector<std::int16_t>, 3>, kDeepestPatch + 1> colors_;
+  std::array<std::array<NumberArray, 3>, kDeepestPatch + 1> colors_;
+  // Of which patches the numbers of a layer (colours: kLayers) and a level have come.
+  std::array<std::array<std::vector<bool>, kDeepestPatch + 1>, kLayers + 1> taken_;
 };
 
 }  // namespace gs::qnv::displaced

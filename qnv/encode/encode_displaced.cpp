@@ -66,13 +66,13 @@ std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_
   return out;
 }
 
-OutgoingChunk chunk_of(StageCluster cluster) {
+OutgoingChunk chunk_of(StageCluster cluster, const displaced::Frame& frame) {
   OutgoingChunk chunk;
   chunk.type = ChunkType::displaced;
   chunk.entry.level = static_cast<std::uint8_t>(cluster.header.level);
   chunk.entry.parent = 0xffffffff;
   chunk.entry.vectors = cluster.vertices;
-  chunk.entry.box = cluster.box;
+  chunk.entry.box = {frame.outside(cluster.box.lower), frame.outside(cluster.box.upper)};
   chunk.payload = std::move(cluster.payload);
   return chunk;
 }
@@ -95,6 +95,7 @@ OutgoingChunk base_chunk(const EncodedStage& stage, int number, const Box& box) 
 /// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
 /// source.
 std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
+  const displaced::Frame frame(box);
   std::vector<OutgoingChunk> chunks;
   double shown = 0;  // how far the stage before is from the source, as clusters gain
   for (std::size_t i = 0; i < stages.size(); ++i) {
@@ -119,7 +120,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       if (static_cast<double>(bytes) > most) break;
       bytes += cluster.payload.size();
       left -= cluster.gain;
-      chunks.push_back(chunk_of(std::move(cluster)));
+      chunks.push_back(chunk_of(std::move(cluster), frame));
     }
     shown = left;
   }
@@ -144,13 +145,14 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (progress) progress->stage = "joining";
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  const displaced::Frame frame(s.box);
+  for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   const displaced::Target target(std::move(mesh));
   if (progress) progress->stage = "simplifying";
   const displaced::SplitMesh parts = displaced::split_components(target.mesh(), kLeastPart);
   const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
   const displaced::SurfaceMesh coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
   if (cancelled()) return EncodeError{"cancelled"};
-  const glm::vec3 size = s.box.size();
   StreamHeader header;
   header.payload = Payload::displaced;
   header.colored = s.colored;
@@ -161,13 +163,12 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   header.description.total = s.area;
   header.description.metadata = options.metadata;
   displaced::StageOptions stage_options;
-  stage_options.box = s.box;
   stage_options.colored = s.colored;
   stage_options.threads = options.threads;
   stage_options.triangles = kFirstTriangles;
   stage_options.most_bytes = kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kFewestBaseBytes);
   const float wanted = kFinestStep * target.edge();
-  float step = std::ldexp(std::max({size.x, size.y, size.z}), -stage_options.step_exponent);
+  float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
   if (progress) progress->stage = "displacing";
@@ -177,7 +178,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
     if (stages.empty() && options.only_if_suited &&
-        (stage.bytes.size() > kMostFirstBytes || stage.error > kMostFirstError * std::max({size.x, size.y, size.z})))
+        (stage.bytes.size() > kMostFirstBytes || stage.error > kMostFirstError))
       return EncodeError{
           "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
           "a smooth surface",

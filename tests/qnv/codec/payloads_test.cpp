@@ -74,9 +74,9 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
   EncodeOptions few;
   few.vectors = 5000;
   // Which of them each payload is made of.
-  const std::set<std::pair<Payload, std::size_t>> made = {{Payload::records, 0}, {Payload::records, 1},
-                                                          {Payload::packed, 0},  {Payload::outlines, 2},
-                                                          {Payload::records, 3}, {Payload::voxels, 3}};
+  const std::set<std::pair<Payload, std::size_t>> made = {
+      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0},   {Payload::outlines, 2},
+      {Payload::records, 3}, {Payload::voxels, 3},  {Payload::displaced, 0}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+/// Whole numbers of which most may never come: what was never written is 0, and takes memory only beside what was.
+class NumberArray {
+ public:
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// All are 0.
+  void assign_zeros(std::size_t size) {
+    size_ = size;
+    pages_.clear();
+    pages_.resize((size + kPage - 1) / kPage);
+  }
+  /// Memory for all of them: afterwards several threads may write, each its own.
+  void fill_pages() {
+    for (auto& page : pages_)
+      if (!page) page = std::make_unique<Page>();
+  }
+  std::int16_t operator[](std::size_t i) const {
+    const auto& page = pages_[i / kPage];
+    return page ? (*page)[i % kPage] : std::int16_t{0};
+  }
+  std::int16_t& operator[](std::size_t i) {
+    auto& page = pages_[i / kPage];
+    if (!page) page = std::make_unique<Page>();
+    return (*page)[i % kPage];
+  }
+  /// Whether one of `count` numbers from `first` on is not 0.
+  [[nodiscard]] bool any(std::size_t first, std::size_t count) const {
+    for (std::size_t i = first; i < first + count; ++i)
+      if ((*this)[i] != 0) return true;
+    return false;
+  }
+
+ private:
+  static constexpr std::size_t kPage = 1024;
+  using Page = std::array<std::int16_t, kPage>;
+  std::vector<std::unique_ptr<Page>> pages_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,73 @@
+#include "qnv/displaced/simplify.h"
+
+#include "tests/qnv/displaced/displaced_shapes.h"
+
+#include <glm/geometric.hpp>
+
+#include <catch2/catch.hpp>
+
+namespace gs::qnv::displaced::simplify_test {
+namespace {
+
+void check_manifold(const SurfaceMesh& mesh) {
+  CHECK(sides_once(mesh.triangles));
+  CHECK(one_fan_a_vertex(mesh.triangles));
+}
+
+}  // namespace
+
+TEST_CASE("a closed surface is simplified to what was asked for, and stays closed and near") {
+  const SurfaceMesh mesh = mesh_of(ball(30));
+  for (const std::size_t wanted : {4000, 1000, 300, 60}) {
+    const SurfaceMesh small = simplify(mesh, wanted);
+    check_manifold(small);
+    CHECK(small.triangles.size() <= wanted);
+    CHECK(small.triangles.size() >= wanted - 2);
+    CHECK(rims_of(small.triangles) == 0);
+    CHECK(euler_characteristic(small.triangles) == 2);
+    // Of triangles of area a = 4 pi / n the sagitta is a / 6 or so.
+    for (const glm::vec3& p : small.positions)
+      CHECK(glm::length(p) == Approx(1).margin(12.0 / static_cast<double>(wanted)));
+  }
+}
+
+TEST_CASE("a torus keeps its hole") {
+  const SurfaceMesh small = simplify(mesh_of(torus(60, 30)), 150);
+  check_manifold(small);
+  CHECK(small.triangles.size() <= 150);
+  CHECK(euler_characteristic(small.triangles) == 0);
+}
+
+TEST_CASE("rims stay rims: a sheet with a hole keeps both") {
+  const SurfaceMesh mesh = mesh_of(sheet(60)), small = simplify(mesh, 200);
+  check_manifold(small);
+  CHECK(small.triangles.size() <= 200);
+  CHECK(euler_characteristic(mesh.triangles) == 0);
+  CHECK(euler_characteristic(small.triangles) == 0);
+  CHECK(rims_of(small.triangles) > 8);
+}
+
+TEST_CASE("every component stays, however few triangles are asked for") {
+  Triangles many;
+  for (int i = 0; i < 12; ++i)
+    for (Triangle t : ball(3 + i % 3)) {
+      for (glm::vec3& p : t.positions) p = p * (i % 2 ? 0.05f : 1.0f) + glm::vec3(3 * i, 0, 0);
+      many.push_back(t);
+    }
+  many.push_back(triangle_of({0, 4, 0}, {1, 4, 0}, {0, 5, 0}));
+  const SurfaceMesh small = simplify(mesh_of(many), 1);
+  check_manifold(small);
+  CHECK(components_of(small.triangles) == 13);
+  CHECK(small.triangles.size() >= 12 * 4 + 1);
+  CHECK(small.triangles.size() < 12 * 30);
+  // A tetrahedron each but the last.
+  CHECK(euler_characteristic(small.triangles) == 12 * 2 + 1);
+}
+
+TEST_CASE("nothing is simplified to nothing") {
+  CHECK(simplify({}, 10).triangles.empty());
+  const SurfaceMesh one = mesh_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
+  CHECK(simplify(one, 0).triangles.size() == 1);
+}
+
+}  // namespace gs::qnv::displaced::simplify_test

@@ -1,0 +1,576 @@
+"""What a displaced stream decodes to, worked out from qnv/FORMAT.md alone, by nothing that the program shares.
+
+python3 displaced.py v1/displaced_fold.qnv > v1/displaced_fold.txt
+
+Lines: "stage NUMBER DEPTH S COLOURS CLUSTERS BITS", then of each stage "vertex X Y Z" of its lattice, "triangle A B C",
+"crease FROM TO", then of what has come "numbers KIND LAYER LEVEL" with pairs of a vertex and its number, for all that
+are not 0 (kind n normal, s sideways, 0 to 2 colours), then of the stage that is shown, of every eleventh vertex of its
+deepest level, "place VERTEX X Y Z", nine significant digits, and "colour VERTEX R G B".
+
+Vertices of a level: those of the base, those of edges in their order (from `from` on), those inside of patches in
+their order, j = 1 first.
+"""
+import math
+import struct
+import sys
+import zlib
+
+
+class Refused(Exception):
+    pass
+
+
+class Model:
+    def __init__(self):
+        self.p = 32768
+        self.n = 0
+
+
+class Coder:
+    """Binary range coding."""
+
+    def __init__(self, data):
+        self.data = data
+        self.at = 0
+        self.range = 0xFFFFFFFF
+        self.code = 0
+        for _ in range(4):
+            self.code = self.code * 256 + self.byte()
+
+    def byte(self):
+        at = self.at
+        self.at += 1
+        if at >= len(self.data) + 8:
+            raise Refused("bytes ended")
+        return self.data[at] if at < len(self.data) else 0
+
+    def decide(self, bound):
+        yes = self.code < bound
+        if yes:
+            self.range = bound
+        else:
+            self.code -= bound
+            self.range -= bound
+        while self.range < 1 << 24:
+            self.code = self.code * 256 + self.byte()
+            self.range *= 256
+        return yes
+
+    def get(self, model):
+        yes = self.decide((self.range * min(max(model.p, 64), 65472)) >> 16)
+        model.p += (((65535 if yes else 0) - model.p) * (131072 // (2 * model.n + 3))) >> 16
+        model.n = min(model.n + 1, 30)
+        return yes
+
+    def plain(self):
+        return self.decide(self.range >> 1)
+
+    def bits(self, n):
+        value = 0
+        for _ in range(n):
+            value = value * 2 + (1 if self.plain() else 0)
+        return value
+
+
+class Number:
+    def __init__(self):
+        self.s = [Model() for _ in range(6)]
+        self.p = [Model() for _ in range(24)]
+
+    def get(self, coder):
+        for i in range(6):
+            if not coder.get(self.s[i]):
+                return i
+        z = 0
+        while z < 23 and coder.get(self.p[z]):
+            z += 1
+        return (1 << z) + coder.bits(z) + 5
+
+
+class Base:
+    """Base mesh."""
+
+    def __init__(self, data):
+        self.b = data[0]
+        if not 1 <= self.b <= 16:
+            raise Refused("lattice")
+        self.most = min(131072, 64 * len(data))
+        self.coder = Coder(data[1:])
+        self.vertices, self.triangles, self.around = [], [], []
+        self.sides, self.gates = set(), []  # gates as [a, b, opposite], oldest first
+        self.grow()
+        self.number_edges()
+
+    def add(self, u, v, w):
+        if len({u, v, w}) < 3 or len(self.triangles) >= self.most:
+            raise Refused("triangle")
+        for x, y, z in ((u, v, w), (v, w, u), (w, u, v)):
+            if (x, y) in self.sides:
+                raise Refused("side")
+            self.sides.add((x, y))
+            self.around[x] += 1
+            there = [g for g in self.gates if g[0] == y and g[1] == x]
+            if there:
+                self.gates.remove(there[0])
+            elif (y, x) not in self.sides:
+                self.gates.append([x, y, z])
+        self.triangles.append((u, v, w))
+
+    def place(self, predicted, models):
+        out = []
+        for value in predicted:
+            length = 0
+            while length < 19 and self.coder.get(models[length]):
+                length += 1
+            if length > 0:
+                negative = self.coder.plain()
+                size = (1 << (length - 1)) + self.coder.bits(length - 1)
+                value += -size if negative else size
+            out.append(value)
+        if min(out) < 0 or max(out) >= 1 << self.b:
+            raise Refused("lattice")
+        self.vertices.append(tuple(out))
+        self.around.append(0)
+        return tuple(out)
+
+    def grow(self):
+        get = self.coder.get
+        fresh, right, left = ([Model() for _ in range(8)] for _ in range(3))
+        rim, component = Model(), Model()
+        beside_gate, of_first = [Model() for _ in range(20)], [Model() for _ in range(20)]
+        last = (1 << (self.b - 1),) * 3
+        while get(component):
+            first = len(self.vertices)
+            for _ in range(3):
+                last = self.place(last, of_first)
+            self.add(first, first + 1, first + 2)
+            v = first
+            while v < len(self.vertices):
+                ending = [g for g in self.gates if g[1] == v]
+                if not ending:
+                    v += 1
+                    continue
+                gate = a, b, o = ending[-1]
+                rights = [g[1] for g in self.gates if g[0] == b]
+                lefts = [g[0] for g in self.gates if g[1] == a]
+                r = rights[-1] if rights else None
+                l = lefts[-1] if lefts else None
+                if l == r:
+                    l = None
+                ca, cb = min(self.around[a], 7), min(self.around[b], 7)
+                if get(fresh[cb]):
+                    top = (1 << self.b) - 1
+                    p = [min(max(x + y - z, 0), top)
+                         for x, y, z in zip(self.vertices[a], self.vertices[b], self.vertices[o])]
+                    self.place(p, beside_gate)
+                    x = len(self.vertices) - 1
+                elif r is not None and get(right[cb]):
+                    x = r
+                elif l is not None and get(left[ca]):
+                    x = l
+                elif get(rim):
+                    self.gates.remove(gate)
+                    continue
+                else:
+                    x = self.coder.bits(len(self.vertices).bit_length())
+                    if x >= len(self.vertices):
+                        raise Refused("vertex")
+                self.add(b, a, x)
+
+    def number_edges(self):
+        self.edges, self.patch_edges = [], []  # edges as [from, to, owner, other, crease]
+        at = {}
+        for t, corners in enumerate(self.triangles):
+            mine = []
+            for k in range(3):
+                a, b = corners[k], corners[(k + 1) % 3]
+                if (b, a) in at:
+                    e = at[(b, a)]
+                    self.edges[e][3] = t
+                else:
+                    e = len(self.edges)
+                    self.edges.append([a, b, t, None, False])
+                    at[(a, b)] = e
+                mine.append(e)
+            self.patch_edges.append(mine)
+        crease, ends = [Model() for _ in range(3)], set()
+        for edge in self.edges:
+            if edge[3] is None:
+                continue
+            if self.coder.get(crease[(edge[0] in ends) + (edge[1] in ends)]):
+                edge[4] = True
+                ends.update(edge[:2])
+
+    def line(self, e):
+        return self.edges[e][3] is None or self.edges[e][4]
+
+
+class Stage:
+    def __init__(self, data):
+        self.depth, self.s, flags, self.clusters = data[:4]
+        if self.depth > 8 or not 1 <= self.s <= 24 or flags > 3:
+            raise Refused("stage")
+        self.colored = flags & 1 == 1
+        self.beside = flags & 2 == 2
+        self.base = Base(data[4:])
+        if not self.base.triangles:
+            raise Refused("empty")
+        self.come = 0
+        self.has = set()
+        self.numbers = {}  # (kind, layer, level) -> {vertex: value}
+        self.owner = {}
+        for t, corners in enumerate(self.base.triangles):
+            for v in corners:
+                self.owner.setdefault(v, t)
+        self.make_slots()
+
+    def edge_start(self, e, level):
+        return len(self.base.vertices) + e * ((1 << level) - 1)
+
+    def inner_start(self, p, level):
+        n = 1 << level
+        return len(self.base.vertices) + len(self.base.edges) * (n - 1) + p * ((n - 1) * (n - 2) // 2)
+
+    def vertices_at(self, level):
+        return self.inner_start(len(self.base.triangles), level)
+
+    def vertex(self, p, level, i, j):
+        """The number of a place of a patch."""
+        n = 1 << level
+        corners = self.base.triangles[p]
+        if (i, j) in ((0, 0), (n, 0), (0, n)):
+            return corners[0 if i + j == 0 else 1 if i else 2]
+        if j == 0 or i + j == n or i == 0:
+            k, t = (0, i) if j == 0 else (1, j) if i + j == n else (2, n - j)
+            e = self.base.patch_edges[p][k]
+            if self.base.edges[e][0] != corners[k]:
+                t = n - t
+            return self.edge_start(e, level) + t - 1
+        return self.inner_start(p, level) + sum(n - 1 - y for y in range(1, j)) + i - 1
+
+    # Clusters
+
+    def add(self, kind, level, layer, first, count, data):
+        if level > self.depth or first + count > len(self.base.triangles) or (kind == 2 and not self.colored):
+            raise Refused("cluster")
+        keys = {(kind, level, layer if kind == 1 else 0, p) for p in range(first, first + count)}
+        if keys & self.has:
+            raise Refused("twice")
+        self.has |= keys
+        self.come += 1
+        coder = Coder(data)
+        for channel in ("n",) if kind == 1 else (0, 1, 2):
+            self.sequence(coder, channel, level, layer if kind == 1 else 0, first, count)
+
+    def sequence(self, coder, kind, level, layer, first, count):
+        filled, zero = [Model() for _ in range(3)], [Model() for _ in range(5)]
+        sizes = [Number() for _ in range(4)]
+
+        def residual(c):
+            if not coder.get(zero[(0, 1, 2, 3, 3, 3, 4)[min(c, 6)]]):
+                return 0
+            negative = coder.plain()
+            size = min(sizes[min(c // 3, 3)].get(coder), 32766) + 1
+            return -size if negative else size
+
+        now = self.numbers.setdefault((kind, layer, level), {})
+        run = range(first, first + count)
+        if level == 1:
+            base = self.numbers.setdefault((kind, layer, 0), {})
+            for p in run:
+                for v in self.base.triangles[p]:
+                    if self.owner[v] == p:
+                        base[v] = residual(0)
+        n = 1 << level
+        empties = 0
+        for p in run:
+            if not coder.get(filled[empties]):
+                empties = min(empties + 1, 2)
+                continue
+            empties = 0
+            known = {}
+            for k in range(3):
+                e = self.base.patch_edges[p][k]
+                owner = self.base.edges[e][2]
+                if owner not in run:
+                    continue
+                before = 0
+                for t in range(1, n, 2):
+                    place = (t, 0) if k == 0 else (n - t, t) if k == 1 else (0, n - t)
+                    v = self.vertex(p, level, *place)
+                    if owner == p:
+                        now[v] = residual(2 * before)
+                        if kind == "n" and self.base.line(e):
+                            self.numbers.setdefault(("s", layer, level), {})[v] = residual(2 * before)
+                    before = known[place] = min(abs(now.get(v, 0)), 255)
+            for j in range(1, n):
+                for i in range(1, n - j):
+                    if i % 2 == 0 and j % 2 == 0:
+                        continue
+                    v = self.vertex(p, level, i, j)
+                    now[v] = residual(known.get((i - 1, j), 0) + known.get((i, j - 1), 0) + known.get((i + 1, j - 1), 0))
+                    known[(i, j)] = min(abs(now[v]), 255)
+
+    def number(self, kind, layer, level, vertex):
+        return self.numbers.get((kind, layer, level), {}).get(vertex, 0)
+
+    # Places
+
+    def make_slots(self):
+        """self.slot[p][k]: the slot of a corner."""
+        sets = {(p, k): (p, k) for p in range(len(self.base.triangles)) for k in range(3)}
+
+        def find(x):
+            while sets[x] != x:
+                x = sets[x]
+            return x
+
+        for e, edge in enumerate(self.base.edges):
+            if self.base.line(e):
+                continue
+            for v in edge[:2]:
+                one = (edge[2], self.base.triangles[edge[2]].index(v))
+                sets[find(one)] = find((edge[3], self.base.triangles[edge[3]].index(v)))
+        self.slot = [[find((p, k)) for k in range(3)] for p in range(len(self.base.triangles))]
+
+    def slot_of(self, p, level, i, j):
+        """A name for the slot that a place of a patch has."""
+        n = 1 << level
+        if (i, j) in ((0, 0), (n, 0), (0, n)):
+            return self.slot[p][0 if i + j == 0 else 1 if i else 2]
+        v = self.vertex(p, level, i, j)
+        k = 0 if j == 0 else 1 if i + j == n else 2 if i == 0 else None
+        if k is not None:
+            edge = self.base.edges[self.base.patch_edges[p][k]]
+            if edge[4] and self.two_sided(edge):
+                return ("side", v, p)
+        return ("vertex", v)
+
+    def corner_slot(self, p, v):
+        return self.slot[p][self.base.triangles[p].index(v)]
+
+    def two_sided(self, edge):
+        return any(self.corner_slot(edge[2], v) != self.corner_slot(edge[3], v) for v in edge[:2])
+
+    def normals(self, level, places):
+        sums = {}
+        n = 1 << level
+        for p in range(len(self.base.triangles)):
+            for j in range(n):
+                for i in range(n - j):
+                    for corners in ([(i, j), (i + 1, j), (i, j + 1)],
+                                    [(i + 1, j), (i + 1, j + 1), (i, j + 1)] if i + j + 1 < n else None):
+                        if not corners:
+                            continue
+                        a, b, c = (places[self.vertex(p, level, *x)] for x in corners)
+                        face = cross(minus(b, a), minus(c, a))
+                        for x in corners:
+                            s = self.slot_of(p, level, *x)
+                            sums[s] = plus(sums.get(s, (0, 0, 0)), face)
+        return {s: unit(n) for s, n in sums.items()}
+
+    def step(self, layer):
+        return 2.0 ** -(self.s + 2 * layer)
+
+    def new_vertices(self, level):
+        """(vertex, A, B, slot of A, of B, edge, other slots)"""
+        n = 1 << level
+        for e, (_, _, owner, other, crease) in enumerate(self.base.edges):
+            k = self.base.patch_edges[owner].index(e)
+            on = lambda patch, t: self.along(patch, e, level - 1, t)
+            for t in range(1, n, 2):
+                a, b = on(owner, t // 2), on(owner, t // 2 + 1)
+                far = None
+                if crease and self.two_sided(self.base.edges[e]):
+                    x, y = on(other, t // 2), on(other, t // 2 + 1)
+                    far = (self.slot_of(other, level - 1, *x), self.slot_of(other, level - 1, *y))
+                v = self.edge_start(e, level) + t - 1
+                yield (v, self.vertex(owner, level - 1, *a), self.vertex(owner, level - 1, *b),
+                       self.slot_of(owner, level - 1, *a), self.slot_of(owner, level - 1, *b), e, far)
+        for p in range(len(self.base.triangles)):
+            for j in range(1, n):
+                for i in range(1, n - j):
+                    if i % 2 == 0 and j % 2 == 0:
+                        continue
+                    x, y = i // 2, j // 2
+                    a = (x + 1, y) if i % 2 and j % 2 else (x, y)
+                    b = (x + 1, y) if j % 2 == 0 else (x, y + 1)
+                    yield (self.vertex(p, level, i, j), self.vertex(p, level - 1, *a), self.vertex(p, level - 1, *b),
+                           self.slot_of(p, level - 1, *a), self.slot_of(p, level - 1, *b), None, None)
+
+    def along(self, patch, e, level, t):
+        """The place of a patch t steps from an edge's `from`."""
+        n = 1 << level
+        k = self.base.patch_edges[patch].index(e)
+        if self.base.triangles[patch][k] != self.base.edges[e][0]:
+            t = n - t
+        return (t, 0) if k == 0 else (n - t, t) if k == 1 else (0, n - t)
+
+    def kept(self, level):
+        """(vertex, its number a level before)"""
+        n = 1 << level
+        for p in range(len(self.base.triangles)):
+            for j in range(0, n + 1, 2):
+                for i in range(0, n + 1 - j, 2):
+                    yield self.vertex(p, level, i, j), self.vertex(p, level - 1, i // 2, j // 2)
+
+    def places(self):
+        places = {v: tuple((x + 0.5) / (1 << self.base.b) for x in q) for v, q in enumerate(self.base.vertices)}
+        at_slots = self.normals(0, places)
+        direction = {v: (0, 0, 0) for v in places}
+        for p, corners in enumerate(self.base.triangles):
+            for k, v in enumerate(corners):
+                direction[v] = plus(direction[v], at_slots[self.slot[p][k]])
+        shifts = {}
+        for v in places:
+            n = unit(direction[v])
+            shifts[v] = (0, 0, 0)
+            for layer in range(4):
+                by = times(n, self.step(layer) * self.number("n", layer, 0, v))
+                if layer == 0:
+                    places[v] = plus(places[v], by)
+                else:
+                    shifts[v] = plus(shifts[v], by)
+        for level in range(1, self.depth + 1):
+            normals = self.normals(level - 1, places)
+            next_places, next_shifts = {}, {}
+            for v, before in self.kept(level):
+                next_places[v], next_shifts[v] = places[before], shifts[before]
+            for v, ia, ib, sa, sb, e, far in self.new_vertices(level):
+                a, b, na, nb = places[ia], places[ib], normals[sa], normals[sb]
+                n = plus(na, nb)
+                if far:
+                    n = plus(n, plus(normals[far[0]], normals[far[1]]))
+                n = unit(n) if length(n) > 1e-6 else na
+                m = times(plus(a, b), 0.5)
+                line = e is not None and self.base.line(e)
+                s = (0, 0, 0)
+                if line:
+                    s = unit(cross(minus(b, a), n))
+                else:
+                    h = times(plus(times(na, dot(na, minus(a, m))), times(nb, dot(nb, minus(b, m)))), 0.25)
+                    most = 0.15 * length(minus(b, a))
+                    if length(h) > most:
+                        h = times(unit(h), most)
+                    m = plus(m, h)
+                shift = times(plus(shifts[ia], shifts[ib]), 0.5)
+                for layer in range(4):
+                    by = plus(times(n, self.step(layer) * self.number("n", layer, level, v)),
+                              times(s, self.step(layer) * self.number("s", layer, level, v)))
+                    if layer == 0:
+                        m = plus(m, by)
+                    else:
+                        shift = plus(shift, by)
+                next_places[v], next_shifts[v] = m, shift
+            places, shifts = next_places, next_shifts
+        return [plus(places[v], shifts[v]) for v in range(self.vertices_at(self.depth))]
+
+    def colours(self):
+        if not self.colored or (0, 0, 0) not in self.numbers:
+            return []
+        steps = (6, 12, 12)
+        own = lambda level, v: tuple(steps[c] * self.number(c, 0, level, v) for c in range(3))
+        now = {v: plus((128, 0, 0), own(0, v)) for v in range(len(self.base.vertices))}
+        for level in range(1, self.depth + 1):
+            after = {v: now[before] for v, before in self.kept(level)}
+            for v, a, b, *_ in self.new_vertices(level):
+                after[v] = plus(tuple((x + y) >> 1 for x, y in zip(now[a], now[b])), own(level, v))
+            now = after
+        return [to_rgb(*now[v]) for v in range(len(now))]
+
+
+def to_rgb(y, co, cg):
+    t = y - (cg >> 1)
+    g = cg + t
+    b = t - (co >> 1)
+    return tuple(min(max(x, 0), 255) for x in (b + co, g, b))
+
+
+def plus(a, b):
+    return tuple(x + y for x, y in zip(a, b))
+
+
+def minus(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def times(a, s):
+    return tuple(x * s for x in a)
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def length(a):
+    return math.sqrt(dot(a, a))
+
+
+def unit(a):
+    size = length(a)
+    return times(a, 1 / size) if size > 0 else (0, 0, 0)
+
+
+def number(data, at):
+    value = 0
+    for i in range(4):
+        value |= (data[at + i] & 127) << (7 * i)
+        if data[at + i] < 128:
+            return value, at + i + 1
+    raise Refused("number")
+
+
+def main(name):
+    data = open(name, "rb").read()
+    header = struct.unpack_from("<I", data, 12)[0]
+    assert data[:8] == bytes.fromhex("89514e560d0a1a0a") and data[11] == 3
+    assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
+    lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
+    longest = max(u - l for l, u in zip(lower, upper))
+    stages = {}
+    at = 108
+    while at + 6 <= header:
+        tag, size = struct.unpack_from("<HI", data, at)
+        if tag == 5:
+            stages[0] = Stage(data[at + 6:at + 6 + size])
+        at += 6 + size
+    at = header
+    while at < len(data):
+        mark, size, kind, zero, crc = struct.unpack_from("<HHBBI", data, at)
+        payload = data[at + 10:at + 10 + size]
+        assert mark == 0x4351 and zlib.crc32(data[at:at + 6] + payload) == crc
+        at += 10 + size
+        if kind != 4:
+            continue
+        what, of = payload[0] & 15, payload[0] >> 4
+        if what == 0:
+            stages[of] = Stage(payload[1:])
+            continue
+        level, layer = payload[1] & 15, payload[1] >> 4
+        first, behind = number(payload, 2)
+        count, behind = number(payload, behind)
+        stages[of].add(what, level, layer, first, count, payload[behind:])
+    for of, stage in sorted(stages.items()):
+        print("stage", of, stage.depth, stage.s, int(stage.colored), stage.clusters, stage.base.b)
+        for v in stage.base.vertices:
+            print("vertex", *v)
+        for t in stage.base.triangles:
+            print("triangle", *t)
+        for edge in stage.base.edges:
+            if edge[4]:
+                print("crease", *edge[:2])
+        for (kind, layer, level), values in sorted(stage.numbers.items(), key=str):
+            told = [(v, value) for v, value in sorted(values.items()) if value]
+            print("numbers", kind, layer, level, *(x for pair in told for x in pair))
+    shown = max(of for of, stage in stages.items() if stage.come >= stage.clusters and not stage.beside)
+    for v, p in list(enumerate(stages[shown].places()))[::11]:
+        print("place", v, *("%.9g" % (l + x * longest) for l, x in zip(lower, p)))
+    for v, c in list(enumerate(stages[shown].colours()))[::11]:
+        print("colour", v, *c)
+
+
+main(sys.argv[1])
