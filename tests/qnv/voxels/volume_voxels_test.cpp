@@ -96,7 +96,8 @@ TEST_CASE("A volume's vectors come back at their voxels, and nearly as they were
   CHECK(turned / static_cast<double>(seen.size()) < 0.2);  // radians, where most of it is curved
 }
 
-TEST_CASE("A coarse voxel stands for those in it: its value lies between theirs, and is their mean where they are fine") {
+TEST_CASE(
+    "A coarse voxel stands for those in it: its value lies between theirs, and is their mean where they are fine") {
   const SoftBall ball(24);
   const Decoded all(ball.stream());
   const std::map<std::uint64_t, std::size_t> truth = places_of(ball);
