@@ -201,7 +201,11 @@ TEST_CASE("Vectors that do not stand on the voxels of a volume are no stream of 
   CHECK(refused([](Cloud&, VolumeLayout& l) { l.dimensions = {65537, 3, 3}; }));
   CHECK(refused([](Cloud& c, VolumeLayout&) { c.classes.clear(); }));
   CHECK(refused([](Cloud& c, VolumeLayout&) { c.description.kind = Kind::surface; }));
-  CHECK(refused([](Cloud& c, VolumeLayout&) { c = Cloud{c.description, {}, {}, {}, {}, {}, {}, {}, {}}; }));
+  CHECK(refused([](Cloud& c, VolumeLayout&) {
+    Cloud empty;
+    empty.description = c.description;
+    c = empty;
+  }));
 }
 
 TEST_CASE("A reader refuses voxels of a surface, and payloads that it does not know, by name") {
