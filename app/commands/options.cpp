@@ -1,5 +1,6 @@
 #include "app/commands/options.h"
 
+#include "app/base/text.h"
 #include "app/commands/commands.h"
 #include "app/commands/option_values.h"
 #include "app/formats/content_types.h"
@@ -25,6 +26,15 @@ Problem set_size(Options& options, const std::string& value) {
   options.width = static_cast<int>(size[0]);
   options.height = static_cast<int>(size[1]);
   return {};
+}
+
+// Thumbnailers are given names without an extension, too.
+Problem set_snapshot(Options& options, const std::string& value) {
+  options.snapshot = value;
+  const std::string extension = lower_case(std::filesystem::path(value).extension().string());
+  if (value.empty()) return "expected a file";
+  return extension.empty() || extension == ".png" ? Problem{}
+                                                  : "pictures are written as PNG: expected a name that ends in .png";
 }
 
 Problem set_samples(Options& options, const std::string& value) {
@@ -250,11 +260,7 @@ Problem set_position_bits(Options& options, const std::string& value) {
 }
 
 constexpr OptionRow kOptions[] = {
-    {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ",
-     [](Options& o, const std::string& v) {
-       o.snapshot = v;
-       return Problem{};
-     }},
+    {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", set_snapshot},
     {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open trace ", set_size},
     {"--time", "SECONDS", "0",
      "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "

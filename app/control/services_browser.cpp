@@ -119,6 +119,7 @@ bool create_from_string(ServiceCall& call) {
   call.result = "{";
   put_nodes(call, call.result, scene, made.roots);
   call.result += ",\"messages\":" + messages + "]}";
+  call.changes = true;  // a TimeSensor among them lives from the next step on
   return true;
 }
 

@@ -129,8 +129,12 @@ void Panes::grow(const Document& document) {
           view.scene = document.living->look(view.navigation.pose.position, true);
           view.list = view.scene->scene.shared_list();
         }
+        const bool stays = at_home(view);
         (void)follow_world(view);
-        if (at_home(view)) view = grown(view, view.document, view.home_size);
+        if (!stays) continue;
+        // What has come is seen at once, and not as what leaves the picture is.
+        if (std::exchange(view.navigation.transition, std::nullopt)) view.navigation.pose = view.home;
+        view = grown(view, view.document, view.home_size);
       }
 }
 

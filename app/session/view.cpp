@@ -76,6 +76,47 @@ void follow_navigation_info(View& view) {
   if (now.types != before.types) view.navigation = with_mode(view.navigation, view.rules.start);
 }
 
+/// As the whole that is in sight is first seen.
+void choose_home(View& view, const vrml::Bounds& whole, const glm::vec2& viewport) {
+  view.home = first_pose(whole, viewport);
+  view.home_size = viewport;
+  view.framed = whole;
+}
+
+/// Where nobody has said from where a world is to be seen, its first moment did; things move later. So whoever is still
+/// there goes where he has in view what has been there until now, and some of what is to be expected.
+void follow_growth(View& view) {
+  constexpr float kMostGrowth = 32;  // of the diagonal: one thing that flies away does not make a dot of all others
+  constexpr float kAir = 0.05f;      // of the diagonal, and half of the growth: so that he does not go with each step
+  const vrml::Bounds& now = view.list->bounds;
+  if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
+      render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
+    return;
+  // Who holds something in the world needs a picture that stays.
+  if (view.document->living->execution().pointed_at().active) return;
+  vrml::Bounds whole = view.framed;
+  whole.add(now);
+  if (!usable(view.framed)) {
+    whole = now;
+    view.first_size = glm::length(now.size());
+  }
+  if (glm::length(whole.size()) > kMostGrowth * view.first_size) return;
+  const float air = kAir * glm::length(whole.size());
+  const vrml::Bounds before = std::exchange(view.framed, whole);
+  for (int axis = 0; axis < 3 && usable(before); ++axis) {
+    if (const float growth = before.lower[axis] - whole.lower[axis]; growth > 0)
+      view.framed.lower[axis] -= growth / 2 + air;
+    if (const float growth = whole.upper[axis] - before.upper[axis]; growth > 0)
+      view.framed.upper[axis] += growth / 2 + air;
+  }
+  view.home =
+      usable(before) ? pose_that_fits(view.home, view.framed, view.home_size) : first_pose(view.framed, view.home_size);
+  const Navigation measured = start_navigation(view.rules, whole, view.home);
+  view.navigation = travel_to(view.navigation, view.home);
+  view.navigation.center = measured.center;
+  view.navigation.scene_size = measured.scene_size;
+}
+
 }  // namespace
 
 View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found) {
@@ -103,10 +144,11 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
     const render::ViewpointState& bound = list.viewpoints[*view.viewpoint];
     view.world_from_viewpoint = bound.world_from_camera;
     view.home = pose_of(bound.world_from_camera, bound.field_of_view);
+    view.home_size = viewport;
   } else {
-    view.home = first_pose(list.bounds, viewport);
+    choose_home(view, list.bounds, viewport);
+    if (usable(list.bounds)) view.first_size = glm::length(list.bounds.size());
   }
-  view.home_size = viewport;
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
   if (view.viewpoint) take_measures(view, list.viewpoints[*view.viewpoint]);
   if (found) *found = viewpoint.empty() || named.has_value();
@@ -150,8 +192,7 @@ bool at_home(const View& view) {
 void fit_home(View& view, const glm::vec2& viewport) {
   if (view.viewpoint || !view.list || view.home_size == viewport) return;
   const bool unmoved = at_home(view);
-  view.home = first_pose(view.list->bounds, viewport);
-  view.home_size = viewport;
+  choose_home(view, usable(view.framed) ? view.framed : view.list->bounds, viewport);
   if (unmoved) view.navigation.pose = view.home;
 }
 
@@ -165,7 +206,10 @@ bool follow_world(View& view) {
   follow_navigation_info(view);
   const auto& viewpoints = view.list->viewpoints;
   if (view.viewpoint && *view.viewpoint >= viewpoints.size()) view.viewpoint.reset();
-  if (!view.viewpoint) return true;
+  if (!view.viewpoint) {
+    follow_growth(view);
+    return true;
+  }
   const render::ViewpointState& viewpoint = viewpoints[*view.viewpoint];
   if (viewpoint.world_from_camera == view.world_from_viewpoint && viewpoint.field_of_view == view.home.field_of_view)
     return true;

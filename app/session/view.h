@@ -26,6 +26,8 @@ struct View {
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
+  vrml::Bounds framed;                   // what the latter has in view
+  float first_size = 0;                  // of the whole as it was first seen: its diagonal
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
   glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
   double scale = 1;                      // of that: how long its metre is in the world's (6.29)
@@ -62,7 +64,9 @@ void fit_home(View& view, const glm::vec2& viewport);
 [[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
 /// Brings the list up to date with the living world and with where the viewer is, and carries him along with the
-/// Viewpoint (VRML97 6.53). True when there is something else to be seen than before. On the thread of the world.
+/// Viewpoint (VRML97 6.53). In a world without one, who has not moved is led back where something leaves the picture,
+/// as long as it does not go too far. True when there is something else to be seen than before. On the thread of the
+/// world.
 bool follow_world(View& view);
 /// Binds a Viewpoint of the list in the living world, and goes there.
 void bind_viewpoint(View& view, std::size_t index);

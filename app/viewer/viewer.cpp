@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kSettlingFrames = 3;     // the interface needs a second look after a change
 constexpr double kIdleWait = 30;       // seconds; any event ends it
+constexpr double kLongPicture = 0.3;   // seconds: somebody notices
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
 // Of a window: what the author calls the world, and where it is from.
@@ -92,11 +93,18 @@ void Viewer::run() {
     frame_ = session_.step(world_time(), input);
     tell(frame_);
     if (!in_sight) continue;
+    // Where pictures of the worlds take long, what is read, opened or typed shows before them.
+    const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
+      return event.kind == WindowEvent::Kind::key_down || event.kind == WindowEvent::Kind::character;
+    });
+    const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
+    interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
     // Nothing has happened: what is on the screen is right.
     if (frames_wanted_ == 0 && !frame_.moving && !refinement_.wanted() && !frame_.loading) continue;
     if (events.empty()) ui_.begin_frame(now, events);
     const bool continuous = std::exchange(was_continuous_, frame_.moving);
     draw_viewports();
+    if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
     apply(ui_.build(model()));
     ui_.draw();

@@ -69,6 +69,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   const double begin = Window::now();
   draw.coarseness = detail.coarseness(frames_wanted_ > 0 || frame_.moving);
   draw.go_on = [this, begin] {
+    if (interface_first_) return false;
     const double now = Window::now();
     if (frame_.loading && !pace_.go_on(begin, now)) return false;
     if (now - begin < kMostUninterrupted) return true;
@@ -83,7 +84,10 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
   // What was given up for the sake of progress says nothing about who moves.
-  if (!frame_.loading || !pane.statistics.given_up) detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
+  const bool given_up = pane.statistics.given_up;
+  if (!given_up || frame_.loading) picture_seconds_ = end - begin;
+  if (!given_up || !(frame_.loading || interface_first_))
+    detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
 }
 
 // The user interface ------------------------------------------------------------------------------

@@ -66,7 +66,9 @@ class Viewer {
   std::string opening_;  // what was chosen in the Open panel last
   double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
   int frames_wanted_;
-  bool was_continuous_ = false;
+  bool was_continuous_ = false, was_loading_ = false;
+  bool interface_first_ = false;  // the next picture of the interface waits for no new one of the worlds
+  double picture_seconds_ = 0;    // that the last whole ones took
 };
 
 }  // namespace gs::app

@@ -144,12 +144,15 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
   show_(std::make_shared<const qnv::Cloud>(std::move(cloud)));
 }
 
-// Again whenever a quarter more has come: making a cloud takes time in proportion to it.
+// Again whenever a quarter more has come: making a cloud takes time in proportion to it. Of a surface, vectors move as
+// much as they become more.
 void CloudHandler::show_records(bool last) {
   const std::size_t vectors = decoder_->vectors();
-  if (vectors == 0 || (!last && vectors < shown_ + shown_ / 4 + 1000)) return;
-  if (vectors == shown_) return;
+  const std::uint64_t revision = decoder_->revision();
+  const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
+  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer)) return;
   shown_ = vectors;
+  shown_revision_ = revision;
   show_(std::make_shared<const qnv::Cloud>(decoder_->cloud()));
 }
 

@@ -65,6 +65,7 @@ class CloudHandler final : public ContentHandler {
   std::shared_ptr<StreamFeed> feed_;
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
+  std::uint64_t shown_revision_ = 0;
   std::uint64_t directory_ = 0;  // of a packed stream: where it begins; 0: unknown
 };
 

@@ -358,7 +358,7 @@ std::uint32_t Simplifier::triangle_left_of(std::uint32_t a, std::uint32_t b) {
   return kNone;
 }
 
-// Holes of three edges get a triangle.
+// Holes of three edges get a triangle; what lies round a single triangle is none.
 void Simplifier::close_rims(double most) {
   for (std::uint32_t u = 0; u < head_.size(); ++u) {
     if (!rim_[u] || head_[u] == kNone) continue;
@@ -370,9 +370,8 @@ void Simplifier::close_rims(double most) {
       for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
         if (!alive(c / 3)) continue;
         const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // the side from w to v
-        // The outside of a triangle alone is no hole.
-        if (w == u || c / 3 == corner / 3 || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
-            triangle_left_of(w, u) != kNone || round(u, v, w) > most)
+        if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
+            triangle_left_of(w, u) != kNone || round(u, v, w) > most || third(corner / 3, u, v) == w)
           continue;
         add_triangle(u, v, w);
         break;

@@ -16,8 +16,8 @@ namespace {
 using displaced::EncodedStage;
 using displaced::StageCluster;
 
-// A header with its base is a whole object within the first kilobyte.
-constexpr std::size_t kFirstBytes = 870;
+// A header with its base is a whole object within the first kilobyte, unless its metadata take too much of it.
+constexpr std::size_t kFirstBytes = 990, kFewestBaseBytes = 500;
 constexpr std::size_t kFirstTriangles = 640;
 // What a surface is that a first stage follows: its base has so many bytes at most, and what it becomes is so near, as
 // a part of the box. Others are better off as an octree.
@@ -142,6 +142,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   });
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
   if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  // The colours of a texture are finer than its triangles.
+  if (options.only_if_suited && s.colored)
+    return EncodeError{"the surface has colours of its own; expected one of one colour", true};
   if (progress) progress->stage = "joining";
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
@@ -153,11 +156,20 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
   const displaced::SurfaceMesh coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
   if (cancelled()) return EncodeError{"cancelled"};
+  StreamHeader header;
+  header.payload = Payload::displaced;
+  header.colored = s.colored;
+  header.color = s.color;
+  header.cube = Cube::around(s.box);
+  header.description.two_sided = options.two_sided && !s.closed();
+  header.description.box = s.box;
+  header.description.total = s.area;
+  header.description.metadata = options.metadata;
   displaced::StageOptions stage_options;
   stage_options.colored = s.colored;
   stage_options.threads = options.threads;
   stage_options.triangles = kFirstTriangles;
-  stage_options.most_bytes = kFirstBytes;
+  stage_options.most_bytes = kFirstBytes - std::min(encode_header(header).size(), kFirstBytes - kFewestBaseBytes);
   const float wanted = kFinestStep * target.edge();
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
@@ -192,15 +204,6 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
   }
-  StreamHeader header;
-  header.payload = Payload::displaced;
-  header.colored = s.colored;
-  header.color = s.color;
-  header.cube = Cube::around(s.box);
-  header.description.two_sided = options.two_sided && !s.closed();
-  header.description.box = s.box;
-  header.description.total = s.area;
-  header.description.metadata = options.metadata;
   header.base = stages[0].bytes;
   return write_stream(std::move(header), chunks_of(std::move(stages), s.box, target.mesh().positions.size()),
                       options.max_bytes);

@@ -26,7 +26,7 @@ constexpr double kOffCentre = 0.05;
 constexpr float kShownOpacity = 2;
 
 // Steps at which no difference is seen at first sight, and those of `compact`.
-constexpr VoxelSteps kFine{20, 12, 4}, kCompact{26, 20, 6};
+constexpr VoxelSteps kFine{20, 16, 6}, kCompact{28, 24, 8};
 
 float middle_weight(const Cloud& cloud) {
   std::vector<float> weights;

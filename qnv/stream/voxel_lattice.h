@@ -28,8 +28,9 @@ struct VoxelLattice {
 
   /// Where a voxel of a level stands: its centre, but within the lattice.
   [[nodiscard]] glm::vec3 position(int level, std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
-  /// The edge of a cube as large as a voxel of a level, units of the source.
-  [[nodiscard]] float edge(int level) const;
+  /// How far apart the vectors of a level are drawn at most, units of the source; 0 where a voxel is one of the
+  /// lattice, and they are as far apart as they are. A voxel that stands for many is seldom full of them.
+  [[nodiscard]] float reach(int level) const;
   /// Directions of gradients: each row of the matrix times a gradient is its part along one axis. The rows of the
   /// inverse; empty where there is none.
   [[nodiscard]] std::optional<std::array<glm::vec3, 3>> world_from_axes() const;

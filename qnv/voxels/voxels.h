@@ -53,7 +53,7 @@ struct VolumeCluster {
                                                                              const VoxelLattice& lattice);
 
 /// Appends the vectors that voxels `first` to `first + count` stand for: position, unit gradient direction, magnitude,
-/// class, and the edge of the cell.
+/// class; the edge of a cell is VoxelLattice::reach of its level.
 void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t count, const VoxelLattice& lattice,
                     Cloud& cloud);
 
@@ -67,8 +67,8 @@ struct LatticeVector {
 
 struct VoxelSteps {
   int direction = 20;  // 1..64: in 1/64 of the octahedron
-  int value = 12;      // 1..255
-  int magnitude = 4;   // 1..127: four are an octave
+  int value = 16;      // 1..255
+  int magnitude = 6;   // 1..127: four are an octave
 };
 
 struct VoxelsOptions {

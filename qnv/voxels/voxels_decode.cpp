@@ -203,7 +203,7 @@ void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t
   if (!world) return;
   const VolumeVoxels& voxels = cluster.voxels;
   const int level = cluster.level();
-  const float edge = lattice.edge(level);
+  const float reach = lattice.reach(level);
   std::array<float, kMostMagnitude + 1> magnitudes{};
   for (int m = 0; m <= kMostMagnitude; ++m) magnitudes[static_cast<unsigned>(m)] = lattice.magnitude(m);
   for (std::size_t i = first; i < first + count; ++i) {
@@ -214,7 +214,7 @@ void append_vectors(const VolumeCluster& cluster, std::size_t first, std::size_t
     cloud.normals.push_back(glm::normalize(gradient));
     cloud.weights.push_back(magnitudes[voxels.magnitude[i]]);
     cloud.classes.push_back(voxels.value[i]);
-    cloud.cells.push_back({edge, 0});
+    cloud.cells.push_back({reach, 0});
   }
 }
 

@@ -12,8 +12,9 @@
 namespace gs::qnv {
 namespace {
 
-// What one bit is worth, in squared radians: a direction is sent where it turns the picture by more.
-constexpr double kBitWorth = 0.03;
+// What one bit is worth, in squares of a step of the octahedron: a direction is sent where it turns the picture by
+// more.
+constexpr double kBitWorth = 0.25;
 // A value or magnitude that is off by less than so much of a step stays as predicted.
 constexpr double kValueZone = 0.62, kMagnitudeZone = 0.75;
 // What a place that is drawn twice as finely gains, beside a direction that was wrong by one radian.
@@ -45,19 +46,20 @@ struct ChosenDirection {
 };
 ChosenDirection choose_direction(const OctahedralPoint& expected, const glm::vec3& truth, int step) {
   ChosenDirection best;
+  const double worth = kBitWorth * step * step / (kOctahedral * kOctahedral);
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](int du, int dv) {
     int u = expected.u + du * step, v = expected.v + dv * step;
     wrap_octahedral(u, v);
     const double far = 2 - 2 * static_cast<double>(glm::dot(unit_direction(u, v), truth));
-    const double cost = far + kBitWorth * (bits_of(du) + bits_of(dv));
+    const double cost = far + worth * (bits_of(du) + bits_of(dv));
     if (cost < least) {
       least = cost;
       best = {du, dv, u, v};
     }
   };
   consider(0, 0);
-  if (least < kBitWorth * (bits_of(0) + bits_of(1))) return best;
+  if (least < worth * (bits_of(0) + bits_of(1))) return best;
   // The octahedron's square goes on behind its edges.
   const OctahedralPoint t = point_of(truth);
   constexpr int kAround = 2 * kOctahedral;

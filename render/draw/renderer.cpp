@@ -122,15 +122,9 @@ void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t
 Image read_back(const Gl& gl, int width, int height, int side) {
   const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
   const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
-  // Four bytes a pixel are copied as they are; three would be converted.
-  std::vector<std::uint8_t> pixels(stride * static_cast<std::size_t>(height));
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
   Image image{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), 3, {}};
   image.pixels.resize(columns * rows * 3);
-  const auto reduce_row = [&](std::size_t y) {
-    const std::uint8_t* from = pixels.data() + (rows - 1 - y) * square * stride;
-    std::uint8_t* to = image.pixels.data() + y * columns * 3;
+  const auto reduce_row = [&](const std::uint8_t* from, std::uint8_t* to) {
     if (square == 2) {
       for (std::size_t x = 0; x < columns; ++x, from += 8, to += 3) put_mean(from, from + stride, to);
     } else {
@@ -138,10 +132,20 @@ Image read_back(const Gl& gl, int width, int height, int side) {
         for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
     }
   };
-  constexpr std::size_t kRows = 64;  // a task
-  (void)qnv::parallel_for((rows + kRows - 1) / kRows, [&](std::size_t task) {
-    for (std::size_t y = task * kRows; y < std::min(rows, (task + 1) * kRows); ++y) reduce_row(y);
-  });
+  // A band at a time, so that there is no second copy of all pixels. Four bytes a pixel are copied as they are; three
+  // would be converted.
+  constexpr std::size_t kBand = 128, kRows = 32;  // of the picture; a task's
+  std::vector<std::uint8_t> pixels(stride * square * std::min(kBand, rows));
+  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  for (std::size_t first = 0; first < rows; first += kBand) {
+    const std::size_t end = std::min(rows, first + kBand);
+    gl.ReadPixels(0, static_cast<GLint>((rows - end) * square), width, static_cast<GLsizei>((end - first) * square),
+                  GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    (void)qnv::parallel_for((end - first + kRows - 1) / kRows, [&](std::size_t task) {
+      for (std::size_t y = first + task * kRows; y < std::min(end, first + (task + 1) * kRows); ++y)
+        reduce_row(pixels.data() + (end - 1 - y) * square * stride, image.pixels.data() + y * columns * 3);
+    });
+  }
   return image;
 }
 
@@ -325,6 +329,19 @@ void Renderer::draw_overlays(const RenderList& list, const Camera& given, const 
       list, camera, lens, options, statistics, [] {}, true);
 }
 
+/// Leaves the picture bound for reading; false, and nothing bound, where the driver has no memory for it.
+bool Renderer::draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
+                               FrameStatistics* statistics) {
+  if (!bind_target(local.width, local.height, local.samples)) {
+    state_->gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+    return false;
+  }
+  const FrameStatistics drawn = draw_in_target(list, camera, local);
+  if (statistics) *statistics = drawn;
+  resolve(local.width, local.height);
+  return true;
+}
+
 std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list, const Camera& camera,
                                                           const DrawOptions& options, FrameStatistics* statistics) {
   const Gl& gl = state_->gl;
@@ -333,14 +350,9 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
     return ContextError{"a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
                         " pixels cannot be drawn: each side must be from 1 to " + std::to_string(most)};
   const DrawOptions local = for_target(gl, list, options, true);
-  if (!bind_target(local.width, local.height, local.samples)) {
-    gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  if (!draw_off_screen(list, camera, local, statistics))
     return ContextError{"the driver has no memory for a picture of " + std::to_string(local.width) + "x" +
                         std::to_string(local.height)};
-  }
-  const FrameStatistics drawn = draw_in_target(list, camera, local);
-  if (statistics) *statistics = drawn;
-  resolve(local.width, local.height);
   Image image = read_back(gl, local.width, local.height, local.pixel_side);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return image;
@@ -359,8 +371,14 @@ void Renderer::prepare(const DrawOptions& options) {
   item.mesh = std::make_shared<const vrml::Mesh>(std::move(triangle));
   list.items.push_back(std::move(item));
   Camera camera;
-  camera.world_from_camera[3] = {0, 0, 5, 1};
-  (void)draw_to_image(list, camera, options);
+  camera.world_from_camera[3] = {0, 0, 500, 1};  // some pixels are enough
+  const Gl& gl = state_->gl;
+  const int most = gl.max_renderbuffer_size;
+  if (options.width < 1 || options.height < 1 || options.width > most || options.height > most) return;
+  const DrawOptions local = for_target(gl, list, options, true);
+  if (!draw_off_screen(list, camera, local, nullptr)) return;
+  (void)read_back(gl, local.pixel_side, local.pixel_side, local.pixel_side);  // it is drawn when somebody reads it
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 void Renderer::measure(PhaseClock* phases) { state_->gl.phases = phases; }

@@ -44,6 +44,8 @@ class Renderer {
   struct State;
   bool bind_target(int width, int height, int samples);
   FrameStatistics draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  bool draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
+                       FrameStatistics* statistics);
   void resolve(int width, int height);
   void keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height);
   explicit Renderer(std::unique_ptr<State> state);

@@ -28,6 +28,7 @@
   X(CLEAR, Clear)                                                             \
   X(CLEARBUFFERFV, ClearBufferfv)                                             \
   X(CLEARCOLOR, ClearColor)                                                   \
+  X(CLIENTWAITSYNC, ClientWaitSync)                                           \
   X(COLORMASK, ColorMask)                                                     \
   X(COMPILESHADER, CompileShader)                                             \
   X(CREATEPROGRAM, CreateProgram)                                             \
@@ -39,6 +40,7 @@
   X(DELETERENDERBUFFERS, DeleteRenderbuffers)                                 \
   X(DELETESAMPLERS, DeleteSamplers)                                           \
   X(DELETESHADER, DeleteShader)                                               \
+  X(DELETESYNC, DeleteSync)                                                   \
   X(DELETETEXTURES, DeleteTextures)                                           \
   X(DELETEVERTEXARRAYS, DeleteVertexArrays)                                   \
   X(DEPTHFUNC, DepthFunc)                                                     \
@@ -50,6 +52,7 @@
   X(DRAWELEMENTSINSTANCEDBASEVERTEX, DrawElementsInstancedBaseVertex)         \
   X(ENABLE, Enable)                                                           \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
+  X(FENCESYNC, FenceSync)                                                     \
   X(FINISH, Finish)                                                           \
   X(FLUSH, Flush)                                                             \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer)                         \

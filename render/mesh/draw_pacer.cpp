@@ -9,8 +9,9 @@ namespace {
 // The first slice of a frame may fill the whole target so many times: some tenths of a second of a software rasteriser.
 constexpr std::size_t kFirstPixels = std::size_t{1} << 27;
 constexpr std::size_t kLargestSlice = std::size_t{1} << 24;
-// What a driver on the processor is to keep of a picture before it fills pixels, which other threads do meanwhile.
-constexpr std::size_t kSoftwareSlice = std::size_t{1} << 15;
+// What a driver on the processor is to keep of a picture before it fills pixels: some megabytes.
+constexpr std::size_t kSoftwareSlice = std::size_t{1} << 14;
+constexpr GLuint64 kLongestWait = 10'000'000'000;  // nanoseconds; a slice may fill the target many times
 constexpr std::chrono::milliseconds kShort{40}, kLong{150};
 
 }  // namespace
@@ -23,11 +24,23 @@ DrawPacer::DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size
                            : std::numeric_limits<std::size_t>::max()),
       begin_(Clock::now()) {}
 
+DrawPacer::~DrawPacer() {
+  for (const GLsync filled : filled_)
+    if (filled) gl_.DeleteSync(filled);
+}
+
 void DrawPacer::spend(std::size_t primitives) {
   spent_ += primitives;
   if (spent_ < slice_) return;
   if (!go_on_) {
+    GLsync& filled = filled_[oldest_];
+    if (filled) {
+      (void)gl_.ClientWaitSync(filled, GL_SYNC_FLUSH_COMMANDS_BIT, kLongestWait);
+      gl_.DeleteSync(filled);
+    }
+    filled = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl_.Flush();
+    oldest_ = (oldest_ + 1) % filled_.size();
     spent_ = 0;
     return;
   }

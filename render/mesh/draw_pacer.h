@@ -2,6 +2,7 @@
 
 #include "render/gl/gl.h"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <functional>
@@ -10,12 +11,16 @@ namespace gs::render {
 
 /// Lets whoever waits for a picture give it up: draws are cut into slices, each of which is finished before the next
 /// begins, and between two it is asked whether to go on. A slice is twice as large as the last one while that took
-/// little time, and smaller when it took long: nobody knows before how many pixels a triangle fills. Thread of the
-/// context.
+/// little time, and smaller when it took long: nobody knows before how many pixels a triangle fills. Where nobody gives
+/// up, a driver on the processor still has few slices at a time: it keeps the triangles of each until their pixels are
+/// filled, which other threads do meanwhile. Thread of the context.
 class DrawPacer {
  public:
-  /// Where `go_on` is null nothing is waited for; there are slices only where the driver draws on the processor. `pixels`: of the target.
+  /// `go_on` may be null. `pixels`: of the target.
   DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels);
+  ~DrawPacer();
+  DrawPacer(const DrawPacer&) = delete;
+  DrawPacer& operator=(const DrawPacer&) = delete;
 
   /// How many primitives may be drawn before the next `spend`: at least 1.
   [[nodiscard]] std::size_t room() const { return slice_ - spent_; }
@@ -32,6 +37,8 @@ class DrawPacer {
   std::size_t slice_, spent_ = 0;  // primitives
   Clock::time_point begin_;        // of the slice
   bool given_up_ = false;
+  std::array<GLsync, 2> filled_{};  // when the last slices are; the oldest is at `oldest_`
+  std::size_t oldest_ = 0;
 };
 
 }  // namespace gs::render

@@ -16,6 +16,8 @@
 namespace gs::render {
 namespace {
 
+// Of meshes, before it is asked whether the picture is still wanted: a large world takes seconds to upload.
+constexpr std::size_t kUploadedBetween = std::size_t{4} << 20;
 constexpr float kPointSize = 2;
 constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
 // Transparent triangles of one frame that are sorted within their meshes; the meshes behind keep their order.
@@ -265,7 +267,7 @@ unsigned MeshPass::variant_of_all(const RenderList& list) {
   return lights | items_variant_;
 }
 
-void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) {
+bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, const std::function<bool()>& go_on) {
   prepared_.clear();
   opaque_.clear();
   transparent_.clear();
@@ -279,8 +281,13 @@ void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) 
   const auto* found =
       visible_.find(list, Frustum(view.camera_from_world, view.tangents, view.near_plane, view.far_plane));
   const std::size_t count = found ? found->size() : list.items.size();
-  for (std::size_t i = 0; i < count; ++i)
+  std::size_t asked_at = meshes_.uploaded();
+  for (std::size_t i = 0; i < count; ++i) {
     if (const DrawItem& item = list.items[found ? (*found)[i] : i]; item.overlay == overlays) prepare_item(item, view);
+    if (!go_on || meshes_.uploaded() - asked_at < kUploadedBetween) continue;
+    if (!go_on()) return false;
+    asked_at = meshes_.uploaded();
+  }
 
   // Near ones first where the order is free: what they hide is not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
@@ -294,6 +301,7 @@ void MeshPass::prepare(const RenderList& list, const View& view, bool overlays) 
   instances_.clear();
   for (const auto* order : {&opaque_, &transparent_})
     for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
+  return true;
 }
 
 // The triangles of each transparent mesh in the order in which they are blended.
@@ -393,7 +401,10 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   GLint samples = 0;  // that the target really has
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   several_samples_ = samples > 1;
-  prepare(list, view, overlays);
+  if (!prepare(list, view, overlays, options.go_on)) {
+    statistics.given_up = true;
+    return;
+  }
   if (instances_.empty()) {
     between();
     return;

@@ -108,7 +108,9 @@ class MeshPass {
   explicit MeshPass(const Gl& gl);
   /// The program of a variant, built on first use; null when the driver refused it.
   VariantProgram* program(unsigned variant);
-  void prepare(const RenderList& list, const View& view, bool overlays);
+  /// False: `go_on` would not wait for all meshes to be uploaded; those that were stay.
+  [[nodiscard]] bool prepare(const RenderList& list, const View& view, bool overlays,
+                             const std::function<bool()>& go_on);
   [[nodiscard]] unsigned variant_of_all(const RenderList& list);
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);

@@ -218,6 +218,7 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
                           (slice.texture_coordinates ? kTextureCoordinates : 0);
   if (!place(format, vertices, indices, entry)) return;
 
+  uploaded_ += vertices * sizeof(glm::vec3) + indices * sizeof(std::uint32_t);
   const Page& page = *pages_[slice.page];
   gl_.BindVertexArray(page.vertex_array.name());
   bound_page_ = slice.page;

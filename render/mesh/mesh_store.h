@@ -50,6 +50,8 @@ class MeshStore {
   /// Where the mesh lies, after uploading it if need be; null when it cannot be drawn (nothing in
   /// it, an index out of range, no memory). Valid until the next call of `forget_unused`.
   const Slice* find(const std::shared_ptr<const vrml::Mesh>& mesh);
+  /// Bytes that were uploaded since the beginning.
+  [[nodiscard]] std::size_t uploaded() const { return uploaded_; }
   /// Frees the copies of meshes that nobody holds any more.
   void forget_unused();
 
@@ -91,6 +93,7 @@ class MeshStore {
   std::vector<std::unique_ptr<Page>> pages_;  // null where a page was freed
   std::unordered_map<const vrml::Mesh*, Entry> entries_;
   std::uint32_t bound_page_ = kNoPage, next_order_ = 0;
+  std::size_t uploaded_ = 0;
 };
 
 }  // namespace gs::render

@@ -100,6 +100,17 @@ Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width
   return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
 }
 
+bool has_in_view(const Camera& camera, const vrml::Bounds& bounds, float width, float height) {
+  if (bounds.empty()) return true;
+  const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  for (const glm::dvec3& corner : corners(bounds)) {
+    const glm::dvec3 p(camera_from_world * glm::dvec4(corner, 1));
+    if (!(p.z < 0 && std::abs(p.x) <= -p.z * tan_x && std::abs(p.y) <= -p.z * tan_y)) return false;
+  }
+  return true;
+}
+
 Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed) {
   double nearest = kDefaultNear, farthest = kDefaultFar;
   if (!bounds.empty()) {

@@ -49,6 +49,10 @@ struct Projection {
 /// the world is so flat that it would be seen edge on.
 [[nodiscard]] Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height);
 
+/// True when all of `bounds` is within the sides of a picture of these proportions, and before the camera; of no bounds
+/// all is.
+[[nodiscard]] bool has_in_view(const Camera& camera, const vrml::Bounds& bounds, float width, float height);
+
 /// `camera` with near and far planes that enclose `bounds` as tightly as depth precision wants. `reversed`: for
 /// Projection::reversed, which lets the viewer come as near as wanted.
 [[nodiscard]] Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed = false);

@@ -256,6 +256,10 @@ VolumeModel volume_model(const qnv::Cloud& cloud, unsigned threads, std::size_t 
                     threads);
   const float most = kMostSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
+  // A vector that stands for those in a cube reaches no further than this says, unless it stands for others, too.
+  if (cloud.cells.size() == size && counted == size)
+    for (std::size_t i = 0; i < count; ++i)
+      if (cloud.cells[i].edge > 0) model.spacing[i] = std::min(model.spacing[i], std::max(cloud.cells[i].edge, h));
   return model;
 }
 

@@ -77,7 +77,8 @@ struct VolumeOptions {
 struct VolumeModel {
   /// s_k, node units: Description::spacing where the vectors about k stand as close as in a boundary that is three
   /// voxels thick; where fewer are there, e sqrt(3 / n) for n vectors in a cube of edge e about k; where more than in
-  /// a solid, e cbrt(1 / n). At most twice what nine tenths of the vectors have.
+  /// a solid, e cbrt(1 / n). At most twice what nine tenths of the vectors have. Where all vectors are drawn, at most
+  /// the edge of the cell that a vector stands for, if it has one.
   std::vector<float> spacing;
   VolumeTransfer transfer{};  // of the cloud's description
   float full_magnitude = 0;   // the median of the weights of the whole cloud

@@ -22,7 +22,8 @@ struct ExportOptions {
 
 using Exported = std::variant<std::vector<std::byte>, std::string>;
 
-/// PLY points, binary little-endian: x y z nx ny nz, red green blue (bytes), area. Axes and units as they are;
+/// PLY points, binary little-endian: x y z nx ny nz, red green blue (bytes), area; with the triangles between them, where
+/// there are some, a mesh. Axes and units as they are;
 /// the normals of a volume point away from higher values. Positions, normals and areas come back bit for bit.
 [[nodiscard]] Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
 

@@ -15,10 +15,12 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
   to.insert(to.end(), first, first + text.size());
 }
 
-void put_header(std::vector<std::byte>& to, std::size_t count, std::initializer_list<const char*> properties) {
+void put_header(std::vector<std::byte>& to, std::size_t count, std::initializer_list<const char*> properties,
+                std::size_t faces = 0) {
   put_text(to,
            "ply\nformat binary_little_endian 1.0\ncomment GhostSpace\nelement vertex " + std::to_string(count) + "\n");
   for (const char* property : properties) put_text(to, std::string("property ") + property + "\n");
+  if (faces > 0) put_text(to, "element face " + std::to_string(faces) + "\nproperty list uchar uint vertex_indices\n");
   put_text(to, "end_header\n");
 }
 
@@ -32,12 +34,14 @@ void put_vector(std::vector<std::byte>& to, const glm::vec3& v) {
 
 Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
   const ExportDiscs discs(cloud);
-  constexpr std::size_t kRowBytes = 31, kHeaderRoom = 512;
+  constexpr std::size_t kRowBytes = 31, kFaceBytes = 13, kHeaderRoom = 512;
+  const std::size_t faces = cloud.triangles.size() / 3;
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderRoom + discs.size() * kRowBytes);
+  bytes.reserve(kHeaderRoom + discs.size() * kRowBytes + faces * kFaceBytes);
   put_header(bytes, discs.size(),
              {"float x", "float y", "float z", "float nx", "float ny", "float nz", "uchar red", "uchar green",
-              "uchar blue", "float area"});
+              "uchar blue", "float area"},
+             faces);
   for (std::size_t i = 0; i < discs.size(); ++i) {
     const ExportDisc disc = discs[i];
     put_vector(bytes, disc.position);
@@ -46,6 +50,10 @@ Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
     put_little(bytes, disc.color.g);
     put_little(bytes, disc.color.b);
     put_little(bytes, disc.area);
+  }
+  for (std::size_t i = 0; i < 3 * faces; ++i) {
+    if (i % 3 == 0) put_little(bytes, std::uint8_t{3});
+    put_little(bytes, cloud.triangles[i]);
   }
   return bytes;
 }

@@ -172,12 +172,13 @@ TEST_CASE("a snapshot draws, measures, and writes over nothing but pictures") {
   CHECK(run(base + quoted(world)).status == kDone);
   CHECK(folder.read("out.png") == picture);
 
-  const std::string notes = folder.write("notes.txt", "mine");
+  const std::string notes = folder.write("notes", "mine");
   const Run refused = run("--backend osmesa --snapshot " + quoted(notes) + " " + quoted(world));
   CHECK(refused.status == kFailed);
-  CHECK(folder.read("notes.txt") == "mine");
-  CHECK(run("--backend osmesa --snapshot " + quoted(world) + " " + quoted(world)).status == kFailed);
-  CHECK(folder.read("box.wrl") == kBox);
+  CHECK(folder.read("notes") == "mine");
+  const std::string same = folder.write("world", kBox);
+  CHECK(run("--backend osmesa --snapshot " + quoted(same) + " " + quoted(same)).status == kFailed);
+  CHECK(folder.read("world") == kBox);
 }
 
 TEST_CASE("a snapshot of what is no world gives one line and status 1") {

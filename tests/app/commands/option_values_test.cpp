@@ -79,6 +79,19 @@ TEST_CASE("a picture without a file is of the demo world") {
   CHECK(folder.read("o.png").starts_with("\x89PNG"));
 }
 
+TEST_CASE("a picture of another format than PNG is refused before anything is drawn, by the formats that there are") {
+  const ScratchFolder folder;
+  const std::string file = folder.write("a.wrl", kBall);
+  for (const char* name : {"o.foo", "o.jpg", "o.tar.gz", "o.png.bak"}) {
+    const Run result = run("--backend osmesa --size 8x8 --snapshot " + quoted(folder.path(name)) + " " + quoted(file));
+    CHECK(result.status == 2);
+    CHECK(result.output.find("expected a name that ends in .png") != std::string::npos);
+    CHECK(folder.read(name).empty());
+  }
+  for (const char* name : {"o.PNG", "thumbnail"})
+    CHECK(run("--backend osmesa --size 8x8 --snapshot " + quoted(folder.path(name)) + " " + quoted(file)).status == 0);
+}
+
 TEST_CASE("serve of a folder that is missing says so") {
   const ScratchFolder folder;
   const Run missing = run("serve --http 0 " + quoted(folder.path("nothing")));

@@ -183,6 +183,14 @@ TEST_CASE("serve: a folder with thumbnails and streams that are made") {
   CHECK(bad.status == 422);
   CHECK(bad.body.find("bad.stl") != std::string::npos);
   CHECK(bad.body.find(folder.path("")) == std::string::npos);
+  // A link is by the name that the client knows the server by.
+  const std::string host = "localhost:" + std::to_string(port);
+  const Got link = fetch(port, "/ball.wrl.gslink", {"Host: " + host});
+  CHECK(link.status == 200);
+  CHECK(link.headers.at("content-type") == "application/x-ghostspace-link");
+  CHECK(link.body == "[GhostSpace link]\nURL=http://" + host + "/ball.wrl\n");
+  CHECK(fetch(port, "/nothing.gslink").status == 404);
+  CHECK(fetch(port, "/?search=bad&sort=size").body.find("ball.wrl") == std::string::npos);
   // Not for pages of other sites, nor by other names.
   CHECK(stream.headers.count("access-control-allow-origin") == 0);
   CHECK(fetch(port, "/ball.wrl", {"Host: evil.example"}).status == 421);

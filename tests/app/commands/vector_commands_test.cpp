@@ -56,7 +56,7 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(result.output.find(" bits/vector, ") != std::string::npos);
   const nlohmann::json facts = info(out);
   CHECK(facts["type"] == "QNV");
-  CHECK(facts["payload"] == "displaced");
+  CHECK(facts["payload"] == "packed");
   CHECK(facts["kind"] == "surface");
   CHECK(facts["area"] == Approx(kBallArea).epsilon(0.02));
   CHECK(facts["metadata"]["title"] == "The ball");
@@ -133,7 +133,7 @@ TEST_CASE("encode: volumes, with and without a header, and their isosurfaces") {
   REQUIRE(run("encode --isovalue 100" + how + quoted(raw) + " " + quoted(out)).status == kDone);
   facts = info(out);
   CHECK(facts["kind"] == "surface");
-  CHECK(facts["payload"] == "packed");
+  CHECK(facts["payload"] == "displaced");
   CHECK(facts["area"] == Approx(4 * 3.14159265 * 24.5).epsilon(0.03));
   CHECK(facts["metadata"]["isovalue"] == "100");
   const Run none = run("encode --isovalue 1000" + how + quoted(raw) + " " + quoted(out));

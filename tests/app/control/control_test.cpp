@@ -52,6 +52,17 @@ TEST_CASE("An eventIn is sent, an exposedField read, and ROUTEs are followed (14
         "parameter 'event': Transform has no eventOut 'bboxSize'");
 }
 
+TEST_CASE("A TimeSensor that a client makes in a world at rest has a step to begin in") {
+  World world(kBox);
+  CHECK_FALSE(world.step(1).next_life);
+  const Frame frame = world.say(
+      R"({"jsonrpc":"2.0","id":1,"method":"createVrmlFromString","params":{"text":"DEF T TimeSensor { loop TRUE }"}})");
+  CHECK(frame.next_life);
+  world.call("advise", {{"node", "T"}, {"event", "fraction_changed"}});
+  CHECK(world.step(0.1).next_life);
+  CHECK_FALSE(world.told("event").empty());
+}
+
 TEST_CASE("What an eventOut sent last is read, and a field of nodes gives their numbers (14772-2 getValue)") {
   World world("DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] } DEF G Group { children " + kBox + "}");
   CHECK(world.call("getValue", {{"node", "I"}, {"event", "value_changed"}}) == 0);

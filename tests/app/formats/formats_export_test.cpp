@@ -104,6 +104,18 @@ TEST_CASE("PLY points come back bit for bit") {
   check_hostile(import_points_ply, short_one, 31);
 }
 
+TEST_CASE("vectors with triangles between them become a PLY mesh") {
+  Cloud cloud = sphere(4);
+  cloud.triangles = {0, 1, 2, 2, 1, 3};
+  const Bytes bytes = written(cloud, export_points_ply);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  CHECK(text.find("element face 2\nproperty list uchar uint vertex_indices\nend_header\n") != std::string::npos);
+  REQUIRE(bytes.size() > 26);
+  const auto at = [&](std::size_t from_end) { return std::to_integer<int>(bytes[bytes.size() - from_end]); };
+  CHECK(std::vector<int>{at(26), at(25), at(21), at(17), at(13), at(12), at(8), at(4)} ==
+        std::vector<int>{3, 0, 1, 2, 3, 2, 1, 3});
+}
+
 TEST_CASE("3DGS PLY comes back") {
   const Cloud cloud = model();
   const Bytes bytes = written(cloud, export_splats_ply);

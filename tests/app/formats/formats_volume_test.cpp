@@ -57,7 +57,7 @@ TEST_CASE("Volumes are known by their first bytes, else by their names") {
   CHECK_FALSE(app::is_volume("a.wrl", bytes_of("#VRML V2.0 utf8\n")));
   CHECK_FALSE(app::is_volume("a.ply", bytes_of("ply\n")));
   CHECK_FALSE(app::is_volume("a.vtu", bytes_of("<VTKFile type=\"UnstructuredGrid\">")));
-  CHECK(app::volume_format_names().size() == 7);
+  CHECK(app::volume_format_names().size() == 8);
   CHECK(app::volume_format_names()[1].name == "NRRD");
   ScratchFolder folder;
   CHECK(problem_of(folder.write("a.xyz", "abc")).find("NIfTI") != std::string::npos);

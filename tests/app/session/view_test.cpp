@@ -36,6 +36,71 @@ TEST_CASE("Views follow what lives in their world, whoever looked last") {
   CHECK(one.list->items.at(0).world_from_node[3].x == 19);
 }
 
+TEST_CASE("Without a Viewpoint, who has not moved is led to where he sees what has left the picture") {
+  const std::string ball = "DEF T Transform { children Shape { geometry Sphere { } } } ";
+  const auto shared = make_document(world_of(ball + "Shape { geometry Box { } }"));
+  View view = view_of(shared, kSize, {}), walker = view, far = view;
+  walker.navigation.pose.position += glm::dvec3(0.25, 0, 0);
+  const vrml::SceneGraph& scene = *shared->world.scene;
+  const auto move = [&](View& seen, float x) {
+    CHECK(shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{x, 0, 0}));
+    CHECK(follow_world(seen));
+  };
+  const auto sees_all = [](const View& seen) {
+    return render::has_in_view(camera_of(seen.home), seen.list->bounds, kSize.x, kSize.y);
+  };
+  const Pose first = view.home;
+  move(view, 0.25f);  // within the air around what was seen first
+  CHECK(view.home.position == first.position);
+  CHECK_FALSE(view.navigation.transition);
+  move(view, 6);
+  CHECK(view.home.position.z > first.position.z + 1);
+  CHECK(view.home.orientation == first.orientation);
+  CHECK(sees_all(view));
+  REQUIRE(view.navigation.transition);  // he is on the way; meanwhile nothing is chosen anew
+  const Pose aim = view.home;
+  CHECK(view.navigation.transition->to.position == aim.position);
+  move(view, 40);
+  CHECK(view.home.position == aim.position);
+  view.navigation = step(view.navigation, {}, 0.3f);
+  view.navigation = step(view.navigation, {}, 0.3f);
+  CHECK(view.navigation.pose.position == aim.position);
+  CHECK(at_home(view));
+  move(view, 41);
+  CHECK(view.home.position.z > aim.position.z + 10);
+  CHECK(sees_all(view));
+  CHECK(view.navigation.center.x == Approx(20.5));
+  view.navigation.transition.reset();
+  view.navigation.pose = view.home;
+  // What comes back is in view already, and nobody is led to and fro.
+  const Pose last = view.home;
+  for (const float x : {0.0f, 41.0f, 20.0f}) move(view, x);
+  CHECK(view.home.position == last.position);
+
+  // Who has moved stays; and nobody follows what leaves for good.
+  (void)shared->living->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{0, 0, 0});
+  for (const float x : {6.0f, 41.0f}) move(walker, x);
+  CHECK(walker.navigation.pose.position == first.position + glm::dvec3(0.25, 0, 0));
+  CHECK_FALSE(walker.navigation.transition);
+  move(far, 1e6f);
+  CHECK(far.home.position == first.position);
+}
+
+TEST_CASE("What a world without a Viewpoint and with nothing in it is given later, is seen whole") {
+  const auto shared = make_document(world_of("DEF T Transform { children [] translation 300 0 0 }"));
+  View view = view_of(shared, kSize, {});
+  vrml::SceneGraph& scene = *shared->world.scene;
+  vrml::Diagnostics diagnostics;
+  const auto made =
+      shared->living->create(scene, "test", "Shape { geometry Sphere { radius 70 } }", diagnostics, &scene);
+  REQUIRE(made.roots.size() == 1);
+  CHECK(shared->living->send(scene, scene.roots()[0], "addChildren", vrml::FieldValue(made.roots)));
+  CHECK(follow_world(view));
+  REQUIRE_FALSE(view.list->bounds.empty());
+  CHECK(view.home.position.x == Approx(300));
+  CHECK(render::has_in_view(camera_of(view.home), view.list->bounds, kSize.x, kSize.y));
+}
+
 TEST_CASE("Who has bound a Viewpoint moves with it, and goes where events bind another (VRML97 6.53)") {
   const auto shared = make_document(
       world_of("DEF Ship Transform { children [ DEF A Viewpoint { position 0 0 5 } DEF B Viewpoint { position 0 0 9 } "

@@ -45,7 +45,10 @@ class Cells {
     return morton_encode(cell(0), cell(1), cell(2));
   }
   [[nodiscard]] int level_of(const Cell& cell) const {
-    return static_cast<int>(std::lround(std::log2(lattice_.edge(0) / cell.edge)));
+    for (int level = 0; level < lattice_.depth; ++level)
+      if (cell.edge == lattice_.reach(level)) return level;
+    CHECK(cell.edge == 0);
+    return lattice_.depth;
   }
   /// Every vector of the source lies in one cell that is shown, and no cell in another.
   void check_cover(const Cloud& shown, const Cloud& source) const {

@@ -86,6 +86,37 @@ TEST_CASE("A picture that is given up leaves the last whole one of its viewport 
   CHECK(screen.at(32, 32) == glm::vec3(0, 255, 0));
 }
 
+TEST_CASE("Who does not wait for large meshes to be uploaded has them next time") {
+  Drawing drawing;
+  drawing.options.width = drawing.options.height = 32;
+  // Each of more bytes than are uploaded without asking.
+  RenderList list;
+  constexpr int kMeshes = 3;
+  for (int i = 0; i < kMeshes; ++i) {
+    auto large = std::make_shared<vrml::Mesh>(*square(1));
+    const vrml::Array<std::uint32_t> indices = large->indices;
+    while (large->indices.size() < std::size_t{3} << 19)
+      for (const std::uint32_t index : indices) large->indices.push_back(index);
+    add(list, glowing(large, {1, 0, 0}, translation({0, 0, -static_cast<float>(i)})));
+  }
+  int asked = 0;
+  drawing.options.go_on = [&] {
+    ++asked;
+    return false;
+  };
+  const auto given_up = [&] { return drawing.renderer().draw(list, camera_at({0, 0, 10}), drawing.options).given_up; };
+  for (int i = 1; i <= kMeshes; ++i) {
+    CHECK(given_up());
+    CHECK(asked == i);  // one mesh a picture
+  }
+  asked = 0;
+  drawing.options.go_on = [&] {
+    ++asked;
+    return true;
+  };
+  CHECK_FALSE(given_up());
+}
+
 TEST_CASE("A coarse picture fills its whole rectangle, and says that there is a better one") {
   Drawing drawing;
   Screen screen(drawing.context(), 64);

@@ -37,8 +37,9 @@ double overlap(std::uint32_t pixel, std::uint32_t part, std::uint32_t from, std:
 double mean_of(const Image& image, std::uint32_t width, std::uint32_t height, std::uint32_t x, std::uint32_t y,
                std::uint32_t component) {
   double sum = 0, area = 0;
-  for (std::uint32_t row = 0; row < image.height; ++row)
-    for (std::uint32_t column = 0; column < image.width; ++column) {
+  const std::uint32_t rows = (y + 1) * image.height / height + 1, columns = (x + 1) * image.width / width + 1;
+  for (std::uint32_t row = y * image.height / height; row < std::min(rows, image.height); ++row)
+    for (std::uint32_t column = x * image.width / width; column < std::min(columns, image.width); ++column) {
       const double part = overlap(column, x, image.width, width) * overlap(row, y, image.height, height);
       if (part <= 0) continue;
       area += part;

@@ -1,5 +1,11 @@
+#include "render/mesh/draw_pacer.h"
+
 #include "tests/render/drawing.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -39,7 +45,50 @@ RenderList crowded() {
   return list;
 }
 
+/// A driver that notes what is waited for: syncs are the numbers 1, 2, ...
+struct Syncs {
+  static inline std::uintptr_t made;
+  static inline std::vector<std::uintptr_t> waited, deleted;
+
+  static std::uintptr_t number(GLsync sync) { return reinterpret_cast<std::uintptr_t>(sync); }
+  static GLsync fence(GLenum, GLbitfield) { return reinterpret_cast<GLsync>(++made); }
+  static GLenum wait(GLsync sync, GLbitfield, GLuint64) {
+    waited.push_back(number(sync));
+    return GL_CONDITION_SATISFIED;
+  }
+  static void forget(GLsync sync) { deleted.push_back(number(sync)); }
+  static void flush() {}
+};
+
 }  // namespace
+
+TEST_CASE("A driver on the processor has the triangles of few slices at a time") {
+  Syncs::made = 0;
+  Syncs::waited = Syncs::deleted = {};
+  Gl gl;
+  gl.software = true;
+  gl.FenceSync = Syncs::fence;
+  gl.ClientWaitSync = Syncs::wait;
+  gl.DeleteSync = Syncs::forget;
+  gl.Flush = Syncs::flush;
+  const std::function<bool()> nobody;
+  {
+    DrawPacer pacer(gl, nobody, 1'000'000);
+    const std::size_t slice = pacer.room();
+    CHECK(slice >= 1000);
+    CHECK(slice <= 100'000);
+    pacer.spend(slice - 1);
+    CHECK(Syncs::made == 0);
+    pacer.spend(1);
+    CHECK(Syncs::made == 1);
+    for (int i = 0; i < 4; ++i) pacer.spend(pacer.room());
+    CHECK(Syncs::made == 5);
+    CHECK(Syncs::waited == std::vector<std::uintptr_t>{1, 2, 3});
+    CHECK_FALSE(pacer.given_up());
+  }
+  CHECK(Syncs::deleted.size() == 5);
+  CHECK(std::set<std::uintptr_t>(Syncs::deleted.begin(), Syncs::deleted.end()).size() == 5);
+}
 
 TEST_CASE("A picture that is drawn in slices is the same, to the last bit") {
   Drawing drawing;

@@ -69,7 +69,25 @@ TEST_CASE("An orbit camera has all corners in view from every direction") {
             largest = std::max({largest, std::abs(c.x / c.w), std::abs(c.y / c.w)});
           }
           if (bounds.size() != glm::vec3(0)) CHECK(largest > 0.85);  // and fills the picture
+          REQUIRE(has_in_view(camera, bounds, width, height));
         }
+}
+
+TEST_CASE("What reaches out of a picture at one side, or behind the camera, is not in view") {
+  Camera camera;  // looks along -Z
+  camera.field_of_view = 1.5707963f;
+  const auto sees = [&](const glm::vec3& lower, const glm::vec3& upper) {
+    return has_in_view(camera, box(lower, upper), 200, 100);
+  };
+  // At a distance of 10 the picture is 40 metres wide and 20 high.
+  CHECK(sees({-19.9f, -9.9f, -12}, {19.9f, 9.9f, -10}));
+  CHECK_FALSE(sees({-20.1f, -1, -10}, {1, 1, -10}));
+  CHECK_FALSE(sees({-1, -1, -10}, {20.1f, 1, -10}));
+  CHECK_FALSE(sees({-1, -10.1f, -10}, {1, 1, -10}));
+  CHECK_FALSE(sees({-1, -1, -10}, {1, 10.1f, -10}));
+  CHECK_FALSE(sees({0, 0, 1}, {0, 0, 2}));
+  CHECK_FALSE(sees({-1, -1, -10}, {1, 1, 1}));
+  CHECK(has_in_view(camera, {}, 200, 100));
 }
 
 TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, elevation up") {

@@ -52,6 +52,23 @@ TEST_CASE("Spacings of a prefix are those of a cloud that has no more") {
   for (const unsigned threads : {1u, 3u}) CHECK(volume_model(cloud, threads, 512).spacing == some.spacing);
 }
 
+TEST_CASE("A vector that stands for those in a cube reaches no further than its cell says, but in a prefix") {
+  qnv::Cloud cloud = random_volume(4000, 2, 0.02f);
+  const VolumeModel free = volume_model(cloud), some = volume_model(cloud, 0, 512);
+  cloud.cells.assign(cloud.size(), {});  // each is a voxel of the lattice
+  CHECK(volume_model(cloud).spacing == free.spacing);
+  const float most = *std::max_element(free.spacing.begin(), free.spacing.end());
+  for (std::size_t k = 0; k < cloud.size(); k += 2) cloud.cells[k].edge = most * 0.4f;
+  for (std::size_t k = 1; k < cloud.size(); k += 4) cloud.cells[k].edge = 1e-6f;
+  const VolumeModel bounded = volume_model(cloud);
+  for (std::size_t k = 0; k < cloud.size(); ++k) {
+    // Never less than voxels are apart.
+    const float edge = std::max(cloud.cells[k].edge, cloud.description.spacing);
+    REQUIRE(bounded.spacing[k] == (cloud.cells[k].edge > 0 ? std::min(free.spacing[k], edge) : free.spacing[k]));
+  }
+  CHECK(volume_model(cloud, 0, 512).spacing == some.spacing);
+}
+
 TEST_CASE("A transfer function is linear between its points, and its opacity a depth") {
   qnv::Description about;
   about.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 0.5f}};

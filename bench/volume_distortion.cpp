@@ -1,0 +1,385 @@
+// Bytes against picture error for volumes: QNV (voxels, records) beside zfp, gzip'd slices and JPEG XL slices.
+//
+//   volume_distortion VOLUME... [--pictures FOLDER]
+//
+// Prints a Markdown table a volume: for every budget PSNR (dB) and SSIM against pictures of all records (the longest 9
+// % of the gradients) from three sides, 800x600, headlight, as render/volume draws them. A budget of a QNV stream is a
+// prefix of one stream; the others need a file of their own for each, the best of several pyramid levels, steps and
+// parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without them their columns
+// are empty. `--pictures` writes what prefixes of 4, 15, 60 and 600 kB look like.
+#include "app/formats/volume/volume.h"
+#include "bench/picture_error.h"
+#include "qnv/codec/payloads.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_volume.h"
+#include "qnv/volume/volume_slices.h"
+#include "render/scene/camera.h"
+#include "render/volume/volume_raster.h"
+
+#include <zlib.h>
+#include <glm/trigonometric.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace gs;
+using bench::PictureError;
+
+constexpr std::array<std::size_t, 9> kBudgets{4000, 8000, 15'000, 32'000, 60'000, 125'000, 250'000, 600'000, 1'000'000};
+constexpr std::array<std::array<float, 2>, 3> kViews{{{0, 0}, {120, -20}, {240, 30}}};
+constexpr std::array<const char*, 5> kCodecs{"voxels", "records", "zfp", "gzip slices", "JPEG XL slices"};
+constexpr double kFraction = 0.09;
+
+/// Values of a volume in memory.
+struct Grid {
+  qnv::VolumeLayout layout;
+  std::vector<float> values;
+
+  [[nodiscard]] qnv::VolumeSource source() const {
+    qnv::VolumeSource source{layout, {}};
+    source.layout.type = qnv::VoxelType::f32;
+    source.layout.big_endian = false;
+    source.layout.slope = 1;
+    source.layout.intercept = 0;
+    source.layout.missing.reset();
+    source.read = [this](std::uint32_t z, std::span<std::byte> slice) {
+      std::memcpy(slice.data(), reinterpret_cast<const std::byte*>(values.data()) + z * slice.size(), slice.size());
+      return true;
+    };
+    return source;
+  }
+  [[nodiscard]] std::pair<float, float> range() const {
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    return {*least, *most};
+  }
+};
+
+Grid read_grid(const qnv::VolumeSource& source) {
+  Grid grid{source.layout, std::vector<float>(qnv::voxel_count(source.layout))};
+  std::vector<std::byte> scratch;
+  const std::size_t slice = qnv::slice_voxels(source.layout);
+  for (std::uint32_t z = 0; z < source.layout.dimensions[2]; ++z)
+    (void)qnv::read_slice(source, z, scratch, std::span(grid.values).subspan(z * slice, slice));
+  for (float& value : grid.values) value = value == value ? value : 0;
+  return grid;
+}
+
+/// Means of two voxels along each axis.
+Grid halved(const Grid& fine) {
+  Grid grid{fine.layout, {}};
+  const auto& n = fine.layout.dimensions;
+  std::array<std::uint32_t, 3> m{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    m[i] = (n[i] + 1) / 2;
+    grid.layout.axes[i] = fine.layout.axes[i] * 2.0f;
+    grid.layout.origin += fine.layout.axes[i] * 0.5f;
+  }
+  grid.layout.dimensions = m;
+  for (std::uint32_t z = 0; z < m[2]; ++z)
+    for (std::uint32_t y = 0; y < m[1]; ++y)
+      for (std::uint32_t x = 0; x < m[0]; ++x) {
+        float sum = 0;
+        for (unsigned c = 0; c < 8; ++c) {
+          const std::size_t a = std::min(2 * x + (c & 1), n[0] - 1), b = std::min(2 * y + (c >> 1 & 1), n[1] - 1),
+                            d = std::min(2 * z + (c >> 2), n[2] - 1);
+          sum += fine.values[(d * n[1] + b) * n[0] + a];
+        }
+        grid.values.push_back(sum / 8);
+      }
+  return grid;
+}
+
+class Painter {
+ public:
+  explicit Painter(const qnv::Cloud& all) : about_(all.description) { reference_ = pictures(all); }
+
+  [[nodiscard]] std::vector<render::Image> pictures(const qnv::Cloud& cloud) const {
+    std::vector<render::Image> out;
+    const render::VolumeModel model = render::volume_model(cloud);
+    const vrml::Bounds bounds{about_.box.lower, about_.box.upper};
+    for (const auto& [azimuth, elevation] : kViews) {
+      constexpr float kFieldOfView = 0.785398f;
+      const render::Camera camera = render::fit_depth(
+          render::orbit_camera(bounds, glm::radians(azimuth), glm::radians(elevation), kFieldOfView, kWidth, kHeight),
+          bounds);
+      render::SplatView view;
+      view.camera_from_node = glm::mat4(render::camera_from_world_of(camera));
+      view.width = kWidth;
+      view.height = kHeight;
+      view.near_plane = camera.near_plane;
+      const float tangent = std::tan(kFieldOfView / 2);
+      view.tangents = {tangent * kWidth / kHeight, tangent};
+      const render::VolumeLayer layer = render::rasterize_volume(cloud, model, view, {});
+      render::Image image;
+      image.width = kWidth;
+      image.height = kHeight;
+      image.components = 3;
+      image.pixels.assign(std::size_t{kWidth} * kHeight * 3, 0);
+      for (std::size_t y = 0; y < kHeight && !layer.empty(); ++y)
+        for (std::size_t x = 0; x < kWidth; ++x)
+          for (std::size_t k = 0; k < 3; ++k)
+            image.pixels[((kHeight - 1 - y) * kWidth + x) * 3 + k] = layer.pixels[(y * kWidth + x) * 4 + k];
+      out.push_back(std::move(image));
+    }
+    return out;
+  }
+  [[nodiscard]] PictureError error(const qnv::Cloud& cloud) const {
+    return bench::picture_error(pictures(cloud), reference_);
+  }
+  /// The best of several parts of a grid's gradients, in the colours of the reference.
+  [[nodiscard]] PictureError error(const Grid& grid) const {
+    PictureError best;
+    for (const double fraction : {kFraction, 0.15, 0.22}) {
+      qnv::GradientOptions options;
+      options.fraction = fraction;
+      const auto found = qnv::gradient_vectors(grid.source(), options);
+      const auto* cloud = std::get_if<qnv::Cloud>(&found);
+      if (!cloud || cloud->empty()) continue;
+      qnv::Cloud drawn = *cloud;
+      const auto [least, most] = cloud->description.value_range;
+      const auto [from, to] = about_.value_range;
+      for (std::uint8_t& c : drawn.classes) {
+        const float value = least + static_cast<float>(c) / 255 * (most - least);
+        c = static_cast<std::uint8_t>(std::clamp((value - from) / (to - from) * 255 + 0.5f, 0.0f, 255.0f));
+      }
+      drawn.description.transfer = about_.transfer;
+      drawn.description.value_range = about_.value_range;
+      const PictureError one = error(drawn);
+      if (one.psnr > best.psnr) best = one;
+      if (grid.values.size() > 4'000'000) break;  // what all of it takes is what the reference took
+    }
+    return best;
+  }
+
+ private:
+  static constexpr int kWidth = 800, kHeight = 600;
+  qnv::Description about_;
+  std::vector<render::Image> reference_;
+};
+
+struct Measured {
+  std::size_t bytes = 0;
+  PictureError error;
+};
+using Curve = std::map<std::size_t, Measured>;  // by budget
+
+void keep_best(Curve& curve, std::size_t bytes, const PictureError& error) {
+  for (const std::size_t budget : kBudgets)
+    if (bytes <= budget && (!curve.contains(budget) || error.psnr > curve[budget].error.psnr))
+      curve[budget] = {bytes, error};
+}
+bool of_use(std::size_t bytes) { return bytes <= kBudgets.back(); }
+
+void write(const std::string& path, const void* data, std::size_t bytes) {
+  std::ofstream(path, std::ios::binary).write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
+}
+std::string read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+bool run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
+
+// `tolerance` of the range.
+void measure_zfp(const Painter& painter, const Grid& grid, const std::string& base, double tolerance, Curve& curve) {
+  const auto [least, most] = grid.range();
+  const auto& n = grid.layout.dimensions;
+  char shape[160];
+  std::snprintf(shape, sizeof shape, " -f -3 %u %u %u -a %.9g", n[0], n[1], n[2],
+                tolerance * static_cast<double>(most - least));
+  write(base + ".f32", grid.values.data(), grid.values.size() * sizeof(float));
+  if (!run("zfp -i " + base + ".f32 -z " + base + ".zfp -o " + base + ".out" + shape)) return;
+  const std::size_t bytes = std::filesystem::file_size(base + ".zfp");
+  if (!of_use(bytes)) return;
+  Grid back{grid.layout, grid.values};
+  const std::string text = read(base + ".out");
+  if (text.size() != back.values.size() * sizeof(float)) return;
+  std::memcpy(back.values.data(), text.data(), text.size());
+  keep_best(curve, bytes, painter.error(back));
+}
+
+// Slices of so many values, deflated; each value less the one before it, where that is smaller.
+void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& curve) {
+  const auto [least, most] = grid.range();
+  const float step = (most - least) / static_cast<float>(values - 1);
+  std::vector<unsigned char> plain, steps;
+  Grid back{grid.layout, {}};
+  for (const float value : grid.values) {
+    const float code = std::round((value - least) / step);
+    back.values.push_back(least + code * step);
+    steps.push_back(static_cast<unsigned char>(static_cast<int>(code) - (plain.empty() ? 0 : plain.back())));
+    plain.push_back(static_cast<unsigned char>(code));
+  }
+  std::size_t bytes = ~std::size_t{0};
+  for (const auto* content : {&plain, &steps}) {
+    uLongf size = compressBound(content->size());
+    std::vector<unsigned char> out(size);
+    if (compress2(out.data(), &size, content->data(), content->size(), 9) == Z_OK)
+      bytes = std::min<std::size_t>(bytes, size);
+  }
+  if (of_use(bytes)) keep_best(curve, bytes, painter.error(back));
+}
+
+// All slices side by side as one picture of eight bits.
+void measure_jxl(const Painter& painter, const Grid& grid, const std::string& base, double distance, Curve& curve) {
+  const auto [least, most] = grid.range();
+  const auto& n = grid.layout.dimensions;
+  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(n[2]))));
+  const std::uint32_t rows = (n[2] + columns - 1) / columns;
+  const std::size_t width = std::size_t{columns} * n[0], height = std::size_t{rows} * n[1];
+  std::vector<unsigned char> pixels(width * height);
+  const auto pixel = [&](std::size_t x, std::size_t y, std::size_t z) -> unsigned char& {
+    return pixels[(z / columns * n[1] + y) * width + z % columns * n[0] + x];
+  };
+  const auto each = [&](auto&& work) {
+    std::size_t i = 0;
+    for (std::size_t z = 0; z < n[2]; ++z)
+      for (std::size_t y = 0; y < n[1]; ++y)
+        for (std::size_t x = 0; x < n[0]; ++x) work(i++, pixel(x, y, z));
+  };
+  each([&](std::size_t i, unsigned char& p) {
+    p = static_cast<unsigned char>((grid.values[i] - least) / (most - least) * 255 + 0.5f);
+  });
+  const std::string head = "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
+  std::string file = head + std::string(pixels.begin(), pixels.end());
+  write(base + ".pgm", file.data(), file.size());
+  char how[64];
+  std::snprintf(how, sizeof how, " -d %g --num_threads=1", distance);
+  if (!run("cjxl " + base + ".pgm " + base + ".jxl" + how)) return;
+  const std::size_t bytes = std::filesystem::file_size(base + ".jxl");
+  if (!of_use(bytes) || !run("djxl " + base + ".jxl " + base + ".out.pgm")) return;
+  file = read(base + ".out.pgm");
+  if (file.size() < pixels.size()) return;
+  std::copy(file.end() - static_cast<std::ptrdiff_t>(pixels.size()), file.end(), pixels.begin());
+  Grid back{grid.layout, grid.values};
+  each([&](std::size_t i, unsigned char& p) { back.values[i] = least + static_cast<float>(p) / 255 * (most - least); });
+  keep_best(curve, bytes, painter.error(back));
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void measure_stream(const Painter& painter, std::span<const std::byte> stream, Curve& curve) {
+  for (const std::size_t budget : kBudgets) {
+    qnv::StreamDecoder decoder;
+    (void)decoder.push(stream.first(std::min(budget, stream.size())));
+    curve[budget] = {std::min(budget, stream.size()), painter.error(decoder.cloud())};
+  }
+}
+
+bool measure(const std::string& path, const std::string& folder) {
+  const auto opened = app::open_volume(path);
+  const auto* source = std::get_if<qnv::VolumeSource>(&opened);
+  if (!source) return false;
+  const Grid grid = read_grid(*source);
+  qnv::GradientOptions gradients;
+  gradients.fraction = kFraction;
+  const auto found = qnv::gradient_vectors(*source, gradients);
+  const auto* cloud = std::get_if<qnv::Cloud>(&found);
+  if (!cloud) return false;
+  const qnv::VolumeVectors vectors{*cloud, source->layout};
+  const auto start = std::chrono::steady_clock::now();
+  const auto voxels = qnv::row_of(qnv::Payload::voxels).encode(vectors, {}, nullptr);
+  const double encoding = seconds_since(start);
+  const auto records = qnv::row_of(qnv::Payload::records).encode(vectors, {}, nullptr);
+  const auto* stream = std::get_if<qnv::EncodedStream>(&voxels);
+  const auto* other = std::get_if<qnv::EncodedStream>(&records);
+  if (!stream || !other) return false;
+  qnv::StreamDecoder decoder;
+  (void)decoder.push(other->bytes);
+  const Painter painter(decoder.cloud());
+  const std::clock_t before = std::clock();
+  qnv::StreamDecoder whole;
+  (void)whole.push(stream->bytes);
+  const double decoding = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  const PictureError end = painter.error(whole.cloud());
+  const std::string name = std::filesystem::path(path).filename().string();
+  std::printf(
+      "### %s (%zu vectors)\n\nvoxels %zu bytes, %.2f bits a vector, %.1f dB / %.3f; records %zu bytes. Encoding "
+      "%.2f s, decoding %.2f s of the processor: %.1f M vectors/s.\n\n",
+      name.c_str(), cloud->size(), stream->bytes.size(),
+      8 * static_cast<double>(stream->bytes.size()) / static_cast<double>(cloud->size()), end.psnr, end.ssim,
+      other->bytes.size(), encoding, decoding, static_cast<double>(cloud->size()) / decoding / 1e6);
+  std::fflush(stdout);
+  std::array<Curve, kCodecs.size()> curves;
+  measure_stream(painter, stream->bytes, curves[0]);
+  measure_stream(painter, other->bytes, curves[1]);
+  const std::string base =
+      (std::filesystem::temp_directory_path() / ("volume_distortion." + std::to_string(getpid()))).string();
+  Grid level = grid;
+  for (int k = 0; k < 5 && level.values.size() > 500; ++k, level = halved(level)) {
+    for (const double tolerance : {0.5, 0.2, 0.08, 0.03}) measure_zfp(painter, level, base, tolerance, curves[2]);
+    for (const int values : {256, 48, 12, 5}) measure_gzip(painter, level, values, curves[3]);
+    for (const double distance : {25.0, 12.0, 6.0, 2.5}) measure_jxl(painter, level, base, distance, curves[4]);
+  }
+  for (const char* ending : {".f32", ".zfp", ".out", ".pgm", ".jxl", ".out.pgm"})
+    std::filesystem::remove(base + ending);
+  std::printf("| budget, bytes |");
+  for (const char* codec : kCodecs) std::printf(" %s |", codec);
+  std::printf("\n|---:|---:|---:|---:|---:|---:|\n");
+  for (const std::size_t budget : kBudgets) {
+    std::printf("| %zu |", budget);
+    for (const Curve& curve : curves) {
+      const auto at = curve.find(budget);
+      if (at == curve.end())
+        std::printf(" - |");
+      else
+        std::printf(" %.1f / %.3f |", at->second.error.psnr, at->second.error.ssim);
+    }
+    std::printf("\n");
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+  if (folder.empty()) return true;
+  for (const std::size_t bytes : {4000, 15'000, 60'000, 600'000}) {
+    qnv::StreamDecoder part;
+    (void)part.push(std::span(stream->bytes).first(std::min<std::size_t>(bytes, stream->bytes.size())));
+    const auto pictures = painter.pictures(part.cloud());
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const std::string to = folder + "/" + name + "." + std::to_string(bytes) + "." + std::to_string(i) + ".ppm";
+      std::ofstream out(to, std::ios::binary);
+      out << "P6\n" << pictures[i].width << ' ' << pictures[i].height << "\n255\n";
+      out.write(reinterpret_cast<const char*>(pictures[i].pixels.data()),
+                static_cast<std::streamsize>(pictures[i].pixels.size()));
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  std::vector<std::string> files;
+  std::string folder;
+  for (int i = 1; i < count; ++i) {
+    if (std::string(arguments[i]) == "--pictures" && i + 1 < count)
+      folder = arguments[++i];
+    else
+      files.emplace_back(arguments[i]);
+  }
+  if (files.empty()) {
+    std::fprintf(stderr, "usage: volume_distortion VOLUME... [--pictures FOLDER]\n");
+    return 2;
+  }
+  for (const std::string& file : files)
+    if (!measure(file, folder)) {
+      std::fprintf(stderr, "volume_distortion: %s cannot be measured\n", file.c_str());
+      return 1;
+    }
+  return 0;
+}
