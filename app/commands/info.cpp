@@ -75,6 +75,9 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
     } else if (type == qnv::ChunkType::displaced) {
       const auto header = qnv::displaced::decode_cluster_header(payload);
       if (header) level = header->kind == qnv::displaced::ClusterHeader::Kind::base ? 0 : header->level;
+    } else if (type == qnv::ChunkType::voxels) {
+      const auto read = qnv::read_volume_cluster_header(payload);
+      if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;
     } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
       level = std::to_integer<int>(payload.front());
       vectors = (payload.size() - qnv::kRecordsHeaderBytes) / qnv::kRecordBytes;
@@ -90,17 +93,23 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
 
 void put_levels(Json& json, const qnv::StreamHeader& header, const qnv::Cloud& cloud,
                 std::span<const std::byte> bytes) {
-  const bool packed = header.payload == qnv::Payload::packed;
+  const bool voxels = header.payload == qnv::Payload::voxels, octree = voxels || header.payload == qnv::Payload::packed;
   const bool layers = header.payload == qnv::Payload::records;
   std::map<int, Level> levels = levels_of(bytes);
+  const auto level_of = [&](const qnv::Cell& cell) {
+    if (!voxels) return static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)));
+    int level = header.lattice.depth;
+    while (level > 0 && header.lattice.reach(level) < cell.edge) --level;
+    return level;
+  };
   // Of an octree those are counted that no finer ones have replaced.
-  if (packed)
+  if (octree)
     for (const qnv::Cell& cell : cloud.cells)
-      if (cell.edge > 0) ++levels[static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)))].vectors;
+      if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;
   Json list = Json::array();
   for (const auto& [level, l] : levels) {
     list.push_back({{layers ? "layer" : "level", level}, {"chunks", l.chunks}, {"bytes", l.bytes}});
-    if (packed || layers) list.back()[packed ? "shown" : "vectors"] = l.vectors;
+    if (octree || layers) list.back()[octree ? "shown" : "vectors"] = l.vectors;
   }
   json["levels"] = std::move(list);
 }
@@ -163,6 +172,10 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
   json["palette"] = header->palette.size();
   json["directory_entries"] = decoder.directory().size();
   json["damaged_chunks"] = decoder.refused_chunks() + problems.size();
+  if (header->payload == qnv::Payload::voxels) {
+    const auto& [x, y, z] = header->lattice.dimensions;
+    json["dimensions"] = {x, y, z};
+  }
   put_levels(json, *header, cloud, bytes);
   put_metadata(json, header->description.metadata);
   if (!problems.empty()) json["problems"] = std::move(problems);

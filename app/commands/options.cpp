@@ -352,7 +352,7 @@ constexpr OptionRow kOptions[] = {
        o.packed = true;
        return Problem{};
      }},
-    {"--records", "", "", "records of 8 bytes (the default for volumes, splats and points)", "encode ",
+    {"--records", "", "", "records of 8 bytes (the default for splats and points)", "encode ",
      [](Options& o, const std::string&) {
        o.records = true;
        return Problem{};

@@ -263,7 +263,10 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
   encode_options.metadata = metadata_of(input, path, volume.layout.metadata);
   encode_options.vectors = 0;
-  return encode_vectors(std::get<qnv::Cloud>(found), std::move(encode_options), progress);
+  const auto& cloud = std::get<qnv::Cloud>(found);
+  if (options.records) return encode_vectors(cloud, std::move(encode_options), progress);
+  return qnv::row_of(qnv::Payload::voxels)
+      .encode(qnv::VolumeVectors{cloud, volume.layout}, std::move(encode_options), &progress.whole());
 }
 
 std::variant<OutlineModel, std::string> isosurface_outlines(const Options& options, const qnv::VolumeSource& volume,

@@ -1,6 +1,7 @@
 #include "app/world/cloud_handler.h"
 #include "app/base/temporary_file.h"
 #include "qnv/codec/payloads.h"
+#include "qnv/lod/lod_source.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -213,6 +214,11 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
     payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
     const qnv::ByteRange missing{head.size(), head.size() + event.offset};
     decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
+    show_records(false);
+  } else if (way_ == Way::decoded) {
+    // A chunk that is of use only as a whole.
+    const auto chunk = qnv::sound_chunk(event.bytes);
+    if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_->add(sound->type, sound->payload);
     show_records(false);
   }
 }

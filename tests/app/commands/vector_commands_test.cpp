@@ -124,8 +124,24 @@ TEST_CASE("encode: volumes, with and without a header, and their isosurfaces") {
   REQUIRE(run("encode --fraction 0.01" + how + quoted(raw) + " " + quoted(out)).status == kDone);
   nlohmann::json facts = info(out);
   CHECK(facts["kind"] == "volume");
-  CHECK(facts["payload"] == "records");
+  CHECK(facts["payload"] == "voxels");
   CHECK(facts["vectors"] == 328);  // round(0.01 * 32768)
+  CHECK(facts["dimensions"] == nlohmann::json({32, 32, 32}));
+  CHECK(facts["levels"].back()["level"] == 5);
+  CHECK(facts["levels"].back()["shown"] == 328);
+  REQUIRE(run("encode --records --fraction 0.01" + how + quoted(raw) + " " + quoted(folder.path("r.qnv"))).status ==
+          kDone);
+  CHECK(info(folder.path("r.qnv"))["payload"] == "records");
+  CHECK(info(folder.path("r.qnv"))["vectors"] == 328);
+  CHECK(folder.read("ball.qnv").size() < folder.read("r.qnv").size() / 2);
+  const Run tight = run("encode --max-bytes 100" + how + quoted(raw) + " " + quoted(folder.path("t.qnv")));
+  CHECK(tight.status == kFailed);
+  REQUIRE(run("encode --max-bytes 2000" + how + quoted(raw) + " " + quoted(folder.path("t.qnv"))).status == kDone);
+  CHECK(folder.read("t.qnv").size() <= 2000);
+  const Run exported = run("export " + quoted(out) + " " + quoted(folder.path("ball.ply")));
+  INFO(exported.output);
+  CHECK(exported.status == kDone);
+  CHECK(folder.read("ball.ply").find("element vertex 328") != std::string::npos);
   CHECK(facts["spacing"] == 0.5);
   REQUIRE(run("encode --vectors 1000" + how + quoted(raw) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["vectors"] == 1000);
