@@ -12,12 +12,9 @@ trap 'rm -rf "$work"' EXIT
 
 pictures=()
 for model in scans/bun_zipper.ply odedstein/koala.obj scans/armadillo.obj; do
-  "$ghostspace" encode "$data/meshes/$model" "$work/model.qnv" --vectors 400000 >/dev/null
-  bytes=$(stat -c %s "$work/model.qnv")
-  for thousandth in 1 10 100 1000; do
-    picture=$work/$(basename "$model").$thousandth.png
-    part=$((bytes * thousandth / 1000))
-    [ $part -ge 1000 ] || part=1000
+  "$ghostspace" encode "$data/meshes/$model" "$work/model.qnv" >/dev/null
+  for part in 1000 2000 8000 $(stat -c %s "$work/model.qnv"); do
+    picture=$work/$(basename "$model").$part.png
     "$ghostspace" --snapshot "$picture" --size 320x240 --orbit 35,10 --background 0.1,0.1,0.12 --max-bytes $part "$work/model.qnv"
     pictures+=("$picture")
   done
