@@ -102,10 +102,10 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
+    std::size_t needed = 0;
     if (stage.header.beside) {
       chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     } else if (i > 0) {
-      std::size_t needed = 0;
       double then = left;
       while (needed < std::min<std::size_t>(stage.clusters.size(), 255) && then > shown)
         then -= stage.clusters[needed++].gain;
@@ -115,12 +115,14 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
     const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
-    std::size_t bytes = 0;
+    std::size_t bytes = 0, sent = 0;
     for (StageCluster& cluster : stage.clusters) {
       if (static_cast<double>(bytes) > most) break;
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
+      // All of a stage is lost without its base: it comes again when it would be shown.
+      if (i > 0 && ++sent == needed) chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
     shown = left;
   }
@@ -203,6 +205,10 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.beside = true;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
+    if (stages.back().bytes.size() >= kMostChunkBytes)
+      return EncodeError{"the surface has small parts of " + std::to_string(stages.back().bytes.size()) +
+                             " bytes; expected less than " + std::to_string(kMostChunkBytes),
+                         true};
   }
   header.base = stages[0].bytes;
   return write_stream(std::move(header), chunks_of(std::move(stages), s.box, target.mesh().positions.size()),
