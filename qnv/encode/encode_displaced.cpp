@@ -30,6 +30,7 @@ constexpr float kMostError = 0.045f;
 constexpr std::size_t kMostStages = 4;
 // Of a stage that is followed so much is sent, times the next one's base.
 constexpr double kBeforeNext = 1.5;
+constexpr std::size_t kMostBytesTwice = 5000;
 constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
 // Bases are made of a mesh of so many triangles, which is close enough to a finer one.
 constexpr std::size_t kCoarseTriangles = 30'000;
@@ -121,8 +122,9 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
-      // All of a stage is lost without its base: it comes again when it would be shown.
-      if (i > 0 && ++sent == needed) chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
+      // All of a stage is lost without its base: one that costs little comes again when it would be shown.
+      if (i > 0 && ++sent == needed && stage.bytes.size() <= kMostBytesTwice)
+        chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
     shown = left;
   }
