@@ -103,10 +103,10 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
-    std::size_t needed = 0;
     if (stage.header.beside) {
       chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     } else if (i > 0) {
+      std::size_t needed = 0;
       double then = left;
       while (needed < std::min<std::size_t>(stage.clusters.size(), 255) && then > shown)
         then -= stage.clusters[needed++].gain;
@@ -116,16 +116,16 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
     const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
-    std::size_t bytes = 0, sent = 0;
+    std::size_t bytes = 0;
     for (StageCluster& cluster : stage.clusters) {
       if (static_cast<double>(bytes) > most) break;
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
-      // All of a stage is lost without its base: one that costs little comes again when it would be shown.
-      if (i > 0 && ++sent == needed && stage.bytes.size() <= kMostBytesTwice)
-        chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     }
+    // All of a stage is lost without its base: one that costs little comes again.
+    if (i > 0 && !stage.header.beside && stage.bytes.size() <= kMostBytesTwice)
+      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     shown = left;
   }
   return chunks;
