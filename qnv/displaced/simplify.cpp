@@ -1,12 +1,9 @@
 #include "qnv/displaced/simplify.h"
 
-#include <glm/geometric.hpp>
+#include "qnv/displaced/simplifier.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <queue>
 #include <utility>
 
 namespace gs::qnv::displaced {
@@ -16,110 +13,10 @@ namespace {
 constexpr double kRimWeight = 4;
 // Of the product of an edge's squared length and the area round it, as a cost beside the quadric's.
 constexpr double kLengthWeight = 1e-4;
-// A triangle may not turn further than this (a cosine) by one collapse, nor become narrower (1: equilateral).
-struct Care {
-  double least_turn, least_quality;
-};
-// Where no edge may go any more, more is allowed.
-constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
-// Holes and tunnels that are smaller round than this, in edges of the mesh that is wanted, cannot be seen in it.
-constexpr double kHoleEdges = 1.5, kTunnelEdges = 0.75;
-constexpr double kNoise = 0.03;              // of the area of a triangle of that mesh
-constexpr std::size_t kMostSearched = 3000;  // triangles between both sides of a tunnel
-constexpr int kRepairs = 3;                  // each with twice the measure
+constexpr double kNoise = 0.03;  // of the area of a triangle of the mesh that is wanted
+constexpr int kRepairs = 3;      // each with twice the measure
 
-/// The sum of squared distances to planes, weighted: x^T A x + 2 b x + c.
-struct Quadric {
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, x = 0, y = 0, z = 0, c = 0;
-
-  void add_plane(const glm::dvec3& n, double d, double weight) {
-    xx += weight * n.x * n.x;
-    xy += weight * n.x * n.y;
-    xz += weight * n.x * n.z;
-    yy += weight * n.y * n.y;
-    yz += weight * n.y * n.z;
-    zz += weight * n.z * n.z;
-    x += weight * n.x * d;
-    y += weight * n.y * d;
-    z += weight * n.z * d;
-    c += weight * d * d;
-  }
-  void add(const Quadric& q) {
-    xx += q.xx, xy += q.xy, xz += q.xz, yy += q.yy, yz += q.yz, zz += q.zz, x += q.x, y += q.y, z += q.z, c += q.c;
-  }
-  [[nodiscard]] double at(const glm::dvec3& p) const {
-    return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) +
-           p.z * (zz * p.z + 2 * z) + c;
-  }
-  /// Where it is least, near `middle`; that itself where no place is much better than others.
-  [[nodiscard]] glm::dvec3 least(const glm::dvec3& middle) const {
-    // A little weight on the middle makes the matrix invertible.
-    const double little = 1e-3 * (xx + yy + zz) + 1e-30;
-    const double a = xx + little, d = yy + little, f = zz + little;
-    const glm::dvec3 right(little * middle.x - x, little * middle.y - y, little * middle.z - z);
-    const double c00 = d * f - yz * yz, c01 = xz * yz - xy * f, c02 = xy * yz - xz * d;
-    const double determinant = a * c00 + xy * c01 + xz * c02;
-    if (!(std::abs(determinant) > 0)) return middle;
-    const double c11 = a * f - xz * xz, c12 = xz * xy - a * yz, c22 = a * d - xy * xy;
-    return glm::dvec3(c00 * right.x + c01 * right.y + c02 * right.z, c01 * right.x + c11 * right.y + c12 * right.z,
-                      c02 * right.x + c12 * right.y + c22 * right.z) /
-           determinant;
-  }
-};
-
-struct Candidate {
-  double cost;
-  std::uint32_t u, v, stamp;  // the sum of both stamps when it was made
-  bool operator>(const Candidate& other) const {
-    return cost != other.cost ? cost > other.cost : u != other.u ? u > other.u : v > other.v;
-  }
-};
-
-class Simplifier {
- public:
-  explicit Simplifier(const SurfaceMesh& mesh);
-  void run(std::size_t wanted);
-  [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh) const;
-
- private:
-  [[nodiscard]] std::uint32_t& vertex_at(std::uint32_t corner) { return triangles_[corner / 3][corner % 3]; }
-  [[nodiscard]] bool alive(std::uint32_t triangle) const { return triangles_[triangle][0] != kNone; }
-  void gather(std::uint32_t v, std::vector<std::uint32_t>& corners);
-  [[nodiscard]] glm::dvec3 place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const;
-  void push(std::uint32_t u, std::uint32_t v);
-  void push_round(std::uint32_t v);
-  [[nodiscard]] bool may_turn(std::span<const std::uint32_t> corners, std::uint32_t other,
-                              const glm::dvec3& place) const;
-  [[nodiscard]] bool linked_well(std::uint32_t u, std::uint32_t v);
-  bool collapse(std::uint32_t u, std::uint32_t v);
-  void push_all();
-  std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
-  void append_corner(std::uint32_t v, std::uint32_t corner);
-  [[nodiscard]] double round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
-  [[nodiscard]] std::uint32_t triangle_left_of(std::uint32_t a, std::uint32_t b);
-  [[nodiscard]] std::uint32_t third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const;
-  void repair(double edge);
-  void close_rims(double most);
-  void cut_tunnels(double most);
-  bool cut_along(const Corners& cycle);
-  [[nodiscard]] bool joined_elsewhere(const Corners& cycle);
-  void collapse_to(std::size_t wanted);
-
-  std::vector<glm::dvec3> positions_;
-  std::vector<Corners> triangles_;
-  std::vector<Quadric> quadrics_;
-  std::vector<double> areas_;                      // round a vertex
-  std::vector<std::uint32_t> head_, tail_, next_;  // the corners of a vertex, as a list
-  std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
-  std::uint32_t searches_ = 0;
-  std::vector<bool> rim_;
-  Care care_ = kCare[0];
-  double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
-  std::uint32_t marks_ = 0;
-  std::size_t count_ = 0;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
-  std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
-};
+}  // namespace
 
 Simplifier::Simplifier(const SurfaceMesh& mesh)
     : triangles_(mesh.triangles),
@@ -326,157 +223,6 @@ void Simplifier::run(std::size_t wanted) {
   }
 }
 
-void Simplifier::repair(double edge) {
-  close_rims(kHoleEdges * edge);
-  cut_tunnels(kTunnelEdges * edge);
-  push_all();
-}
-
-std::uint32_t Simplifier::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  const auto t = static_cast<std::uint32_t>(triangles_.size());
-  triangles_.push_back({a, b, c});
-  next_.resize(next_.size() + 3, kNone);
-  for (std::uint32_t k = 0; k < 3; ++k) append_corner(triangles_[t][k], 3 * t + k);
-  ++count_;
-  return t;
-}
-
-void Simplifier::append_corner(std::uint32_t v, std::uint32_t corner) {
-  (head_[v] == kNone ? head_[v] : next_[tail_[v]]) = corner;
-  tail_[v] = corner;
-  next_[corner] = kNone;
-}
-
-double Simplifier::round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-  return glm::length(positions_[a] - positions_[b]) + glm::length(positions_[b] - positions_[c]) +
-         glm::length(positions_[c] - positions_[a]);
-}
-
-std::uint32_t Simplifier::triangle_left_of(std::uint32_t a, std::uint32_t b) {
-  for (std::uint32_t corner = head_[a]; corner != kNone; corner = next_[corner])
-    if (alive(corner / 3) && triangles_[corner / 3][(corner % 3 + 1) % 3] == b) return corner / 3;
-  return kNone;
-}
-
-// Holes of three edges get a triangle; what lies round a single triangle is none.
-void Simplifier::close_rims(double most) {
-  for (std::uint32_t u = 0; u < head_.size(); ++u) {
-    if (!rim_[u] || head_[u] == kNone) continue;
-    // A rim is walked against its triangles: from u over the side that has nothing on its left.
-    gather(u, at_u_);
-    for (const std::uint32_t corner : std::vector<std::uint32_t>(at_u_)) {
-      const std::uint32_t v = triangles_[corner / 3][(corner % 3 + 2) % 3];  // the side from v to u
-      if (triangle_left_of(u, v) != kNone) continue;
-      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c]) {
-        if (!alive(c / 3)) continue;
-        const std::uint32_t w = triangles_[c / 3][(c % 3 + 2) % 3];  // the side from w to v
-        if (w == u || triangle_left_of(v, w) != kNone || triangle_left_of(u, w) == kNone ||
-            triangle_left_of(w, u) != kNone || round(u, v, w) > most || third(corner / 3, u, v) == w)
-          continue;
-        add_triangle(u, v, w);
-        break;
-      }
-    }
-  }
-  for (std::uint32_t v = 0; v < head_.size(); ++v) {
-    if (!rim_[v] || head_[v] == kNone) continue;
-    gather(v, at_v_);
-    rim_[v] = std::any_of(at_v_.begin(), at_v_.end(), [&](std::uint32_t corner) {
-      return triangle_left_of(v, triangles_[corner / 3][(corner % 3 + 2) % 3]) == kNone ||
-             triangle_left_of(triangles_[corner / 3][(corner % 3 + 1) % 3], v) == kNone;
-    });
-  }
-}
-
-// Three edges round that bound no triangle: the surface is cut along them, and either side closed.
-void Simplifier::cut_tunnels(double most) {
-  const auto vertices = static_cast<std::uint32_t>(head_.size());
-  for (std::uint32_t u = 0; u < vertices; ++u) {
-    if (rim_[u] || head_[u] == kNone) continue;
-    gather(u, at_u_);
-    std::vector<std::uint32_t> beside;
-    for (const std::uint32_t corner : at_u_) beside.push_back(triangles_[corner / 3][(corner % 3 + 1) % 3]);
-    bool cut = false;
-    for (std::size_t i = 0; i < beside.size() && !cut; ++i)
-      for (std::size_t j = 0; j < beside.size() && !cut; ++j) {
-        const std::uint32_t v = beside[i], w = beside[j];
-        if (i == j || u > v || u > w || rim_[v] || rim_[w] || round(u, v, w) > most) continue;
-        const std::uint32_t left = triangle_left_of(v, w), right = triangle_left_of(w, v);
-        if (left == kNone || right == kNone || third(left, v, w) == u || third(right, v, w) == u) continue;
-        cut = joined_elsewhere({u, v, w}) && cut_along({u, v, w});
-      }
-  }
-}
-
-std::uint32_t Simplifier::third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
-  for (const std::uint32_t v : triangles_[triangle])
-    if (v != a && v != b) return v;
-  return kNone;
-}
-
-bool Simplifier::joined_elsewhere(const Corners& cycle) {
-  // Over edges other than the cycle's from its left to its right: else it would cut a part off.
-  const std::uint32_t from = triangle_left_of(cycle[0], cycle[1]), to = triangle_left_of(cycle[1], cycle[0]);
-  if (from == kNone || to == kNone) return false;
-  const auto on_cycle = [&](std::uint32_t v) { return v == cycle[0] || v == cycle[1] || v == cycle[2]; };
-  seen_triangles_.resize(triangles_.size(), 0);
-  ++searches_;
-  std::vector<std::uint32_t> open{from};
-  seen_triangles_[from] = searches_;
-  for (std::size_t i = 0; i < std::min(open.size(), kMostSearched); ++i) {
-    if (open[i] == to) return true;
-    const Corners& t = triangles_[open[i]];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (on_cycle(a) && on_cycle(b)) continue;
-      const std::uint32_t beside = triangle_left_of(b, a);
-      if (beside == kNone || seen_triangles_[beside] == searches_) continue;
-      seen_triangles_[beside] = searches_;
-      open.push_back(beside);
-    }
-  }
-  return false;
-}
-
-bool Simplifier::cut_along(const Corners& cycle) {
-  // Of each vertex the triangles on the left of the way round.
-  std::array<std::vector<std::uint32_t>, 3> left;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t v = cycle[k], before = cycle[(k + 2) % 3];
-    for (std::uint32_t to = cycle[(k + 1) % 3]; to != before;) {
-      const std::uint32_t t = triangle_left_of(v, to);
-      if (t == kNone || left[k].size() > 1000) return false;
-      for (std::uint32_t c = 0; c < 3; ++c)
-        if (triangles_[t][c] == v) left[k].push_back(3 * t + c);
-      to = third(t, v, to);
-    }
-  }
-  Corners copies{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t v = cycle[k], copy = copies[k] = static_cast<std::uint32_t>(head_.size());
-    positions_.push_back(glm::dvec3(positions_[v]));
-    quadrics_.push_back(Quadric(quadrics_[v]));
-    areas_.push_back(double{areas_[v]});
-    head_.push_back(kNone);
-    tail_.push_back(kNone);
-    stamp_.push_back(0);
-    mark_.push_back(0);
-    rim_.push_back(false);
-    ++stamp_[v];
-    std::vector<std::uint32_t> all;
-    gather(v, all);
-    head_[v] = tail_[v] = kNone;
-    for (const std::uint32_t corner : all) {
-      const bool moves = std::find(left[k].begin(), left[k].end(), corner) != left[k].end();
-      if (moves) vertex_at(corner) = copy;
-      append_corner(moves ? copy : v, corner);
-    }
-  }
-  add_triangle(copies[0], copies[2], copies[1]);
-  add_triangle(cycle[0], cycle[1], cycle[2]);
-  return true;
-}
-
 void Simplifier::push_all() {
   for (const Corners& t : triangles_)
     for (std::size_t k = 0; k < 3 && t[0] != kNone; ++k) {
@@ -516,8 +262,6 @@ SurfaceMesh Simplifier::result(const SurfaceMesh& mesh) const {
   }
   return out;
 }
-
-}  // namespace
 
 SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles) {
   Simplifier simplifier(mesh);

@@ -1,0 +1,120 @@
+#pragma once
+
+#include "qnv/displaced/manifold.h"
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <queue>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::displaced {
+
+/// A triangle may not turn further than this (a cosine) by one collapse, nor become narrower (1: equilateral).
+struct Care {
+  double least_turn, least_quality;
+};
+/// Where no edge may go any more, more is allowed.
+inline constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
+
+/// The sum of squared distances to planes, weighted: x^T A x + 2 b x + c.
+struct Quadric {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0, x = 0, y = 0, z = 0, c = 0;
+
+  void add_plane(const glm::dvec3& n, double d, double weight) {
+    xx += weight * n.x * n.x;
+    xy += weight * n.x * n.y;
+    xz += weight * n.x * n.z;
+    yy += weight * n.y * n.y;
+    yz += weight * n.y * n.z;
+    zz += weight * n.z * n.z;
+    x += weight * n.x * d;
+    y += weight * n.y * d;
+    z += weight * n.z * d;
+    c += weight * d * d;
+  }
+  void add(const Quadric& q) {
+    xx += q.xx, xy += q.xy, xz += q.xz, yy += q.yy, yz += q.yz, zz += q.zz, x += q.x, y += q.y, z += q.z, c += q.c;
+  }
+  [[nodiscard]] double at(const glm::dvec3& p) const {
+    return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) +
+           p.z * (zz * p.z + 2 * z) + c;
+  }
+  /// Where it is least, near `middle`; that itself where no place is much better than others.
+  [[nodiscard]] glm::dvec3 least(const glm::dvec3& middle) const {
+    // A little weight on the middle makes the matrix invertible.
+    const double little = 1e-3 * (xx + yy + zz) + 1e-30;
+    const double a = xx + little, d = yy + little, f = zz + little;
+    const glm::dvec3 right(little * middle.x - x, little * middle.y - y, little * middle.z - z);
+    const double c00 = d * f - yz * yz, c01 = xz * yz - xy * f, c02 = xy * yz - xz * d;
+    const double determinant = a * c00 + xy * c01 + xz * c02;
+    if (!(std::abs(determinant) > 0)) return middle;
+    const double c11 = a * f - xz * xz, c12 = xz * xy - a * yz, c22 = a * d - xy * xy;
+    return glm::dvec3(c00 * right.x + c01 * right.y + c02 * right.z, c01 * right.x + c11 * right.y + c12 * right.z,
+                      c02 * right.x + c12 * right.y + c22 * right.z) /
+           determinant;
+  }
+};
+
+struct Candidate {
+  double cost;
+  std::uint32_t u, v, stamp;  // the sum of both stamps when it was made
+  bool operator>(const Candidate& other) const {
+    return cost != other.cost ? cost > other.cost : u != other.u ? u > other.u : v > other.v;
+  }
+};
+
+/// One mesh on its way to fewer triangles (simplify.h). One thread.
+class Simplifier {
+ public:
+  explicit Simplifier(const SurfaceMesh& mesh);
+  void run(std::size_t wanted);
+  [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh) const;
+
+ private:
+  [[nodiscard]] std::uint32_t& vertex_at(std::uint32_t corner) { return triangles_[corner / 3][corner % 3]; }
+  [[nodiscard]] bool alive(std::uint32_t triangle) const { return triangles_[triangle][0] != kNone; }
+  void gather(std::uint32_t v, std::vector<std::uint32_t>& corners);
+  [[nodiscard]] glm::dvec3 place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const;
+  void push(std::uint32_t u, std::uint32_t v);
+  void push_round(std::uint32_t v);
+  [[nodiscard]] bool may_turn(std::span<const std::uint32_t> corners, std::uint32_t other,
+                              const glm::dvec3& place) const;
+  [[nodiscard]] bool linked_well(std::uint32_t u, std::uint32_t v);
+  bool collapse(std::uint32_t u, std::uint32_t v);
+  void push_all();
+  std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  void append_corner(std::uint32_t v, std::uint32_t corner);
+  [[nodiscard]] double round(std::uint32_t a, std::uint32_t b, std::uint32_t c) const;
+  [[nodiscard]] std::uint32_t triangle_left_of(std::uint32_t a, std::uint32_t b);
+  [[nodiscard]] std::uint32_t third(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const;
+  void repair(double edge);
+  void close_rims(double most);
+  void cut_tunnels(double most);
+  bool cut_along(const Corners& cycle);
+  [[nodiscard]] bool joined_elsewhere(const Corners& cycle);
+  void collapse_to(std::size_t wanted);
+
+  std::vector<glm::dvec3> positions_;
+  std::vector<Corners> triangles_;
+  std::vector<Quadric> quadrics_;
+  std::vector<double> areas_;                      // round a vertex
+  std::vector<std::uint32_t> head_, tail_, next_;  // the corners of a vertex, as a list
+  std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
+  std::uint32_t searches_ = 0;
+  std::vector<bool> rim_;
+  Care care_ = kCare[0];
+  double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
+  std::uint32_t marks_ = 0;
+  std::size_t count_ = 0;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+  std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
+};
+
+}  // namespace gs::qnv::displaced
