@@ -308,22 +308,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
 void StageEncoder::cut(Surface& surface, ClusterHeader header) {
   StageCluster cluster;
   cluster.header = header;
-  cluster.payload = encode_cluster_header(header);
-  BinaryEncoder encoder;
-  if (header.kind == ClusterHeader::Kind::color) {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-      if (header.level == 1) (void)coder.base(surface.colors(0)[channel]);
-      (void)coder.level(header.level, surface.colors(header.level)[channel], nullptr);
-    }
-  } else {
-    ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-    if (header.level == 1) (void)coder.base(surface.numbers(header.layer, 0).normal);
-    LevelNumbers& numbers = surface.numbers(header.layer, header.level);
-    (void)coder.level(header.level, numbers.normal, &numbers.sideways);
-  }
-  const std::vector<std::byte> body = encoder.finish();
-  cluster.payload.insert(cluster.payload.end(), body.begin(), body.end());
+  cluster.payload = encode_cluster(surface, header);
   if (cluster.payload.size() > kMostClusterBytes && header.count > 1) {
     const std::size_t parts = std::min<std::size_t>(
         header.count, std::max<std::size_t>(2, (cluster.payload.size() + kAimedClusterBytes - 1) / kAimedClusterBytes));
@@ -426,6 +411,26 @@ glm::vec3 Target::color(const glm::vec3& from, const glm::vec3& normal, float re
     sum += weights[k] * glm::vec3(c.r, c.g, c.b);
   }
   return glm::clamp(sum, glm::vec3(0), glm::vec3(255));
+}
+
+std::vector<std::byte> encode_cluster(Surface& surface, const ClusterHeader& header) {
+  BinaryEncoder encoder;
+  if (header.kind == ClusterHeader::Kind::color) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
+      if (header.level == 1) (void)coder.base(surface.colors(0)[channel]);
+      (void)coder.level(header.level, surface.colors(header.level)[channel], nullptr);
+    }
+  } else {
+    ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
+    if (header.level == 1) (void)coder.base(surface.numbers(header.layer, 0).normal);
+    LevelNumbers& numbers = surface.numbers(header.layer, header.level);
+    (void)coder.level(header.level, numbers.normal, &numbers.sideways);
+  }
+  std::vector<std::byte> payload = encode_cluster_header(header);
+  const std::vector<std::byte> body = encoder.finish();
+  payload.insert(payload.end(), body.begin(), body.end());
+  return payload;
 }
 
 EncodedStage encode_stage_of(const Target& target, const SurfaceMesh& coarse, const StageOptions& options,

@@ -60,6 +60,9 @@ struct StageOptions {
   unsigned threads = 0;
 };
 
+/// The payload of a cluster: its header, and the numbers that a surface has there.
+[[nodiscard]] std::vector<std::byte> encode_cluster(Surface& surface, const ClusterHeader& header);
+
 /// Makes a stage. `coarse`: a mesh close to the target, of which bases are made.
 [[nodiscard]] EncodedStage encode_stage_of(const Target& target, const SurfaceMesh& coarse, const StageOptions& options,
                                            Progress* progress);

@@ -1,3 +1,4 @@
+#include "qnv/displaced/stage_encode.h"
 #include "qnv/displaced/surface.h"
 
 #include "qnv/displaced/cluster_coder.h"
@@ -44,26 +45,6 @@ struct Made {
   std::vector<std::byte> payload;
 };
 
-std::vector<std::byte> cluster_of(Surface& surface, const ClusterHeader& header) {
-  BinaryEncoder encoder;
-  if (header.kind == ClusterHeader::Kind::color) {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-      if (header.level == 1) (void)coder.base(surface.colors(0)[channel]);
-      (void)coder.level(header.level, surface.colors(header.level)[channel], nullptr);
-    }
-  } else {
-    ClusterCoder<BinaryEncoder> coder(encoder, surface.patches(), header.first, header.count);
-    if (header.level == 1) (void)coder.base(surface.numbers(header.layer, 0).normal);
-    LevelNumbers& numbers = surface.numbers(header.layer, header.level);
-    (void)coder.level(header.level, numbers.normal, &numbers.sideways);
-  }
-  std::vector<std::byte> payload = encode_cluster_header(header);
-  const std::vector<std::byte> body = encoder.finish();
-  payload.insert(payload.end(), body.begin(), body.end());
-  return payload;
-}
-
 /// Random numbers in every place that a cluster may bring, most of them small or 0.
 void fill(Surface& surface, std::uint32_t seed, int layers) {
   std::mt19937 random(seed);
@@ -107,7 +88,7 @@ std::vector<Made> clusters_of(Surface& surface, int layers, std::uint32_t run) {
       header.kind = ClusterHeader::Kind::color;
       out.push_back({header, {}});
     }
-  for (Made& made : out) made.payload = cluster_of(surface, made.header);
+  for (Made& made : out) made.payload = encode_cluster(surface, made.header);
   return out;
 }
 
