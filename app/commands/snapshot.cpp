@@ -2,7 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/media/wave_file.h"
 #include "app/session/links.h"
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
 #include "app/viewer/offscreen.h"
 #include "app/world/left_out.h"

@@ -2,7 +2,7 @@
 #include "app/commands/commands.h"
 #include "app/media/wave_file.h"
 #include "app/session/links.h"
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "net/files/file.h"

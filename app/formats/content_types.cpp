@@ -2,8 +2,8 @@
 
 #include "app/base/gunzip.h"
 #include "app/base/text.h"
+#include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/avs_geometry.h"
-#include "app/formats/mesh/gltf.h"
 #include "app/formats/mesh/obj.h"
 #include "app/formats/mesh/off.h"
 #include "app/formats/mesh/ply.h"

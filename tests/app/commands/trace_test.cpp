@@ -1,5 +1,5 @@
 #include "app/commands/options.h"
-#include "app/session/input_rows.h"
+#include "app/simulation/input_rows.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/gltf.h"
+#include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/obj.h"
 #include "app/formats/mesh/ply.h"
 #include "app/formats/mesh/stl.h"

@@ -1,5 +1,5 @@
 #include "app/formats/export/export.h"
-#include "app/formats/mesh/gltf.h"
+#include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
 #include "vrml/syntax/parser.h"

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/gltf.h"
+#include "app/formats/gltf/gltf.h"
 
 #include "tests/app/formats_helpers.h"
 

@@ -117,8 +117,9 @@ TEST_CASE("A NIfTI header of a version that there is not is one of ANALYZE") {
     for (const bool big_endian : {false, true}) {
       INFO(magic);
       const Nifti1 header(big_endian, 2, 8, magic, 352);
-      CHECK(problem_of(folder.write("a.nii", string_of(header.bytes + voxels<std::uint8_t>(big_endian)))).find("a.img") !=
-            std::string::npos);
+      CHECK(
+          problem_of(folder.write("a.nii", string_of(header.bytes + voxels<std::uint8_t>(big_endian)))).find("a.img") !=
+          std::string::npos);
     }
 }
 

@@ -1,6 +1,6 @@
 // What is heard of whole worlds, in simulated time: levels and times by the formulas of the standard.
 #include "app/base/exit_status.h"
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "tests/app/run_program.h"

@@ -1,6 +1,6 @@
 // MovieTextures that play: pictures of tests/fuzz/corpus/render/movie, of which picture i has the grey 20 + 4 i.
 #include "app/media/movie_player.h"
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "tests/app/scratch_folder.h"

@@ -1,5 +1,5 @@
 // What depends on how the viewer holds his head: Billboards that face the screen, and what is fixed to him.
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "tests/app/pairs.h"
 #include "tests/app/scratch_folder.h"

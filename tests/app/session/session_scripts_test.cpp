@@ -1,6 +1,6 @@
 #include "app/base/gunzip.h"
 #include "app/session/session.h"
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "net/load/transport_memory.h"

@@ -1,6 +1,6 @@
 #include "app/session/session.h"
 
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "tests/app/one_world.h"
 #include "tests/app/scratch_folder.h"
 

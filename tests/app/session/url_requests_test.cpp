@@ -1,4 +1,4 @@
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 #include "app/session/world_reader.h"
 #include "tests/app/late_worlds.h"
 

@@ -1,5 +1,5 @@
-#include "app/session/input_rows.h"
-#include "app/session/simulation.h"
+#include "app/simulation/input_rows.h"
+#include "app/simulation/simulation.h"
 #include "tests/app/worlds.h"
 
 #include <catch2/catch.hpp>

@@ -1,10 +1,10 @@
-#include "app/formats/mesh/gltf.h"
+#include "app/formats/gltf/gltf.h"
 
 #include "app/formats/common/scene_builder.h"
-#include "app/formats/mesh/gltf_accessor.h"
-#include "app/formats/mesh/gltf_load.h"
-#include "app/formats/mesh/gltf_material.h"
-#include "app/formats/mesh/gltf_mesh.h"
+#include "app/formats/gltf/gltf_accessor.h"
+#include "app/formats/gltf/gltf_load.h"
+#include "app/formats/gltf/gltf_material.h"
+#include "app/formats/gltf/gltf_mesh.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>

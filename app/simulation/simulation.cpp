@@ -1,4 +1,4 @@
-#include "app/session/simulation.h"
+#include "app/simulation/simulation.h"
 
 #include "app/streams/stream_feed.h"
 #include "app/view/navigation.h"

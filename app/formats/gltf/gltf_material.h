@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/formats/common/scene_builder.h"
-#include "app/formats/mesh/gltf_accessor.h"
+#include "app/formats/gltf/gltf_accessor.h"
 
 #include <tiny_gltf.h>
 

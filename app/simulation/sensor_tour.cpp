@@ -1,4 +1,4 @@
-#include "app/session/sensor_tour.h"
+#include "app/simulation/sensor_tour.h"
 
 #include "app/view/picking.h"
 

@@ -1,6 +1,6 @@
-#include "app/formats/mesh/gltf_mesh.h"
+#include "app/formats/gltf/gltf_mesh.h"
 
-#include "app/formats/mesh/gltf_load.h"
+#include "app/formats/gltf/gltf_load.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "app/session/input_rows.h"
-#include "app/session/sensor_tour.h"
 #include "app/session/session.h"
+#include "app/simulation/input_rows.h"
+#include "app/simulation/sensor_tour.h"
 #include "vrml/events/execution.h"
 #include "vrml/events/node_names.h"
 

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/gltf_load.h"
+#include "app/formats/gltf/gltf_load.h"
 #include "app/base/text.h"
 #include "app/formats/common/glb.h"
 

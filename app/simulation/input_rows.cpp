@@ -1,4 +1,4 @@
-#include "app/session/input_rows.h"
+#include "app/simulation/input_rows.h"
 
 #include "app/view/actions.h"
 

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/gltf_accessor.h"
+#include "app/formats/gltf/gltf_accessor.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/gltf_material.h"
+#include "app/formats/gltf/gltf_material.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/formats/common/scene_builder.h"
-#include "app/formats/mesh/gltf_accessor.h"
-#include "app/formats/mesh/gltf_material.h"
+#include "app/formats/gltf/gltf_accessor.h"
+#include "app/formats/gltf/gltf_material.h"
 
 #include <tiny_gltf.h>
 
