@@ -7,6 +7,8 @@ data=${1:?the folder with the test data}
 out=${2:-docs/images}
 ghostspace=build/release/ghostspace
 sheet=build/release/bench/contact_sheet
+cmake --preset release >/dev/null
+cmake --build --preset release --target ghostspace contact_sheet >/dev/null
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

@@ -328,7 +328,6 @@ const JSFunctionSpec kBrowser[] = {
     JS_FN("getMyName", give_empty, 0, 0), JS_FN("setMyAvatarURL", do_nothing, 1, 0),
     JS_FN("eventNotify", do_nothing, 0, 0), JS_FN("getFloatProperty", give_zero, 1, 0), JS_FS_END};
 
-constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
 const JSPropertySpec kBrowserState[] = {JS_PSG("name", get_name, kProperty),
                                         JS_PSG("version", get_version, kProperty),
                                         JS_PSG("currentSpeed", get_speed, kProperty),

@@ -67,7 +67,7 @@ bool set_part(JSContext* context, unsigned argc, JS::Value* vp) {
   return changed(context, image);
 }
 
-bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+bool construct_image(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   JS::RootedObject image(context, make_image(context, {}, {}));
   if (!image) return false;
@@ -81,7 +81,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+bool image_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   JS::RootedObject image(context);
   vrml::PixelImage value;
@@ -92,7 +92,6 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, text, args.rval());
 }
 
-constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
 const JSPropertySpec kParts[] = {JS_PSGS("x", get_part<kWidth>, set_part<kWidth>, kProperty),
                                  JS_PSGS("y", get_part<kHeight>, set_part<kHeight>, kProperty),
                                  JS_PSGS("comp", get_part<kComponents>, set_part<kComponents>, kProperty),
@@ -100,13 +99,13 @@ const JSPropertySpec kParts[] = {JS_PSGS("x", get_part<kWidth>, set_part<kWidth>
                                  JS_PSGS("width", get_part<kWidth>, set_part<kWidth>, kProperty),
                                  JS_PSGS("height", get_part<kHeight>, set_part<kHeight>, kProperty),
                                  JS_PS_END};
-const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0), JS_FS_END};
+const JSFunctionSpec kImageMethods[] = {JS_FN("toString", image_to_text, 0, 0), JS_FS_END};
 
 }  // namespace
 
 bool define_images(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
   JS::RootedObject prototype(
-      context, JS_InitClass(context, library, nullptr, &kImageClass, construct, 4, kParts, kMethods, nullptr, nullptr));
+      context, JS_InitClass(context, library, nullptr, &kImageClass, construct_image, 4, kParts, kImageMethods, nullptr, nullptr));
   if (!prototype) return false;
   prototypes[static_cast<std::size_t>(vrml::FieldType::SFImage)] = prototype;
   return true;

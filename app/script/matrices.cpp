@@ -131,7 +131,7 @@ bool get_transform(JSContext* context, unsigned argc, JS::Value* vp) {
          assign(context, args.get(2), scales, 3);
 }
 
-bool inverse(JSContext* context, unsigned argc, JS::Value* vp) {
+bool inverse_matrix(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix;
   return this_matrix(context, args, matrix) && give(context, args, glm::inverse(matrix));
@@ -170,7 +170,7 @@ bool mult_vec(JSContext* context, unsigned argc, JS::Value* vp) {
   return made != nullptr;
 }
 
-bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+bool matrix_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix;
   if (!this_matrix(context, args, matrix)) return false;
@@ -183,7 +183,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, text, args.rval());
 }
 
-bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+bool construct_matrix(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix(1);
   if (is_matrix(args.get(0))) return give(context, args, matrix_of(&args[0].toObject()));
@@ -248,23 +248,23 @@ bool define_element(JSContext* context, JS::HandleObject prototype, std::uint32_
   return get_object && JS_DefineElement(context, prototype, index, get_object, set_object, JSPROP_PERMANENT);
 }
 
-const JSFunctionSpec kMethods[] = {JS_FN("setTransform", set_transform, 5, 0),
+const JSFunctionSpec kMatrixMethods[] = {JS_FN("setTransform", set_transform, 5, 0),
                                    JS_FN("getTransform", get_transform, 3, 0),
-                                   JS_FN("inverse", inverse, 0, 0),
+                                   JS_FN("inverse", inverse_matrix, 0, 0),
                                    JS_FN("transpose", transpose, 0, 0),
                                    JS_FN("multLeft", mult<true>, 1, 0),
                                    JS_FN("multRight", mult<false>, 1, 0),
                                    JS_FN("multVecMatrix", mult_vec<true>, 1, 0),
                                    JS_FN("multMatrixVec", mult_vec<false>, 1, 0),
-                                   JS_FN("toString", to_text, 0, 0),
+                                   JS_FN("toString", matrix_to_text, 0, 0),
                                    JS_FS_END};
 
 }  // namespace
 
 bool define_matrices(JSContext* context, JS::HandleObject library,
                      std::vector<JS::PersistentRootedObject>& prototypes) {
-  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct, 16, nullptr,
-                                                   kMethods, nullptr, nullptr));
+  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix, 16, nullptr,
+                                                   kMatrixMethods, nullptr, nullptr));
   JS::RootedObject row(context, JS_NewPlainObject(context));
   if (!prototype || !row) return false;
   set_matrix(prototype, glm::dmat4(1));

@@ -20,6 +20,9 @@ namespace gs::app::script {
 
 class World;
 
+/// Properties that programs find in a list of them, and cannot delete.
+constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
+
 /// A Script and its program.
 struct Program {
   World* world = nullptr;

@@ -122,7 +122,7 @@ bool set_component(JSContext* context, unsigned argc, JS::Value* vp) {
   return put(context, object, kind->count, c);
 }
 
-bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+bool tuple_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double c[4] = {};
   const TupleKind* const kind = this_tuple(context, args, c);
@@ -320,7 +320,7 @@ bool set_axis(JSContext* context, unsigned argc, JS::Value* vp) {
   return put(context, object, 4, c);
 }
 
-bool inverse(JSContext* context, unsigned argc, JS::Value* vp) {
+bool inverse_rotation(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double c[4] = {};
   if (!this_tuple(context, args, c)) return false;
@@ -366,7 +366,7 @@ bool slerp(JSContext* context, unsigned argc, JS::Value* vp) {
 // ---- Making
 
 template <int kIndexOfKind>
-bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
+bool construct_tuple(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const TupleKind& kind = kKinds[kIndexOfKind];
   double c[4] = {};
@@ -404,7 +404,6 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   return give(context, args, kind.type, c);
 }
 
-constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
 const JSPropertySpec kColorNumbers[] = {JS_PSGS("r", get_component<0>, set_component<0>, kProperty),
                                         JS_PSGS("g", get_component<1>, set_component<1>, kProperty),
                                         JS_PSGS("b", get_component<2>, set_component<2>, kProperty), JS_PS_END};
@@ -418,11 +417,11 @@ const JSPropertySpec kVec3fNumbers[] = {JS_PSGS("x", get_component<0>, set_compo
                                         JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
                                         JS_PSGS("z", get_component<2>, set_component<2>, kProperty), JS_PS_END};
 const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", set_hsv, 3, 0), JS_FN("getHSV", get_hsv, 0, 0),
-                                        JS_FN("toString", to_text, 0, 0), JS_FS_END};
-const JSFunctionSpec kRotationMethods[] = {JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse, 0, 0),
+                                        JS_FN("toString", tuple_to_text, 0, 0), JS_FS_END};
+const JSFunctionSpec kRotationMethods[] = {JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse_rotation, 0, 0),
                                            JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
                                            JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
-                                           JS_FN("toString", to_text, 0, 0),           JS_FS_END};
+                                           JS_FN("toString", tuple_to_text, 0, 0),           JS_FS_END};
 const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
                                          JS_FN("divide", divide, 1, 0),
                                          JS_FN("dot", dot, 1, 0),
@@ -431,7 +430,7 @@ const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
                                          JS_FN("negate", negate, 0, 0),
                                          JS_FN("normalize", normalize, 0, 0),
                                          JS_FN("subtract", subtract, 1, 0),
-                                         JS_FN("toString", to_text, 0, 0),
+                                         JS_FN("toString", tuple_to_text, 0, 0),
                                          JS_FS_END};
 const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", cross, 1, 0), JS_FS_END};  // and those of all vectors
 
@@ -449,7 +448,7 @@ bool define(JSContext* context, JS::HandleObject library, std::vector<JS::Persis
             const JSPropertySpec* numbers, const JSFunctionSpec* methods, const JSFunctionSpec* more = nullptr) {
   const TupleKind& kind = kKinds[kIndexOfKind];
   JS::RootedObject prototype(context,
-                             JS_InitClass(context, library, nullptr, &kind.of, construct<kIndexOfKind>,
+                             JS_InitClass(context, library, nullptr, &kind.of, construct_tuple<kIndexOfKind>,
                                           static_cast<unsigned>(kind.count), numbers, methods, nullptr, nullptr));
   if (!prototype || (more && !JS_DefineFunctions(context, prototype, more))) return false;
   if (!define_index<0>(context, prototype) || !define_index<1>(context, prototype)) return false;

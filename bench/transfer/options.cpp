@@ -131,7 +131,6 @@ const char* transfer_usage() {
          "                [--congestion NAME] [--orbit AZIMUTH,ELEVATION] [--tolerance OF-DIAGONAL] [--draco-bits N] "
          "[--packed-bytes N]\n"
          "                [--records-vectors N]\n"
-         "       transfer --self-test\n"
          "formats: records packed vrml gzip draco cells-records cells-packed; cells: both of the last\n";
 }
 
@@ -145,10 +144,6 @@ std::variant<TransferOptions, std::string> transfer_options(int count, char** ar
   bool congestion_given = false;
   for (int i = 1; i < count; ++i) {
     const std::string name = arguments[i];
-    if (name == "--self-test") {
-      options.self_test = true;
-      continue;
-    }
     const auto found =
         std::find_if(known.begin(), known.end(), [&](const Option& option) { return option.name == name; });
     if (found == known.end()) return "there is no option " + name;
@@ -156,7 +151,6 @@ std::variant<TransferOptions, std::string> transfer_options(int count, char** ar
     if (const auto problem = found->set(arguments[++i])) return name + " " + arguments[i] + ": " + *problem;
     congestion_given = congestion_given || name == "--congestion";
   }
-  if (options.self_test) return options;
   if (options.model.file.empty()) return "--model is missing";
   // Links that lose by themselves are what it is for.
   if (!congestion_given && serve_has_option(options.program, "--congestion")) options.congestion = "delay-aware";

@@ -23,7 +23,6 @@ struct TransferOptions {
   unsigned parallel = 8, runs = 1;
   std::uint64_t seed = 1;
   bool matrix = true, loss = true;  // tables
-  bool self_test = false;
 };
 
 /// The text says what is wrong with the arguments.

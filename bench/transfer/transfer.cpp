@@ -58,11 +58,6 @@ int main(int count, char** arguments) {
     return 2;
   }
   const auto& options = std::get<TransferOptions>(read);
-  if (options.self_test) {
-    const auto problem = test_link_direction();
-    std::fprintf(stderr, "transfer: the link %s\n", problem ? problem->c_str() : "does what it should");
-    return problem ? 1 : 0;
-  }
   // Before minutes of work: whether there can be a link.
   auto link = EmulatedLink::create({}, options.tcp);
   if (const auto* problem = std::get_if<std::string>(&link)) {
