@@ -101,7 +101,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   if (plan.home) width += group + button_width(plan.headlight_word ? "Headlight" : "Light");
   if (plan.home && model.has_sounds) width += 1 + button_width("Sound");
   if (!plan.more) return width;
-  if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Clouds");
+  if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Transfer");
   width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
   if (plan.link && model.layout != ViewportLayout::one) width += 1 + button_width("Link");
   return width;
@@ -126,18 +126,6 @@ std::string counted(std::size_t count) {
 }
 
 }  // namespace
-
-bool switch_button(const char* label, bool on, bool is_panel) {
-  if (on) {
-    const ImVec4& accent = UiColors::kAccent;
-    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
-    ImGui::PushStyleColor(ImGuiCol_Button, color);
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
-  }
-  const bool pressed = ImGui::Button(label);
-  if (on) ImGui::PopStyleColor(2);
-  return pressed;
-}
 
 float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
@@ -218,7 +206,7 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   view_buttons(model, actions, plan.home, plan.fit, plan.headlight_word);
   if (plan.more && (model.has_surface_clouds || model.has_volumes)) {
     ImGui::SameLine();
-    if (switch_button("Clouds", clouds.open, true)) clouds.open = !clouds.open;
+    if (switch_button("Transfer", panel_shows(Action::clouds), true)) (void)toggle_panel(Action::clouds);
     tooltip(tooltip_of(Action::clouds));
   }
   if (plan.more) {
@@ -229,7 +217,7 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
   const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
   ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
-  if (switch_button(label.c_str(), log, true)) log = !log;
+  if (switch_button(label.c_str(), panel_shows(Action::log), true)) (void)toggle_panel(Action::log);
   ImGui::PopStyleColor();
   tooltip(tooltip_of(Action::log));
   ImGui::SameLine(0, 1);

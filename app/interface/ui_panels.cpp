@@ -1,7 +1,5 @@
 #include "app/interface/ui_state.h"
 
-#include "app/session/documents.h"
-
 #include <imgui.h>
 
 #include <algorithm>
@@ -72,112 +70,7 @@ void action_table() {
   ImGui::EndTable();
 }
 
-std::string place_of(const vrml::Diagnostic& diagnostic) {
-  std::string place = shortened(file_label(diagnostic.file), 60);
-  if (diagnostic.location.line > 0)
-    place += ":" + std::to_string(diagnostic.location.line) + ":" + std::to_string(diagnostic.location.column);
-  return place;
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s") + "###" + what;
-}
-
-const char* emptiness_of(const SessionLog& log) {
-  if (log.entries() > 0) return "Nothing of this kind.";
-  return log.files().empty() ? "No file has been read yet." : "Nothing was found wrong.";
-}
-
-const char* word_of(vrml::Severity severity) {
-  switch (severity) {
-    case vrml::Severity::error:
-      return "error";
-    case vrml::Severity::warning:
-      return "warning";
-    case vrml::Severity::note:
-      break;
-  }
-  return "note";
-}
-
 }  // namespace
-
-void UiOverlay::State::log_rows(const std::vector<const vrml::Diagnostic*>& rows) {
-  if (!ImGui::BeginTable("##rows", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
-    return;
-  ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
-  ImGui::TableSetupColumn("place", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 13);
-  ImGui::TableSetupColumn("message", ImGuiTableColumnFlags_WidthStretch);
-  ImGuiListClipper clipper;
-  clipper.Begin(static_cast<int>(rows.size()));
-  while (clipper.Step()) {
-    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-      const vrml::Diagnostic& diagnostic = *rows[static_cast<std::size_t>(i)];
-      ImGui::TableNextRow();
-      ImGui::TableNextColumn();
-      colored_text(color_of(diagnostic.severity), word_of(diagnostic.severity));
-      ImGui::TableNextColumn();
-      colored_text(UiColors::kQuiet, place_of(diagnostic));
-      ImGui::TableNextColumn();
-      text(shortened(diagnostic.message, 500));
-      tooltip(shortened(diagnostic.text(), 2000));
-    }
-  }
-  ImGui::EndTable();
-}
-
-float UiOverlay::State::log_top() const {
-  const float screen = ImGui::GetIO().DisplaySize.y, bottom = screen - status_bar_height();
-  return log ? bottom - 8 * scale - std::clamp(screen * 0.26f, 110 * scale, 320 * scale) : bottom;
-}
-
-void UiOverlay::State::log_panel(const UiModel& model) {
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  const float bottom = screen.y - status_bar_height() - 8 * scale;
-  ImGui::SetNextWindowPos({8 * scale, bottom}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSize({screen.x - 16 * scale, bottom - log_top()});
-  ImGui::Begin("##log", nullptr,
-               kPanelFlags | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoBringToFrontOnFocus);
-  static const SessionLog kEmpty;
-  const SessionLog& session_log = model.log ? *model.log : kEmpty;
-  ImGui::AlignTextToFramePadding();
-  text("Log");
-  ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox(counted(session_log.errors(), "error").c_str(), &show_errors);
-  ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox(counted(session_log.warnings(), "warning").c_str(), &show_warnings);
-  ImGui::SameLine(0, 16 * scale);
-  ImGui::Checkbox("notes", &show_notes);
-
-  std::vector<const vrml::Diagnostic*> rows;
-  for (const SessionLog::File& file : session_log.files())
-    for (const vrml::Diagnostic& diagnostic : file.diagnostics.entries()) {
-      const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors
-                         : diagnostic.severity == vrml::Severity::warning ? show_warnings
-                                                                          : show_notes;
-      if (shown) rows.push_back(&diagnostic);
-    }
-  const float buttons = ImGui::CalcTextSize("CopyClose").x + 4 * ImGui::GetStyle().FramePadding.x + 20 * scale;
-  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowWidth() - buttons));
-  ImGui::BeginDisabled(rows.empty());
-  if (ImGui::Button("Copy")) {
-    std::string all;
-    for (const vrml::Diagnostic* diagnostic : rows) all += diagnostic->text() + "\n";
-    ImGui::SetClipboardText(all.c_str());
-  }
-  ImGui::EndDisabled();
-  ImGui::SameLine();
-  if (ImGui::Button("Close")) log = false;
-  ImGui::Separator();
-  if (rows.empty())
-    colored_text(UiColors::kQuiet, emptiness_of(session_log));
-  else
-    log_rows(rows);
-  if (session_log.dropped() > 0)
-    colored_text(UiColors::kQuiet, "and " + std::to_string(session_log.dropped()) + " more");
-  ImGui::End();
-}
 
 void UiOverlay::State::help_panel() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;

@@ -133,9 +133,7 @@ void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t inde
 }
 
 void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
-  Area area = area_of(viewport.place);
-  // The log panel lies over the lower end of the picture.
-  area.upper.y = std::min(area.upper.y, log_top());
+  const Area area = area_of(viewport.place);
   if (area.height() < 3 * ImGui::GetTextLineHeight()) return;
   static constexpr const char* kFirst = "Drop a file here";
   static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 shows the keys.";

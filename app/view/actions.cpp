@@ -9,40 +9,41 @@ namespace {
 constexpr Key operator""_key(char letter) { return letter_key(letter); }
 
 constexpr ActionRow kActions[] = {
-    {Action::next_viewpoint, Key::page_down, false, false, true, "", "Next viewpoint"},
-    {Action::previous_viewpoint, Key::page_up, false, false, true, "", "Previous viewpoint"},
-    {Action::reset, Key::home, false, false, true, "Reset", "Back to the viewpoint"},
-    {Action::fit, 'F'_key, false, false, true, "Fit", "Bring everything into view"},
-    {Action::headlight, 'H'_key, false, false, true, "Headlight", "Headlight on or off"},
-    {Action::examine, '1'_key, false, false, true, "Examine", "Turn the world about a point"},
-    {Action::fly, '2'_key, false, false, true, "Fly", "Fly freely"},
-    {Action::walk, '3'_key, false, false, true, "Walk", "Walk on the ground"},
-    {Action::pan, '4'_key, false, false, true, "Pan", "Slide sideways"},
-    {Action::look_at, '5'_key, false, false, true, "Look at", "Look at: go to what is clicked"},
-    {Action::ghost, 'G'_key, false, false, true, "Ghost", "Ghost: go through walls, and do not fall"},
-    {Action::faster, Key::plus, false, false, true, "", "Move faster"},
-    {Action::slower, Key::minus, false, false, true, "", "Move slower"},
-    {Action::open_file, 'O'_key, true, false, false, "Open", "Open a file, or drop one on the window"},
-    {Action::next_file, Key::tab, true, false, false, "", "Next file"},
-    {Action::previous_file, Key::tab, true, true, false, "", "Previous file"},
-    {Action::reload, Key::f5, false, false, false, "", "Read the file again"},
-    {Action::next_layout, Key::f6, false, false, false, "", "One, two or four viewports"},
-    {Action::viewport_1, '1'_key, true, false, false, "", "Keys go to the first viewport"},
-    {Action::viewport_2, '2'_key, true, false, false, "", "Keys go to the second viewport"},
-    {Action::viewport_3, '3'_key, true, false, false, "", "Keys go to the third viewport"},
-    {Action::viewport_4, '4'_key, true, false, false, "", "Keys go to the fourth viewport"},
-    {Action::link, 'L'_key, false, false, true, "Link", "Link: what one viewport does, all do"},
-    {Action::help, Key::f1, false, false, false, "?", "Keys and mouse"},
-    {Action::statistics, Key::f2, false, false, false, "", "Statistics of the picture"},
-    {Action::log, Key::f3, false, false, false, "Log", "What was found wrong with the file"},
-    {Action::clouds, Key::f4, false, false, false, "Clouds",
-     "Colours of clouds; transfer function and clipping of volumes"},
-    {Action::mute, 'M'_key, false, false, true, "Sound", "Sound on or off"},
-    {Action::louder, '.'_key, false, false, true, "", "Louder"},
-    {Action::softer, ','_key, false, false, true, "", "Softer"},
-    {Action::full_screen, Key::f11, false, false, false, "", "Full screen"},
-    {Action::close, Key::escape, false, false, false, "", "Close a panel, or stop loading"},
-    {Action::quit, 'Q'_key, true, false, false, "", "Quit"},
+    {Action::next_viewpoint, Key::page_down, false, false, true, "", "Next viewpoint", Menu::navigate},
+    {Action::previous_viewpoint, Key::page_up, false, false, true, "", "Previous viewpoint", Menu::navigate},
+    {Action::reset, Key::home, false, false, true, "Reset", "Back to the viewpoint", Menu::navigate},
+    {Action::fit, 'F'_key, false, false, true, "Fit", "Bring everything into view", Menu::navigate},
+    {Action::headlight, 'H'_key, false, false, true, "Headlight", "Headlight on or off", Menu::view},
+    {Action::examine, '1'_key, false, false, true, "Examine", "Turn the world about a point", Menu::navigate},
+    {Action::fly, '2'_key, false, false, true, "Fly", "Fly freely", Menu::navigate},
+    {Action::walk, '3'_key, false, false, true, "Walk", "Walk on the ground", Menu::navigate},
+    {Action::pan, '4'_key, false, false, true, "Pan", "Slide sideways", Menu::navigate},
+    {Action::look_at, '5'_key, false, false, true, "Look at", "Look at: go to what is clicked", Menu::navigate},
+    {Action::ghost, 'G'_key, false, false, true, "Ghost", "Ghost: go through walls, and do not fall", Menu::navigate},
+    {Action::faster, Key::plus, false, false, true, "", "Move faster", Menu::navigate},
+    {Action::slower, Key::minus, false, false, true, "", "Move slower", Menu::navigate},
+    {Action::open_file, 'O'_key, true, false, false, "Open", "Open a file, or drop one on the window", Menu::file},
+    {Action::next_file, Key::tab, true, false, false, "", "Next file", Menu::file},
+    {Action::previous_file, Key::tab, true, true, false, "", "Previous file", Menu::file},
+    {Action::reload, Key::f5, false, false, false, "", "Read the file again", Menu::file},
+    {Action::next_layout, Key::f6, false, false, false, "", "One, two or four viewports", Menu::window},
+    {Action::viewport_1, '1'_key, true, false, false, "", "Keys go to the first viewport", Menu::window},
+    {Action::viewport_2, '2'_key, true, false, false, "", "Keys go to the second viewport", Menu::window},
+    {Action::viewport_3, '3'_key, true, false, false, "", "Keys go to the third viewport", Menu::window},
+    {Action::viewport_4, '4'_key, true, false, false, "", "Keys go to the fourth viewport", Menu::window},
+    {Action::link, 'L'_key, false, false, true, "Link", "Link: what one viewport does, all do", Menu::window},
+    {Action::help, Key::f1, false, false, false, "?", "Keys and mouse", Menu::help},
+    {Action::statistics, Key::f2, false, false, false, "", "Statistics of the picture", Menu::view},
+    {Action::log, Key::f3, false, false, false, "Log", "What was found wrong with the file", Menu::view},
+    {Action::clouds, Key::f4, false, false, false, "Transfer",
+     "Transfer function and clipping of volumes; colours of clouds", Menu::view},
+    {Action::mute, 'M'_key, false, false, true, "Sound", "Sound on or off", Menu::view},
+    {Action::louder, '.'_key, false, false, true, "", "Louder", Menu::view},
+    {Action::softer, ','_key, false, false, true, "", "Softer", Menu::view},
+    {Action::full_screen, Key::f11, false, false, false, "", "Full screen", Menu::window},
+    {Action::close, Key::escape, false, false, false, "", "Close what is open over the picture, or stop loading",
+     Menu::window},
+    {Action::quit, 'Q'_key, true, false, false, "", "Quit", Menu::file},
 };
 
 struct KeyName {
@@ -80,20 +81,26 @@ constexpr KeyName kKeyNames[] = {
 
 std::span<const ActionRow> actions() { return kActions; }
 
+std::string_view title_of(Menu menu) {
+  static constexpr std::string_view kTitles[kMenus] = {"File", "View", "Navigate", "Window", "Help"};
+  return kTitles[static_cast<std::size_t>(menu)];
+}
+
 const ActionRow& row_of(Action action) {
   return *std::find_if(std::begin(kActions), std::end(kActions),
                        [&](const ActionRow& row) { return row.action == action; });
 }
 
 const ActionRow* action_of(const WindowEvent& event) {
-  if (event.alt) return nullptr;
+  const ActionRow* without_shift = nullptr;
   for (const ActionRow& row : kActions) {
-    // Shift counts where two rows differ in it only; + needs it on many keyboards.
-    const bool shift_counts = row.key == Key::tab;
-    if (row.key == event.key && row.control == event.control && (!shift_counts || row.shift == event.shift))
-      return &row;
+    if (row.key == Key::unknown || row.key != event.key || row.control != event.control || row.alt != event.alt)
+      continue;
+    if (row.shift == event.shift) return &row;
+    // Many keyboards need Shift for +; but Tab with it goes the other way.
+    if (!row.shift && row.key != Key::tab) without_shift = &row;
   }
-  return nullptr;
+  return without_shift;
 }
 
 std::optional<Key> find_key(std::string_view name) {
@@ -109,7 +116,9 @@ std::optional<Key> find_key(std::string_view name) {
 }
 
 std::string keys_of(const ActionRow& row) {
+  if (row.key == Key::unknown) return {};
   std::string text = row.control ? "Ctrl+" : "";
+  if (row.alt) text += "Alt+";
   if (row.shift) text += "Shift+";
   for (const KeyName& name : kKeyNames)
     if (name.key == row.key) return text.append(name.name);
@@ -118,7 +127,8 @@ std::string keys_of(const ActionRow& row) {
 
 std::string tooltip_of(Action action) {
   const ActionRow& row = row_of(action);
-  return std::string(row.help) + " (" + keys_of(row) + ")";
+  const std::string keys = keys_of(row);
+  return std::string(row.help) + (keys.empty() ? "" : " (" + keys + ")");
 }
 
 }  // namespace gs::app

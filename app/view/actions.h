@@ -46,18 +46,25 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// A row of the table of actions: keys, tooltips and the list of keys are made of it.
+/// Where an action stands in the menu bar.
+enum class Menu : std::uint8_t { file, view, navigate, window, help };
+inline constexpr std::size_t kMenus = 5;
+[[nodiscard]] std::string_view title_of(Menu menu);
+
+/// A row of the table of actions: menus, the palette of commands, keys, tooltips and the list of keys are made of it.
 struct ActionRow {
   Action action;
-  Key key;
+  Key key;  // unknown: it has none
   bool control = false, shift = false;
   bool of_world = false;   // of what the active viewport shows: a key that text fields and panels take first
   std::string_view label;  // on a button
-  std::string_view help;   // what it does, in one line
+  std::string_view help;   // what it does, in one line, as it stands in menus
+  Menu menu = Menu::view;
+  bool alt = false;  // with the key
 };
 [[nodiscard]] std::span<const ActionRow> actions();
 [[nodiscard]] const ActionRow& row_of(Action action);
-/// The action of a key that went down, with what was held.
+/// The action of a key that went down, with what was held. Shift counts where it tells rows apart or a row asks for it.
 [[nodiscard]] const ActionRow* action_of(const WindowEvent& event);
 /// The key of a name as `keys_of` has it, in letters of any case, or of the one character that it types. Nothing: there
 /// is no such key.

@@ -2,6 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/base/text.h"
+#include "app/interface/window_backend.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
 #include "render/image/image.h"
@@ -58,7 +59,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
     : options_(options),
       window_(std::move(window)),
       renderer_(std::move(renderer)),
-      ui_(window_->handle(), window_->content_scale()),
+      ui_(make_window_backend(window_->handle()), window_->content_scale()),
       session_(session_options(options), load, &Window::wake),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
       frames_wanted_(kSettlingFrames) {}
@@ -84,7 +85,7 @@ void Viewer::run() {
     take_handed_over();
     SessionInput input;
     input.look = in_sight;
-    if (in_sight) input.area = area();
+    if (in_sight) input.area = ui_.picture_area(size);
     if (!events.empty()) {
       frames_wanted_ = kSettlingFrames;
       ui_.begin_frame(now, events);  // the interface comes first

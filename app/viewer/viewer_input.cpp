@@ -19,31 +19,14 @@ std::vector<SessionInput::Event> Viewer::take(const std::vector<WindowEvent>& ev
 // True where it is the interface's, or the window's, alone.
 bool Viewer::run(Action action) {
   switch (action) {
-    case Action::open_file:
-      ui_.show_open_panel();
-      return true;
-    case Action::help:
-      ui_.toggle_help();
-      return true;
-    case Action::statistics:
-      ui_.toggle_statistics();
-      return true;
-    case Action::log:
-      ui_.toggle_log();
-      return true;
-    case Action::clouds:
-      ui_.toggle_clouds();
-      return true;
     case Action::full_screen:
       window_->toggle_full_screen();
       return true;
-    case Action::close:
-      return ui_.close_one();
     case Action::quit:
       window_->close();
       return true;
     default:
-      return false;
+      return ui_.run(action);
   }
 }
 

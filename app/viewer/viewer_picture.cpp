@@ -13,15 +13,6 @@ constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
 
-Viewport Viewer::area() const {
-  const glm::ivec2 size = window_->framebuffer_size();
-  Viewport result;
-  result.top = std::min(ui_.top_height(), std::max(0, size.y - 1));
-  result.width = std::max(1, size.x);
-  result.height = std::max(1, size.y - result.top - ui_.bottom_height());
-  return result;
-}
-
 void Viewer::draw_viewports() {
   std::vector<std::size_t> cloud_pixels, cloud_viewports;
   for (const Frame::Picture& picture : frame_.pictures) {

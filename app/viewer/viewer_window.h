@@ -42,8 +42,6 @@ class Viewer {
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
   bool run(Action action);
 
-  /// What the bars leave of the window.
-  [[nodiscard]] Viewport area() const;
   [[nodiscard]] UiModel model();
   void describe_viewports(UiModel& model) const;
   [[nodiscard]] std::string progress_of(const std::string& path) const;

@@ -1,17 +1,15 @@
 #pragma once
 
-#include "app/interface/ui_overlay.h"
+#include "app/interface/panels/panel.h"
 #include "app/view/transfer_editor.h"
 
 #include <imgui.h>
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,18 +19,10 @@ struct TransferCanvas;
 
 /// The panel that chooses how clouds look: colours for all of them; transfer function, opacity, threshold and clipping
 /// plane for volumes. Edits the CloudLook of the UiModel, and has nothing of it but what is under the pointer.
-class CloudPanel {
+class CloudPanel final : public Panel {
  public:
-  /// What it needs of the interface around it.
-  struct Frame {
-    float scale = 1, top = 0, bottom = 0;           // where it may lie, in the units of Dear ImGui
-    std::function<void(std::string_view)> tooltip;  // of the item before
-  };
-
-  bool open = false;
-  /// Closes a list or picker that is open in it, else itself. False when it was not open.
-  bool close_one();
-  void build(const Frame& frame, const UiModel& model, UiActions& actions);
+  bool close_one() override;
+  void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
   using Range = std::pair<float, float>;
@@ -56,9 +46,9 @@ class CloudPanel {
   /// Summarises volumes only when they are others than before.
   void summarize_volumes(const std::vector<std::shared_ptr<const qnv::Cloud>>& volumes);
 
-  const Frame* frame_ = nullptr;      // while it builds
-  std::optional<std::size_t> point_;  // chosen, of the transfer function
-  ImVec2 grabbed_{0, 0};              // from the pointer to the point that it drags
+  const PanelFrame* frame_ = nullptr;  // while it builds
+  std::optional<std::size_t> point_;   // chosen, of the transfer function
+  ImVec2 grabbed_{0, 0};               // from the pointer to the point that it drags
   bool dragging_ = false, popup_ = false, close_popup_ = false;
   ClipChoice clip_;  // for when it is switched on
   std::vector<std::weak_ptr<const qnv::Cloud>> summarized_;

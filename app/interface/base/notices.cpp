@@ -1,4 +1,4 @@
-#include "app/interface/notices.h"
+#include "app/interface/base/notices.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "app/interface/interface_input.h"
+#include "app/interface/base/interface_input.h"
 
 #include <catch2/catch.hpp>
 

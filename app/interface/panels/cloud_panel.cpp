@@ -1,6 +1,4 @@
-#include "app/interface/ui_clouds.h"
-
-#include "app/interface/ui_state.h"
+#include "app/interface/panels/cloud_panel.h"
 
 #include <imgui.h>
 
@@ -26,7 +24,7 @@ struct TransferCanvas {
 
 namespace {
 
-constexpr float kLabelWidth = 76, kPanelWidth = 396, kCurveHeight = 132, kRampHeight = 9, kPickerWidth = 210,
+constexpr float kLabelWidth = 76, kCurveHeight = 132, kRampHeight = 9, kPickerWidth = 210,
                 kReadingWidth = 112;  // times the scale
 constexpr float kPointRadius = 5, kGrip = 10;
 constexpr ImGuiSliderFlags kSliderFlags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat;
@@ -177,7 +175,7 @@ bool CloudPanel::edit_curve(const TransferCanvas& canvas, Transfer& transfer) {
 bool CloudPanel::slider(const char* id, float& place, const std::string& reading, const char* help) {
   ImGui::SetNextItemWidth(width_left() - kReadingWidth * frame_->scale);
   const bool moved = ImGui::SliderFloat(id, &place, 0, 1, "", kSliderFlags);
-  frame_->tooltip(help);
+  frame_->tooltips.show(help);
   ImGui::SameLine();
   text(reading);
   return moved;
@@ -195,7 +193,7 @@ void CloudPanel::color_by_row(render::CloudLook& look) {
   for (const ColorByRow& row : kColorBy) {
     if (row.by != kColorBy.front().by) ImGui::SameLine(0, 1);
     if (switch_button(row.label, chosen == row.by)) look.color_by = row.by;
-    frame_->tooltip(row.help);
+    frame_->tooltips.show(row.help);
   }
 }
 
@@ -206,7 +204,7 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
     if (!own && transfer == preset.make(values)) shown = preset.label;
   ImGui::SetNextItemWidth(width_left());
   if (!ImGui::BeginCombo("##presets", shown)) {
-    frame_->tooltip(
+    frame_->tooltips.show(
         "Colour and opacity by value. Click on the curve for a new point; drag points; a right click or Del "
         "removes one. Opacity also rises with the magnitude of the gradient, up to the median of all.");
     return;
@@ -216,14 +214,14 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
     own = true;
     point_.reset();
   }
-  frame_->tooltip("What the file says, or what fits its values");
+  frame_->tooltips.show("What the file says, or what fits its values");
   for (const TransferPreset& preset : transfer_presets()) {
     if (ImGui::Selectable(preset.label, preset.label == shown)) {
       transfer = preset.make(values);
       own = false;
       point_.reset();
     }
-    frame_->tooltip(preset.help);
+    frame_->tooltips.show(preset.help);
   }
   ImGui::EndCombo();
 }
@@ -261,7 +259,7 @@ bool CloudPanel::curve(Transfer& transfer, const Range& values) {
 bool CloudPanel::color_button(std::array<float, 3>& color) {
   const ImVec4 shown(color[0], color[1], color[2], 1);
   if (ImGui::ColorButton("##color", shown, ImGuiColorEditFlags_NoTooltip)) ImGui::OpenPopup("##picker");
-  frame_->tooltip("Colour of the point");
+  frame_->tooltips.show("Colour of the point");
   if (!ImGui::BeginPopup("##picker")) return false;
   ImGui::SetNextItemWidth(kPickerWidth * frame_->scale);
   const bool changed = ImGui::ColorPicker3("##picked", color.data(),
@@ -278,8 +276,8 @@ void CloudPanel::keep_popup() {
 }
 
 bool CloudPanel::close_one() {
-  if (open && popup_) return close_popup_ = true;
-  return std::exchange(open, false);
+  close_popup_ = popup_;
+  return popup_;
 }
 
 bool CloudPanel::point_fields(qnv::TransferPoint& point, const Range& values, float width) {
@@ -287,12 +285,12 @@ bool CloudPanel::point_fields(qnv::TransferPoint& point, const Range& values, fl
   float value = value_in(values, point.value);
   ImGui::SetNextItemWidth(width);
   bool moved = ImGui::DragFloat("##value", &value, range * 0.002f, 0, 0, "%.4g", ImGuiSliderFlags_NoRoundToFormat);
-  frame_->tooltip("Value of the volume");
+  frame_->tooltips.show("Value of the volume");
   if (moved && range > 0) point.value = (value - values.first) / range;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(width);
   moved |= ImGui::DragFloat("##opacity", &point.opacity, 0.002f, 0, 1, "%.3f", ImGuiSliderFlags_AlwaysClamp);
-  frame_->tooltip("Opacity at this value");
+  frame_->tooltips.show("Opacity at this value");
   return moved;
 }
 
@@ -322,7 +320,7 @@ bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
                     ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Backspace)));
   const bool removed = (ImGui::Button("Remove") || key) && remove_point(transfer, index);
   ImGui::EndDisabled();
-  frame_->tooltip("Remove the point (Del, or a right click on it)");
+  frame_->tooltips.show("Remove the point (Del, or a right click on it)");
   if (removed) point_.reset();
   return colored || moved || removed;
 }
@@ -346,7 +344,7 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
   bool on = look.clip.has_value();
   label("Clip", frame_->scale);
   bool changed = ImGui::Checkbox("##clip", &on);
-  frame_->tooltip("Leave out what lies before a plane");
+  frame_->tooltips.show("Leave out what lies before a plane");
   ImGui::BeginDisabled(!on);
   for (std::size_t i = 0; i < kAxes.size(); ++i) {
     const auto axis = static_cast<ClipAxis>(i);
@@ -356,15 +354,15 @@ void CloudPanel::clip_rows(const UiModel& model, render::CloudLook& look) {
       if (axis == ClipAxis::view) clip.view = model.looking;
       changed = true;
     }
-    frame_->tooltip(axis == ClipAxis::view ? "Across the line of sight as it is now; click again to take it anew"
-                                           : "Across this axis of the world");
+    frame_->tooltips.show(axis == ClipAxis::view ? "Across the line of sight as it is now; click again to take it anew"
+                                                 : "Across this axis of the world");
   }
   ImGui::SameLine();
   if (ImGui::Button("Flip")) {
     clip = flipped(clip);
     changed = true;
   }
-  frame_->tooltip("Keep the other side");
+  frame_->tooltips.show("Keep the other side");
   label("", frame_->scale);
   changed |= slider("##place", clip.place, number("%.0f %%", static_cast<double>(clip.place) * 100),
                     "Where the plane lies in the scene; 0 keeps everything");
@@ -392,21 +390,13 @@ void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
   clip_rows(model, look);
 }
 
-void CloudPanel::build(const Frame& frame, const UiModel& model, UiActions& actions) {
+void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   frame_ = &frame;
   popup_ = false;
-  const float scale = frame.scale, right = ImGui::GetIO().DisplaySize.x - 8 * scale;
-  const float width = std::min(kPanelWidth * scale, right - 8 * scale);
-  ImGui::SetNextWindowPos({right, frame.top}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, std::max(frame.bottom - frame.top, 60 * scale)});
-  const bool visible = ImGui::Begin("Clouds", &open,
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                                        ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing |
-                                        ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   render::CloudLook look = model.look;
-  if (visible && !model.has_surface_clouds && !model.has_volumes) {
-    colored_text(UiColors::kQuiet, "There are no clouds of vectors in this world.");
-  } else if (visible) {
+  if (!model.has_surface_clouds && !model.has_volumes) {
+    colored_text(UiColors::kQuiet, "There is no volume and no cloud of vectors in this world.");
+  } else {
     color_by_row(look);
     if (!model.volumes.empty()) {
       ImGui::Separator();
@@ -415,10 +405,9 @@ void CloudPanel::build(const Frame& frame, const UiModel& model, UiActions& acti
       ImGui::BeginDisabled(look == render::CloudLook{});
       if (ImGui::Button("Reset")) look = {};
       ImGui::EndDisabled();
-      frame.tooltip("All as it was at first");
+      frame.tooltips.show("All as it was at first");
     }
   }
-  ImGui::End();
   if (look != model.look) actions.look = std::move(look);
   close_popup_ = false;
   frame_ = nullptr;

@@ -1,0 +1,87 @@
+#pragma once
+
+#include "app/session/session_log.h"
+#include "app/view/actions.h"
+#include "app/view/navigation.h"
+#include "app/view/viewports.h"
+#include "qnv/base/cloud.h"
+#include "render/draw/renderer.h"
+#include "render/scene/cloud_look.h"
+#include "vrml/mesh/mesh.h"
+
+#include <glm/vec2.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gs::app {
+
+/// A viewport in sight.
+struct UiViewport {
+  Viewport place;
+  std::string label;    // of the file it shows; empty: none
+  std::string loading;  // label of what is being read for it, or empty
+  bool active = false;
+};
+
+/// Whether a world may read a folder that is not its own.
+struct UiQuestion {
+  std::string world;  // label
+  std::string folder, reference;
+};
+
+/// What the user interface shows. Made anew for each frame; pointers need to last only that long.
+struct UiModel {
+  std::vector<std::string> files;   // labels
+  std::optional<std::size_t> file;  // of these, the chosen one
+
+  std::vector<UiViewport> viewports;
+  ViewportLayout layout = ViewportLayout::one;
+  bool linked = false;  // all viewports move as one
+  std::optional<UiQuestion> question;
+
+  // From here on: the active viewport.
+  bool has_world = false;
+
+  std::vector<std::string> viewpoints;   // labels
+  std::optional<std::size_t> viewpoint;  // of these, the bound one
+  NavigationMode mode = NavigationMode::none;
+  NavigationRules rules;
+  float speed = 1;  // metres a second
+  bool headlight = false;
+  bool has_sounds = false, muted = false;
+
+  // Its clouds.
+  render::CloudLook look;
+  bool has_surface_clouds = false, has_volumes = false;
+  vrml::Bounds bounds;                                     // world space, of everything
+  std::vector<std::shared_ptr<const qnv::Cloud>> volumes;  // of which the panel takes a summary, once
+  glm::vec3 looking{0, 0, -1};                             // world space, along the middle of the view
+
+  render::FrameStatistics statistics;
+  double frame_ms = 0, frames_a_second = 0;
+  std::string gl_renderer;
+  const SessionLog* log = nullptr;
+
+  bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
+  std::string link;                        // what it leads to; may be empty
+  std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
+  glm::vec2 pointer{0};
+};
+
+/// What the user asked for with it.
+struct UiActions {
+  std::optional<std::string> open;
+  std::optional<std::size_t> file, viewpoint;
+  std::optional<NavigationMode> mode;
+  std::optional<Action> run;
+  std::optional<ViewportLayout> layout;
+  std::optional<bool> allow_folder;           // the answer to UiModel::question
+  std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
+  std::optional<render::CloudLook> look;      // instead of the model's
+};
+
+}  // namespace gs::app

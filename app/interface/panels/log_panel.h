@@ -1,0 +1,19 @@
+#pragma once
+
+#include "app/interface/panels/panel.h"
+
+#include <vector>
+
+namespace gs::app {
+
+/// What was said of the files of the session. It shows less when the user says so, and drops nothing.
+class LogPanel final : public Panel {
+ public:
+  void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
+
+ private:
+  static void rows_of(const PanelFrame& frame, const std::vector<const vrml::Diagnostic*>& rows);
+  bool show_errors_ = true, show_warnings_ = true, show_notes_ = true;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,35 @@
+#include "app/interface/panels/panels.h"
+
+#include "app/interface/panels/cloud_panel.h"
+#include "app/interface/panels/log_panel.h"
+
+#include <algorithm>
+
+namespace gs::app {
+namespace {
+
+constexpr PanelRow kPanels[] = {
+    {"transfer-function", "Transfer function", DockSide::right, Action::clouds, make_panel<CloudPanel>},
+    {"log", "Log", DockSide::bottom, Action::log, make_panel<LogPanel>},
+};
+
+template <class Wanted>
+std::optional<std::size_t> find_row(Wanted wanted) {
+  const auto row = std::find_if(std::begin(kPanels), std::end(kPanels), wanted);
+  if (row == std::end(kPanels)) return std::nullopt;
+  return static_cast<std::size_t>(row - std::begin(kPanels));
+}
+
+}  // namespace
+
+std::span<const PanelRow> panel_rows() { return kPanels; }
+
+std::optional<std::size_t> panel_of(Action action) {
+  return find_row([action](const PanelRow& row) { return row.toggle == action; });
+}
+
+std::optional<std::size_t> find_panel(std::string_view id) {
+  return find_row([id](const PanelRow& row) { return row.id == id; });
+}
+
+}  // namespace gs::app
