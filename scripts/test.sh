@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# test.sh: installs what is missing, builds GhostSpace and runs every test, in two builds: the optimised one, which
+# test.sh: installs what is missing, builds GhostSpace and runs every test, in two variants: the optimised one, which
 # users run, and one that AddressSanitizer and UndefinedBehaviorSanitizer watch. ctest's summaries come last.
 set -euo pipefail
 
@@ -10,40 +10,44 @@ cd "$root"
 status=0
 summaries=()
 
-build() {  # PRESET
-  echo "== $1"
-  cmake --preset "$1" >/dev/null
-  cmake --build --preset "$1"
+build() {  # TARGET
+  echo "== building $1"
+  cmake --build --preset release --target "$1"
 }
 
-run_tests() {  # PRESET: writes ctest's output to build/PRESET/ctest.log
-  ctest --preset "$1" --output-log "$root/build/$1/ctest.log" >/dev/null
+run_tests() {  # VARIANT CTEST-OPTION...: writes ctest's output to build/release/ctest.VARIANT.log
+  local variant=$1
+  shift
+  ctest --preset release "$@" --output-log "$root/build/release/ctest.$variant.log" >/dev/null
 }
 
-summarise() {  # PRESET STATUS
-  local log=$root/build/$1/ctest.log counts
-  echo "== tests of $1"
+summarise() {  # VARIANT STATUS
+  local log=$root/build/release/ctest.$1.log counts
+  echo "== $1 tests"
   cat "$log"
   # A test of ctest is a file; what Catch2 counts in it is cases and assertions.
   counts=$(sed -nE 's/^.*\(([0-9]+) assertions? in ([0-9]+) test cases?\).*$/\1 \2/p; s/^test cases: *([0-9]+).*$/0 \1/p; s/^assertions: *([0-9]+).*$/\1 0/p' \
-    "$root/build/$1/Testing/Temporary/LastTest.log" | awk '{ a += $1; c += $2 } END { printf "%d cases, %d assertions", c, a }')
-  summaries+=("$(printf '%-8s %s; %s' "$1:" "$(grep -E 'tests? passed|No tests' "$log" | tail -1)" "$counts")")
+    "$root/build/release/details.$1.log" | awk '{ a += $1; c += $2 } END { printf "%d cases, %d assertions", c, a }')
+  summaries+=("$(printf '%-10s %s; %s' "$1:" "$(grep -E 'tests? passed|No tests' "$log" | tail -1)" "$counts")")
   [ "$2" -eq 0 ] || status=1
 }
 
-# The optimised tests run while the other build is made: neither keeps all cores busy to its end.
-build release
-run_tests release &
-release_tests=$!
-trap 'kill $release_tests 2>/dev/null || true' EXIT
-build asan
+cmake --preset release -DGHOSTSPACE_WATCHED=ON >/dev/null
+# The optimised tests run while the watched ones are made: neither keeps all cores busy to its end.
+build tests
+run_tests optimised -LE watched &
+optimised=$!
+trap 'kill $optimised 2>/dev/null || true' EXIT
+build all
 result=0
-wait $release_tests || result=$?
+wait $optimised || result=$?
 trap - EXIT
-summarise release $result
+cp build/release/Testing/Temporary/LastTest.log build/release/details.optimised.log
+summarise optimised $result
 result=0
-run_tests asan || result=$?
-summarise asan $result
+run_tests watched -L watched || result=$?
+cp build/release/Testing/Temporary/LastTest.log build/release/details.watched.log
+summarise watched $result
 
 echo
 printf '%s\n' "${summaries[@]}"

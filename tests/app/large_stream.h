@@ -44,15 +44,15 @@ inline std::string encoded_large_stream() {
 }
 
 /// A packed stream of a bumpy ball, of more than a megabyte: long enough to be read here and there. Every test is a
-/// program of its own; the first of them that needs the stream leaves it beside the programs, for as long as they are
-/// the same.
+/// process of its own; the first of them that needs the stream leaves it beside the program, for as long as that is the
+/// same.
 inline const std::string& large_stream() {
   static const std::string bytes = [] {
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::path kept = fs::path(GHOSTSPACE_BINARY).parent_path() / "large_stream.qnv";
     const auto made = fs::last_write_time(kept, error);
-    if (!error && made > fs::last_write_time(fs::read_symlink("/proc/self/exe"))) {
+    if (!error && made > fs::last_write_time(GHOSTSPACE_BINARY)) {
       std::ifstream in(kept, std::ios::binary);
       std::string all{std::istreambuf_iterator<char>(in), {}};
       if (all.size() > (std::size_t{1} << 20)) return all;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/app/program.h"
+
 #include <catch2/catch.hpp>
 
 #include <sys/wait.h>
@@ -32,7 +34,7 @@ inline Run run_shell(const std::string& line) {
 }
 
 /// Runs the program as a user does, through the shell.
-inline Run run(const std::string& arguments) { return run_shell(GHOSTSPACE_BINARY " " + arguments); }
+inline Run run(const std::string& arguments) { return run_shell(program() + " " + arguments); }
 
 inline std::string quoted(const std::string& path) { return "'" + path + "'"; }
 

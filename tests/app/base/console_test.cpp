@@ -2,8 +2,10 @@
 #include "app/base/console.h"
 
 #include "app/commands/options.h"
+#include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -116,12 +118,12 @@ TEST_CASE("nothing of a file's name, of its content or of a URL controls the ter
   const std::string title = folder.write("title.wrl", "#VRML V2.0 utf8\nWorldInfo { title \"\x1b[2J\" }\n");
   CHECK(run("print " + quoted(title)).output.find("\"\x1b[2J\"") != std::string::npos);
   for (const std::string command : {"print ", "info ", "check "}) {
-    const std::string shown = on_terminal(GHOSTSPACE_BINARY " " + command + quoted(title) + "; echo done");
+    const std::string shown = on_terminal(program() + " " + command + quoted(title) + "; echo done");
     INFO(printable(shown));
     CHECK(shown.ends_with("done\n"));
     CHECK(is_plain(shown));
   }
-  CHECK(on_terminal(GHOSTSPACE_BINARY " print " + quoted(title)).find("title \"\\x1b[2J\"\n") != std::string::npos);
+  CHECK(on_terminal(program() + " print " + quoted(title)).find("title \"\\x1b[2J\"\n") != std::string::npos);
 }
 
 TEST_CASE("every command says that its output could not be written, and fails") {
@@ -134,18 +136,18 @@ TEST_CASE("every command says that its output could not be written, and fails") 
         std::string("nodes --markdown"), std::string("man"), std::string("--help"), std::string("--version"),
         "fetch " + world, "encode --vectors 100 " + world + " " + out,
         "export " + world + " " + quoted(folder.path("out.ply"))}) {
-    const Run full = run_shell(GHOSTSPACE_BINARY " " + arguments + " > /dev/full");
+    const Run full = run_shell(program() + " " + arguments + " > /dev/full");
     INFO(arguments << "\n" << full.output);
     CHECK(full.status == (arguments.starts_with("check") ? kFailed : kNotWritten));
     CHECK(full.output.ends_with("ghostspace: error: cannot write standard output: No space left on device\n"));
-    const Run closed = run_shell(GHOSTSPACE_BINARY " " + arguments + " >&-");
+    const Run closed = run_shell(program() + " " + arguments + " >&-");
     INFO(closed.output);
     CHECK(closed.status != kDone);
     CHECK(closed.output.find("cannot write standard output") != std::string::npos);
   }
   // Nothing to say, nothing that could fail.
-  CHECK(run_shell(GHOSTSPACE_BINARY " check " + world + " > /dev/full").status == kDone);
-  CHECK(run_shell(GHOSTSPACE_BINARY " check " + bad + " 2>&- >&- <&-").status == kFailed);
+  CHECK(run_shell(program() + " check " + world + " > /dev/full").status == kDone);
+  CHECK(run_shell(program() + " check " + bad + " 2>&- >&- <&-").status == kFailed);
 }
 
 TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing") {
@@ -160,7 +162,7 @@ TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing"
         picture + quoted(folder.path("o.png")) + " " + world,
         "check --stats " + quoted(folder.path("o.json")) + " " + world}) {
     const Run result =
-        run_shell("bash -c " + quoted("ulimit -f 0; exec " GHOSTSPACE_BINARY " \"$@\"") + " sh " + arguments);
+        run_shell("bash -c " + quoted("ulimit -f 0; exec " + program() + " \"$@\"") + " sh " + arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status == kNotWritten);
     CHECK(result.output.find("File too large") != std::string::npos);
@@ -169,8 +171,8 @@ TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing"
   for (const char* name : {"o.qnv", "o.wrl", "o.ply", "o.glb", "o.png", "o.json"}) CHECK(folder.read(name).empty());
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose shadows take terabytes of addresses
 TEST_CASE("too little memory gives a line and a status, never a crash, however little it is") {
+  if (watched()) return;  // it takes terabytes of addresses
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 120; ++i) text += "Shape { geometry Sphere { radius " + std::to_string(i) + " } }\n";
@@ -184,8 +186,7 @@ TEST_CASE("too little memory gives a line and a status, never a crash, however l
         "encode --dims 32x32x32 --fraction 0.5 " + volume + " " + stream,
         "export --dims 32x32x32 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
     for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 3) {
-      const Run result =
-          run_shell("ulimit -v " + std::to_string(megabytes) + "000; " GHOSTSPACE_BINARY " " + arguments);
+      const Run result = run_shell("ulimit -v " + std::to_string(megabytes) + "000; " + program() + " " + arguments);
       // The loader of libraries has its own words.
       if (result.status == 127 || result.output.find("error while loading shared libraries") != std::string::npos)
         continue;
@@ -197,4 +198,3 @@ TEST_CASE("too little memory gives a line and a status, never a crash, however l
   CHECK(failed > 0);
   CHECK(done > 0);
 }
-#endif

@@ -1,5 +1,6 @@
 #include "app/commands/option_values.h"
 
+#include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 
@@ -41,19 +42,19 @@ TEST_CASE("- is standard input: of a file and of a pipe, once, and for what is r
   const Run redirected = run("print - < " + quoted(file));
   CHECK(redirected.status == 0);
   CHECK(redirected.output.find("geometry Sphere") != std::string::npos);
-  const Run piped = run_shell("cat " + quoted(file) + " | " GHOSTSPACE_BINARY " print -");
+  const Run piped = run_shell("cat " + quoted(file) + " | " + program() + " print -");
   CHECK(piped.output == redirected.output);
-  const Run wrong = run_shell("echo 'Nonsense { }' | " GHOSTSPACE_BINARY " check -");
+  const Run wrong = run_shell("echo 'Nonsense { }' | " + program() + " check -");
   CHECK(wrong.status == 1);
   CHECK(wrong.output.starts_with("/dev/stdin:1:1: error"));
   CHECK(run("check - - < " + quoted(file)).output.find("once") != std::string::npos);
   // What a text refers to lies where the program was started.
   folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"a.wrl\" }\n");
-  const Run outer = run_shell("cd " + quoted(folder.path("")) + " && cat outer.wrl | " GHOSTSPACE_BINARY " check -");
+  const Run outer = run_shell("cd " + quoted(folder.path("")) + " && cat outer.wrl | " + program() + " check -");
   INFO(outer.output);
   CHECK(outer.status == 0);
   CHECK(outer.output.empty());
-  const Run large = run_shell("head -c 20000000 /dev/zero | " GHOSTSPACE_BINARY " check --memory 16M -");
+  const Run large = run_shell("head -c 20000000 /dev/zero | " + program() + " check --memory 16M -");
   CHECK(large.status == 1);
   CHECK(large.output.find("--memory") != std::string::npos);
 }
@@ -65,8 +66,8 @@ TEST_CASE("A word that is neither file nor command is wrong usage, and opens no 
   CHECK(result.output.find("serve") != std::string::npos);
   const ScratchFolder folder;
   folder.write("frobnicate", kBall);
-  const Run file = run_shell("cd " + quoted(folder.path("")) +
-                             " && " GHOSTSPACE_BINARY " --backend osmesa --size 32x32 --snapshot o.png frobnicate");
+  const Run file = run_shell("cd " + quoted(folder.path("")) + " && " + program() +
+                             " --backend osmesa --size 32x32 --snapshot o.png frobnicate");
   INFO(file.output);
   CHECK(file.status == 0);
 }

@@ -5,6 +5,7 @@
 #include "qnv/stream/container.h"
 
 #include "tests/app/formats_helpers.h"
+#include "tests/app/program.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/net/http_client.h"
 
@@ -42,7 +43,7 @@ ArchiveOptions options_for(const ScratchFolder& folder, const ScratchFolder& cac
   options.cache = cache.path("");
   options.http_port = 0;
   options.log = cache.path("log");
-  options.program = GHOSTSPACE_BINARY;
+  options.program = program();
   return options;
 }
 
@@ -259,7 +260,7 @@ TEST_CASE("serve: after a full disk it is made again") {
   // As our program ends when there is no room for what it made.
   const std::string full = cache.write("full", "");
   options.program = cache.write("program", "#!/bin/sh\n[ -e '" + full + "' ] && echo 'cannot write " + full +
-                                               "' >&2 && exit 3\nexec '" GHOSTSPACE_BINARY "' \"$@\"\n");
+                                               "' >&2 && exit 3\nexec '" + program() + "' \"$@\"\n");
   std::filesystem::permissions(options.program, std::filesystem::perms::owner_all);
   const auto archive = started(options);
   const std::uint16_t port = *archive->http_port();
@@ -312,10 +313,9 @@ TEST_CASE("serve: streams as cells, packed and of records") {
   const auto archive = started(options);
   folder.write("packed.qnv", fetch_made(*archive->http_port(), "/ball.wrl.qnv").body);
   std::stop_source stop;
-  REQUIRE_FALSE(
-      run_child(GHOSTSPACE_BINARY,
-                {"encode", "--records", "--vectors", "20000", folder.path("ball.wrl"), folder.path("records.qnv")}, {},
-                stop.get_token()));
+  REQUIRE_FALSE(run_child(
+      program(), {"encode", "--records", "--vectors", "20000", folder.path("ball.wrl"), folder.path("records.qnv")}, {},
+      stop.get_token()));
   auto opened = CellArchive::of_folder(folder.path(""));
   const auto library = std::get<std::shared_ptr<CellArchive>>(opened);
   for (const std::string name : {"packed.qnv", "records.qnv"}) {

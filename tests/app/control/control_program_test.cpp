@@ -1,4 +1,5 @@
 // The program as others control it: the examples of docs/control.md, in a window's place without one.
+#include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
 
@@ -16,14 +17,13 @@ namespace fs = std::filesystem;
 
 const std::string kExamples = GHOSTSPACE_TESTS "/../docs/examples/control/";
 
-bool has(const std::string& program) { return run_shell("command -v " + program).status == 0; }
+bool has(const std::string& name) { return run_shell("command -v " + name).status == 0; }
 
 /// Runs a line of the shell while the program is there to be controlled, at ./socket with the token in ./token; what
 /// the line printed. The program is asked to end behind it, and its own output is in ./log.
 Run with_program(const ScratchFolder& folder, const std::string& line, const std::string& arguments) {
-  const std::string program = GHOSTSPACE_BINARY;
   return run_shell(
-      "cd " + quoted(folder.path("")) + "; " + program + " --backend osmesa --control socket " +
+      "cd " + quoted(folder.path("")) + "; " + program() + " --backend osmesa --control socket " +
       "--control-token token " + arguments + " > log 2>&1 & pid=$!; cd " + quoted(folder.path("")) +
       "; i=0; while [ ! -S socket ] || [ ! -f token ]; do sleep 0.05; i=$((i + 1)); [ $i -lt 1200 ] || break; "
       "done; " +
@@ -73,22 +73,22 @@ TEST_CASE("A client ends the program, the token is told, and what lacks or is wr
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   const std::string at = "cd " + quoted(folder.path("")) + "; ";
-  const std::string program = GHOSTSPACE_BINARY;
-  const Run none = run_shell(at + program + " --backend osmesa --control socket none.wrl");
+  const Run none = run_shell(at + program() + " --backend osmesa --control socket none.wrl");
   CHECK(none.status == 1);
   CHECK(none.output.find("none.wrl") != std::string::npos);
   CHECK(none.output.find("ghostspace: error: there is no world to be controlled\n") != std::string::npos);
   CHECK(none.output.find("ghostspace: control token ") != std::string::npos);
-  const Run there = run_shell(at + program + " --backend osmesa --control world.wrl world.wrl");
+  const Run there = run_shell(at + program() + " --backend osmesa --control world.wrl world.wrl");
   CHECK(there.status == 1);
   CHECK(there.output.find("world.wrl is there and is no socket; it is not replaced\n") != std::string::npos);
   CHECK(folder.read("world.wrl") == world());
-  const Run token = run_shell(at + program + " --backend osmesa --control socket --control-token world.wrl world.wrl");
+  const Run token =
+      run_shell(at + program() + " --backend osmesa --control socket --control-token world.wrl world.wrl");
   CHECK(token.status == 1);
   CHECK(folder.read("world.wrl") == world());
-  CHECK(run_shell(at + program + " --control 70000 world.wrl").status == 2);
-  CHECK(run_shell(at + program + " --control-token token world.wrl").status == 2);
-  CHECK(run_shell(at + program + " --control socket --snapshot out.png world.wrl").status == 2);
+  CHECK(run_shell(at + program() + " --control 70000 world.wrl").status == 2);
+  CHECK(run_shell(at + program() + " --control-token token world.wrl").status == 2);
+  CHECK(run_shell(at + program() + " --control socket --snapshot out.png world.wrl").status == 2);
   if (!has("python3")) return;
   const Run quit = with_program(folder,
                                 "timeout 60 python3 -c 'import sys; sys.path.insert(0, \"" + kExamples +

@@ -7,6 +7,7 @@
 #include "qnv/lod/lod.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
+#include "tests/app/program.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -208,7 +209,7 @@ class ServerProgram {
     const std::string port = std::to_string(*site.options.cells_port), folder = site.folder.path("");
     process_ = ::fork();
     if (process_ != 0) return;
-    ::execl(GHOSTSPACE_BINARY, "ghostspace", "serve", "--cells", port.c_str(), "--rate", rate, folder.c_str(),
+    ::execl(program().c_str(), "ghostspace", "serve", "--cells", port.c_str(), "--rate", rate, folder.c_str(),
             static_cast<char*>(nullptr));
     ::_exit(127);
   }

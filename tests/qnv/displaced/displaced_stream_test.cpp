@@ -246,7 +246,7 @@ TEST_CASE("chunks of a displaced stream give the same surface in any order, and 
   }
 }
 
-TEST_CASE("lost chunks make a displaced surface rougher, and nothing else") {
+TEST_CASE("lost chunks make a displaced surface rougher, and nothing else", "[optimised]") {
   const Triangles rough = sheet(150);
   const Bytes stream = encode(rough);
   StreamReader reader;
