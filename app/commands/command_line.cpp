@@ -44,6 +44,12 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
     if (row.argument.empty()) {
       parser.add_flag_callback(
           std::string(row.name), [take] { take(""); }, help);
+    } else if (has_optional_value(row)) {
+      // Behind "=" alone: a word behind the option is the next argument.
+      constexpr std::string_view kAlone = "true";
+      parser.add_flag(std::string(row.name), help)
+          ->type_name(std::string(row.argument))
+          ->each([take](const std::string& value) { take(value == kAlone ? "" : value); });
     } else {
       parser.add_option_function<std::string>(std::string(row.name), take, help)
           ->type_name(std::string(row.argument))
