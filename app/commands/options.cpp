@@ -141,8 +141,7 @@ Problem set_vectors(Options& options, const std::string& value) {
 Problem set_exact(Options& options, const std::string& value) {
   constexpr int kUsualBits = 11;
   options.exact_bits = kUsualBits;
-  const bool good = value.empty() || (read(value, options.exact_bits) &&
-                                      options.exact_bits >= qnv::exact::kLeastBits &&
+  const bool good = value.empty() || (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kLeastBits &&
                                       options.exact_bits <= qnv::exact::kMostBits);
   return good ? Problem{} : "expected a number of bits from 8 to 20";
 }

@@ -72,7 +72,7 @@ class StreamDecoder {
   ClusterForest<Cluster> packed_;
   ClusterForest<VolumeCluster> voxels_;
   SurfaceStages surface_;
-  ExactSurface exact_;  // shown in its place once it is there
+  ExactSurface exact_;                              // shown in its place once it is there
   mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;
 };

@@ -37,9 +37,9 @@ std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail) {
   header.triangles = in.integer<std::uint32_t>();
   for (auto& situation : header.weights)
     for (std::int16_t& weight : situation) weight = in.integer<std::int16_t>();
-  if (!in.good() || flags > 1 || header.bits < kLeastBits || header.bits > kMostBits ||
-      header.crease_angle > 180 || header.triangles == 0 ||
-      header.triangles > kMostTrianglesAByte * tail.size() || header.vertices / 3 > header.triangles)
+  if (!in.good() || flags > 1 || header.bits < kLeastBits || header.bits > kMostBits || header.crease_angle > 180 ||
+      header.triangles == 0 || header.triangles > kMostTrianglesAByte * tail.size() ||
+      header.vertices / 3 > header.triangles)
     return {};
   return header;
 }

@@ -132,7 +132,8 @@ class MeshGuide {
     const std::uint32_t other = twins_[before(half)];
     return other != kNone && !done(other) && apex(other) == vertex ? other : kNone;
   }
-  /// Of the sides that leave the vertex opposite to a half: the first one behind the gap that the half's triangle is in.
+  /// Of the sides that leave the vertex opposite to a half: the first one behind the gap that the half's triangle is
+  /// in.
   [[nodiscard]] std::uint32_t side_at_apex(std::uint32_t half, const Gates& gates) const {
     std::uint32_t leaves = twins_[after(half)];
     while (leaves != kNone && !done(leaves)) leaves = twins_[before(leaves)];

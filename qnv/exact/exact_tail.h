@@ -18,7 +18,8 @@ namespace gs::qnv::exact {
 /// are one fan, as `quantized` gives it. The same bytes for the same mesh.
 [[nodiscard]] std::vector<std::byte> encode_tail(const ExactMesh& mesh);
 
-/// The same mesh, in another order. Nothing where the bytes are no tail, or have more than so many vertices. Safe for untrusted bytes: memory and time are in proportion to them.
+/// The same mesh, in another order. Nothing where the bytes are no tail, or have more than so many vertices. Safe for
+/// untrusted bytes: memory and time are in proportion to them.
 [[nodiscard]] std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices);
 
 /// How much is in a tail; nothing where it is none. Safe for untrusted bytes.

@@ -13,8 +13,8 @@
 namespace gs::qnv::exact {
 
 /// The triangles of a mesh that grows, and its sides: side 3 t + k leads from corner k of triangle t to the next one.
-/// Sides beside which nothing is stand in chains: behind a side to b the first one comes that leaves b on the other side
-/// of the gap at b. Every chain is closed.
+/// Sides beside which nothing is stand in chains: behind a side to b the first one comes that leaves b on the other
+/// side of the gap at b. Every chain is closed.
 class Gates {
  public:
   enum class State : std::uint8_t { open, rim, joined };

@@ -25,7 +25,7 @@ struct TailHeader {
   bool colored = false;
   int crease_angle = 180;  // of ExactMesh
   std::uint32_t vertices = 0, triangles = 0;
-  Weights weights{};                          // of 2^kWeightBits
+  Weights weights{};  // of 2^kWeightBits
 };
 
 /// A colour as luma and two chromas, without loss (H. Malvar, G. Sullivan, YCoCg-R, 2003).
@@ -45,8 +45,8 @@ inline constexpr std::uint32_t kEndMark = 0x5143;
 
 /// A mesh that grows triangle by triangle, where its gap is narrowest first (after P. Alliez, C. Gotsman, M. Desbrun,
 /// Near-optimal connectivity encoding, 2001; H. Lee, P. Alliez, M. Desbrun, Angle-Analyzer, 2002). What it decides next
-/// is expected from what is there: angles, distances, numbers of triangles. Written once for both directions; FORMAT.md,
-/// "Exact tail", has every step.
+/// is expected from what is there: angles, distances, numbers of triangles. Written once for both directions;
+/// FORMAT.md, "Exact tail", has every step.
 ///
 /// `Guide` knows the mesh where it is written; where it is read, nothing is asked of it.
 template <class Coder, class Guide>
@@ -116,7 +116,8 @@ class MeshGrowth {
   bool attach_left(const Site& site, std::uint32_t half);
   bool attach_far(const Site& site, std::uint32_t half);
   bool vertex(const Site& site);
-  [[nodiscard]] glm::ivec3 expected(const Site& site, std::array<glm::ivec3, kNear>& near, std::size_t& situation) const;
+  [[nodiscard]] glm::ivec3 expected(const Site& site, std::array<glm::ivec3, kNear>& near,
+                                    std::size_t& situation) const;
   glm::ivec3 color(const glm::ivec3& expected, std::uint32_t activity, std::uint16_t& told);
 
   Decisions<Coder> decisions_;
@@ -251,8 +252,8 @@ bool MeshGrowth<Coder, Guide>::beside(const GateQueue::Gate& gate) {
                                  !is_fresh && half != Gates::kNone && beyond == s.r))
     return close(s, half);
   if (decisions_.bit(models_->fresh[context[0]][s.closes ? context[1] : 0], is_fresh)) return fresh(s, half, context);
-  if (gates_.open(s.before) && decisions_.bit(models_->left[s.closes ? 1 : 0],
-                                              half != Gates::kNone && beyond == gates_.from(s.before)))
+  if (gates_.open(s.before) &&
+      decisions_.bit(models_->left[s.closes ? 1 : 0], half != Gates::kNone && beyond == gates_.from(s.before)))
     return attach_left(s, half);
   if (decisions_.bit(models_->rim[gates_.state(s.behind) == Gates::State::rim ? 1 : 0], half == Gates::kNone)) {
     gates_.close(s.side);
@@ -351,7 +352,7 @@ glm::ivec3 MeshGrowth<Coder, Guide>::expected(const Site& s, std::array<glm::ive
                                               std::size_t& situation) const {
   const std::uint32_t after = gates_.next(s.behind);
   const std::array<std::uint32_t, kNear> vertices{
-      s.a,  s.o, s.r, s.o2, gates_.from(s.before), gates_.to(after), gates_.opposite(s.before), gates_.opposite(after)};
+      s.a, s.o, s.r, s.o2, gates_.from(s.before), gates_.to(after), gates_.opposite(s.before), gates_.opposite(after)};
   situation = s.two ? (s.gap < 48 ? 0 : 1) : !s.closes ? 5 : s.gap < 48 ? 2 : s.gap < 64 ? 3 : 4;
   std::array<std::int64_t, 3> sum{};
   for (std::size_t i = 0; i < kNear; ++i) {
@@ -426,15 +427,15 @@ bool MeshGrowth<Coder, Guide>::vertex(const Site& s) {
 
   Mark mark;
   mark.along = static_cast<std::uint16_t>(std::min<std::uint32_t>(4 * off_both, 4000));
-  mark.across = static_cast<std::uint16_t>(std::min<std::uint32_t>(8 * static_cast<std::uint32_t>(std::abs(off_flat)), 4000));
+  mark.across =
+      static_cast<std::uint16_t>(std::min<std::uint32_t>(8 * static_cast<std::uint32_t>(std::abs(off_flat)), 4000));
   glm::ivec3 tint(0);
   if (header_.colored) {
     glm::ivec3 mean = colors_[s.a] + colors_[s.b] + (s.two ? colors_[s.r] : glm::ivec3(0));
     for (int c = 0; c < 3; ++c) mean[c] = static_cast<int>(floor_divide(mean[c], s.two ? 3 : 2));
     tint = color(mean, std::uint32_t{marks_[s.a].color} + marks_[s.b].color + marks_[third].color, mark.color);
   }
-  if constexpr (kWrites)
-    guide_.learn(situation, near, is - b, off_along + 8);
+  if constexpr (kWrites) guide_.learn(situation, near, is - b, off_along + 8);
   return add_vertex(place, tint, mark);
 }
 
