@@ -44,6 +44,12 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
     if (row.argument.empty()) {
       parser.add_flag_callback(
           std::string(row.name), [take] { take(""); }, help);
+    } else if (has_optional_value(row)) {
+      // Behind "=" alone: a word behind the option is the next argument.
+      constexpr std::string_view kAlone = "true";
+      parser.add_flag(std::string(row.name), help)
+          ->type_name(std::string(row.argument))
+          ->each([take](const std::string& value) { take(value == kAlone ? "" : value); });
     } else {
       parser.add_option_function<std::string>(std::string(row.name), take, help)
           ->type_name(std::string(row.argument))
@@ -182,7 +188,8 @@ std::string manual_page() {
       if (!applies(row, command)) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
-      out += ".TP\n.B " + name + (row.argument.empty() ? "" : " " + std::string(row.argument)) + "\n" + std::string(row.help);
+      out += ".TP\n.B " + name + (row.argument.empty() ? "" : " " + std::string(row.argument)) + "\n" +
+             std::string(row.help);
       if (!row.standard.empty()) out += " (" + std::string(row.standard) + ")";
       out += ".\n";
     }

@@ -16,6 +16,10 @@ std::optional<std::string> check_encode(const Options& options) {
     return "--vectors, --fraction and --max-bytes exclude each other; expected one of them";
   if (options.packed + options.records + options.displaced > 1)
     return "--displaced, --packed and --records exclude each other; expected one of them";
+  if (options.exact_bits > 0 && (options.packed || options.records || options.outlines))
+    return "--exact goes with none of --packed, --records and --outlines";
+  if (options.exact_bits > 0 && (options.vectors > 0 || options.fraction > 0 || options.max_bytes_given))
+    return "--exact goes with none of --vectors, --fraction and --max-bytes: the mesh takes what it takes";
   if (options.outlines) {
     if (options.packed || options.records || options.displaced || options.vectors > 0 || options.fraction > 0)
       return "--outlines goes with none of --displaced, --packed, --records, --vectors and --fraction";

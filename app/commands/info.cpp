@@ -172,6 +172,10 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
   json["palette"] = header->palette.size();
   json["directory_entries"] = decoder.directory().size();
   json["damaged_chunks"] = decoder.refused_chunks() + problems.size();
+  if (const qnv::ExactSurface& exact = decoder.exact(); exact.length() > 0) {
+    json["exact"] = {{"bytes", exact.length()}, {"come", exact.come()}};
+    if (exact.whole()) json["exact"].update({{"bits", exact.bits()}, {"triangles", cloud.triangles.size() / 3}});
+  }
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
     json["dimensions"] = {x, y, z};

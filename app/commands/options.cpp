@@ -5,6 +5,7 @@
 #include "app/commands/option_values.h"
 #include "app/formats/content_types.h"
 #include "net/base/host_names.h"
+#include "qnv/exact/exact_mesh.h"
 #include "render/gl/context.h"
 
 #include <algorithm>
@@ -135,6 +136,14 @@ Problem set_memory(Options& options, const std::string& value) {
 Problem set_vectors(Options& options, const std::string& value) {
   return read_count(value, options.vectors) && options.vectors > 0 ? Problem{}
                                                                    : "expected a number of vectors, more than 0";
+}
+
+Problem set_exact(Options& options, const std::string& value) {
+  constexpr int kUsualBits = 11;
+  options.exact_bits = kUsualBits;
+  const bool good = value.empty() || (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kLeastBits &&
+                                      options.exact_bits <= qnv::exact::kMostBits);
+  return good ? Problem{} : "expected a number of bits from 8 to 20";
 }
 
 Problem set_fraction(Options& options, const std::string& value) {
@@ -347,6 +356,10 @@ constexpr OptionRow kOptions[] = {
        o.displaced = true;
        return Problem{};
      }},
+    {"--exact", "[=BITS]", "11",
+     "behind the refinements of a surface the mesh itself, its vertices on 2^BITS places along the longest edge of its "
+     "box (8 to 20): who waits for the end gets the file, which export writes",
+     "encode ", set_exact},
     {"--packed", "", "", "entropy-coded octree, for surfaces of many small parts (the default for them)", "encode ",
      [](Options& o, const std::string&) {
        o.packed = true;

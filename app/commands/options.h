@@ -61,6 +61,7 @@ struct Options {
   bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
   std::optional<double> isovalue;
   bool packed = false, records = false, displaced = false;
+  int exact_bits = 0;  // of the mesh at the end of the stream; 0: not asked for
   bool outlines = false;
   std::optional<double> tolerance;  // of outline groups, units; none: by the model's size
   double merge = 0;                 // of their polygons, units
@@ -76,7 +77,7 @@ struct Options {
 /// One option: the row from which parsing, --help and the manual page are made.
 struct OptionRow {
   std::string_view name;      // "--size"
-  std::string_view argument;  // "WxH"; empty for a flag
+  std::string_view argument;  // "WxH"; empty for a flag; "[=BITS]": may be left out
   std::string_view standard;  // default, for the help; may be empty
   std::string_view help;
   std::string_view commands;  // where it may stand, a blank behind each: "open check "
@@ -85,6 +86,8 @@ struct OptionRow {
   bool repeats = false;  // may be given several times
 };
 [[nodiscard]] std::span<const OptionRow> option_rows();
+/// Whether its argument may be left out; then its value is empty.
+[[nodiscard]] constexpr bool has_optional_value(const OptionRow& row) { return row.argument.starts_with("[="); }
 
 /// One command. The first, "open", is what a command line without the name of one means.
 struct CommandRow {

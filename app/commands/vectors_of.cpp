@@ -161,7 +161,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   };
   // A number of vectors is the octree's to choose; a base is as fine as its source.
   const bool counted = encode_options.vectors > 0;
-  encode_options.only_if_suited = !options.displaced;
+  encode_options.exact_bits = options.exact_bits;
+  encode_options.only_if_suited = !options.displaced && options.exact_bits == 0;
   auto encoded = encode_as(options.records                                     ? qnv::Payload::records
                            : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
                                                                                : qnv::Payload::displaced);
@@ -249,8 +250,10 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     if (options.fraction > 0) return EncodeError{"--fraction is of a volume's voxels; with --isovalue use --vectors"};
     return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
   }
-  if (options.packed || options.displaced)
-    return EncodeError{std::string(options.packed ? "--packed" : "--displaced") +
+  if (options.packed || options.displaced || options.exact_bits > 0)
+    return EncodeError{std::string(options.packed      ? "--packed"
+                                   : options.displaced ? "--displaced"
+                                                       : "--exact") +
                        " is for surfaces made of triangles; leave it out"};
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};

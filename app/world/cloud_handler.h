@@ -66,6 +66,7 @@ class CloudHandler final : public ContentHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
+  bool shown_exact_ = false;  // the mesh itself, at the end of its stream
   std::uint64_t directory_ = 0;  // of a packed stream: where it begins; 0: unknown
 };
 

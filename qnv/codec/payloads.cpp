@@ -84,7 +84,7 @@ constexpr std::array<PayloadRow, 5> kRows = {{
      decode_vectors},
     {Payload::outlines, "outlines", PayloadReader::polygons, ChunkType::outlines, ChunkType::inner, 0, 0, 0,
      encode_groups, decode_polygons},
-    {Payload::displaced, "displaced", PayloadReader::vectors, ChunkType::displaced, ChunkType::displaced, 0, 0, 0,
+    {Payload::displaced, "displaced", PayloadReader::vectors, ChunkType::displaced, ChunkType::exact, 0, 0, 0,
      encode_base_and_displacements, decode_vectors},
     {Payload::voxels, "voxels", PayloadReader::vectors, ChunkType::voxels, ChunkType::voxels, 0, 0, 0,
      encode_volume_vectors, decode_vectors},

@@ -88,6 +88,8 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     });
   } else if (type == ChunkType::displaced && header()->payload == Payload::displaced) {
     surface_.add(payload);
+  } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
+    exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
     add_records(payload, missing);
   } else {
@@ -134,7 +136,10 @@ Cloud StreamDecoder::cloud() const {
   cloud.description = header()->description;
   cloud.color = header()->color;
   if (records_) append_records(cloud);
-  surface_.append(cloud, header()->colored);
+  if (exact_.whole())
+    exact_.append(cloud, header()->colored);
+  else
+    surface_.append(cloud, header()->colored);
   packed_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
     append_discs(cluster, first, count, header()->cube, cloud);
   });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/decode/cluster_forest.h"
+#include "qnv/decode/exact_surface.h"
 #include "qnv/decode/surface_stages.h"
 #include "qnv/packed/packed.h"
 #include "qnv/records/records_assembly.h"
@@ -32,20 +33,26 @@ class StreamDecoder {
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return reader_.problems(); }
   [[nodiscard]] std::size_t refused_chunks() const {
-    return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused;
+    return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused +
+           exact_.count().refused;
   }
   /// Whether chunks were left out because of `most_vectors`.
   [[nodiscard]] bool full() const {
-    return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full;
+    return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full ||
+           exact_.count().full;
   }
   /// How many discs `cloud` has.
   [[nodiscard]] std::size_t vectors() const {
-    return records_vectors_ + packed_.count().vectors + voxels_.count().vectors + surface_.count().vectors;
+    return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
+           (exact_.whole() ? exact_.count().vectors : surface_.count().vectors);
   }
   /// Changes whenever `cloud` would.
   [[nodiscard]] std::uint64_t revision() const {
-    return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken;
+    return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken +
+           exact_.count().taken;
   }
+  /// Of a displaced surface: the mesh itself, as far as it has come.
+  [[nodiscard]] const ExactSurface& exact() const { return exact_; }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
   /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
@@ -65,6 +72,7 @@ class StreamDecoder {
   ClusterForest<Cluster> packed_;
   ClusterForest<VolumeCluster> voxels_;
   SurfaceStages surface_;
+  ExactSurface exact_;                              // shown in its place once it is there
   mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;
 };

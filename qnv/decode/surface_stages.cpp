@@ -1,12 +1,10 @@
 #include "qnv/decode/surface_stages.h"
 
 #include "qnv/base/finite.h"
+#include "qnv/decode/triangle_weights.h"
 #include "qnv/displaced/subdivision.h"
 
-#include <glm/geometric.hpp>
-
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -173,17 +171,7 @@ void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool
   const std::vector<std::uint32_t> triangles = surface.triangles(level);
   cloud.triangles.reserve(first + triangles.size());
   for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
-  // A vector stands for a third of the triangles round it.
-  cloud.weights.resize(cloud.positions.size(), std::numeric_limits<float>::min());
-  for (std::size_t i = first; i + 2 < cloud.triangles.size(); i += 3) {
-    const std::uint32_t* t = cloud.triangles.data() + i;
-    const glm::vec3 a = cloud.positions[t[0]];
-    const float third = glm::length(glm::cross(cloud.positions[t[1]] - a, cloud.positions[t[2]] - a)) / 6;
-    if (finite(third))
-      for (std::size_t k = 0; k < 3; ++k) cloud.weights[t[k]] += third;
-  }
-  for (std::size_t i = start; i < cloud.weights.size(); ++i)
-    cloud.weights[i] = std::min(cloud.weights[i], std::numeric_limits<float>::max());
+  weigh_by_triangles(cloud, start, first);
 }
 
 }  // namespace gs::qnv

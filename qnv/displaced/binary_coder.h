@@ -46,6 +46,10 @@ class BinaryEncoder {
     model.learn(bit);
     narrow(bit, bound);
   }
+  /// A decision that is a yes with this probability of 65536, neither 0 nor all of it.
+  void put(std::uint32_t probability, bool bit) {
+    narrow(bit, static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
+  }
   /// Equally likely bits, the highest first.
   void put_bits(std::uint32_t value, int bits) {
     for (int i = bits; i-- > 0;) narrow((value >> i & 1) != 0, range_ >> 1);
@@ -90,6 +94,9 @@ class BinaryDecoder {
     const bool bit = decide(bound);
     model.learn(bit);
     return bit;
+  }
+  bool get(std::uint32_t probability) {
+    return decide(static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
   }
   std::uint32_t get_bits(int bits) {
     std::uint32_t value = 0;

@@ -181,15 +181,30 @@ SurfaceMesh MeshBuilder::finish() {
   }
   SurfaceMesh out = std::move(mesh_);
   mesh_ = {};
-  if (colored_)
-    for (std::size_t v = 0; v < out.positions.size(); ++v) {
-      const glm::vec3 c = sums_[v] / static_cast<float>(counts_[v]) + 0.5f;
-      out.colors.push_back(
-          {static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y), static_cast<std::uint8_t>(c.z)});
-    }
-  part_fans(out);
-  while (part_crowded_edges(out)) part_fans(out);
+  add_colors(out);
+  part(out);
   return out;
+}
+
+SurfaceMesh MeshBuilder::welded() const {
+  SurfaceMesh out = mesh_;
+  add_colors(out);
+  return out;
+}
+
+void MeshBuilder::add_colors(SurfaceMesh& mesh) const {
+  if (!colored_) return;
+  mesh.colors.reserve(mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec3 c = sums_[v] / static_cast<float>(counts_[v]) + 0.5f;
+    mesh.colors.push_back(
+        {static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y), static_cast<std::uint8_t>(c.z)});
+  }
+}
+
+void part(SurfaceMesh& mesh) {
+  part_fans(mesh);
+  while (part_crowded_edges(mesh)) part_fans(mesh);
 }
 
 SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {

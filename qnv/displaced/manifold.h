@@ -31,6 +31,8 @@ class MeshBuilder {
   explicit MeshBuilder(bool colored);
   /// Triangles that are not finite, or have no area, are left out.
   void add(std::span<const Triangle> triangles);
+  /// All that was added, joined where it lies at the same place; triangles may meet in any way, and be there twice.
+  [[nodiscard]] SurfaceMesh welded() const;
   /// A mesh in which every edge has one triangle a side or is a rim, and the triangles round every vertex are one fan:
   /// double triangles are left out, and where more than two meet, or two turn different ways, the surface is cut.
   [[nodiscard]] SurfaceMesh finish();
@@ -38,6 +40,7 @@ class MeshBuilder {
  private:
   std::uint32_t vertex(const glm::vec3& position, Rgb8 color);
   void grow();
+  void add_colors(SurfaceMesh& mesh) const;
 
   bool colored_;
   SurfaceMesh mesh_;
@@ -45,6 +48,10 @@ class MeshBuilder {
   std::vector<std::uint32_t> counts_;  // how many
   std::vector<std::uint32_t> table_;   // open addressing: vertex + 1
 };
+
+/// Gives vertices of their own to what is no fan round a vertex, and where more than two triangles meet at an edge, or
+/// two turn different ways.
+void part(SurfaceMesh& mesh);
 
 /// A mesh in two: components that have at least this part of the area, and the others. Vertices that neither uses are
 /// left out.

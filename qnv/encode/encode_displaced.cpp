@@ -3,10 +3,13 @@
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
 #include "qnv/encode/survey.h"
+#include "qnv/exact/exact_tail.h"
+#include "qnv/exact/tail_pieces.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -36,6 +39,11 @@ constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
 constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
+
+// Before the mesh itself so much is sent, as a part of it: with more the whole would be larger than it need be.
+constexpr double kBeforeTail = 1.0 / 6;
+// Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
+constexpr double kBasesBeforeTail = 0.5;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -131,6 +139,33 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
   return chunks;
 }
 
+/// The mesh itself, in pieces. `others`: the chunks before it, whose place it takes.
+void append_tail(std::span<const std::byte> tail, std::size_t vertices, const Box& box,
+                 std::vector<OutgoingChunk>& others) {
+  std::uint32_t replaced = 0;
+  for (const OutgoingChunk& chunk : others) replaced += chunk.entry.vectors;
+  for (std::vector<std::byte>& piece : exact::pieces_of(tail)) {
+    OutgoingChunk& chunk = others.emplace_back();
+    chunk.type = ChunkType::exact;
+    chunk.entry.parent = 0xffffffff;
+    chunk.entry.box = box;
+    chunk.payload = std::move(piece);
+  }
+  OutgoingChunk& last = others.back();
+  last.entry.vectors = static_cast<std::uint32_t>(vertices);
+  last.replaced = std::min(replaced, last.entry.vectors);
+}
+
+/// As many chunks as go into so many bytes, with what the container adds.
+void keep_first(std::vector<OutgoingChunk>& chunks, double bytes) {
+  std::size_t kept = 0;
+  for (double sum = 0; kept < chunks.size(); ++kept) {
+    sum += static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[kept].payload.size());
+    if (sum > bytes) break;
+  }
+  chunks.resize(kept);
+}
+
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
@@ -150,9 +185,22 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (options.only_if_suited && s.colored)
     return EncodeError{"the surface has colours of its own; expected one of one colour", true};
   if (progress) progress->stage = "joining";
+  const displaced::Frame frame(s.box);
+  std::vector<std::byte> tail;
+  std::size_t tail_vertices = 0;
+  if (options.exact_bits != 0) {
+    displaced::SurfaceMesh all = builder.welded();
+    for (glm::vec3& p : all.positions) p = frame.inside(p);
+    if (!s.colored) all.colors.clear();
+    const exact::ExactMesh exact_mesh = exact::quantized(std::move(all), options.exact_bits);
+    tail = exact::encode_tail(exact_mesh);
+    tail_vertices = exact_mesh.vertices.size();
+    if (tail.size() > exact::kMostTailBytes)
+      return EncodeError{"the mesh takes " + std::to_string(tail.size()) + " bytes; expected at most " +
+                         std::to_string(exact::kMostTailBytes)};
+  }
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
-  const displaced::Frame frame(s.box);
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   const displaced::Target target(std::move(mesh));
   if (progress) progress->stage = "simplifying";
@@ -178,6 +226,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
+  const double room = tail.empty() ? 1e300 : kBeforeTail * static_cast<double>(tail.size());
+  std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;
   do {
@@ -193,6 +243,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
       return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
                          std::to_string(kMostHeaderBytes / 2)};
+    bases += stage.bytes.size();
+    if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room) break;
     stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
     stages.push_back(std::move(stage));
     stage_options.triangles = 4 * stages.back().header.base.triangles.size();
@@ -200,7 +252,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);
   // Crumbs, as they are.
-  if (!parts.large.triangles.empty() && !parts.small.triangles.empty()) {
+  if (tail.empty() && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
     stage_options.number = static_cast<int>(stages.size());
     stage_options.triangles = parts.small.triangles.size();
     stage_options.most_bytes = 0;
@@ -213,8 +265,12 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  return write_stream(std::move(header), chunks_of(std::move(stages), s.box, target.mesh().positions.size()),
-                      options.max_bytes);
+  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
+  if (!tail.empty()) {
+    keep_first(chunks, room - static_cast<double>(encode_header(header).size()));
+    append_tail(tail, tail_vertices, s.box, chunks);
+  }
+  return write_stream(std::move(header), std::move(chunks), options.max_bytes);
 }
 
 }  // namespace gs::qnv

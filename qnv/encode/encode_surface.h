@@ -24,6 +24,7 @@ struct EncodeOptions {
   std::uint64_t seed = 1;     // of the order of records
   bool two_sided = false;
   bool only_if_suited = false;  // displaced: give up (EncodeError::unsuited) where an octree follows the surface better
+  int exact_bits = 0;  // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
@@ -47,8 +48,9 @@ struct EncodedStream {
                                                                       Progress* progress = nullptr);
 
 /// Encodes a surface as a base mesh and displacements along its normals (displaced/surface.h), which a base cannot
-/// follow where it is no surface but a heap of triangles. All triangles are held in memory. The same bytes for the same
-/// input and options, whatever the threads.
+/// follow where it is no surface but a heap of triangles. All triangles are held in memory. With the mesh itself at
+/// the end (exact/exact_tail.h) there is less of what stands before it. The same bytes for the same input and options,
+/// whatever the threads.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source,
                                                                         const EncodeOptions& options,
                                                                         Progress* progress = nullptr);

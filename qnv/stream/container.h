@@ -36,6 +36,7 @@ enum class ChunkType : std::uint8_t {
   inner = 3,
   displaced = 4,
   voxels = 5,
+  exact = 6,
   directory = 254
 };
 

@@ -7,9 +7,13 @@ Lines: "stage NUMBER DEPTH S COLOURS CLUSTERS BITS", then of each stage "vertex 
 are not 0 (kind n normal, s sideways, 0 to 2 colours), then of the stage that is shown, of every eleventh vertex of its
 deepest level, "place VERTEX X Y Z", nine significant digits, and "colour VERTEX R G B".
 
+Of an exact tail that has come as a whole then "exact BITS CREASE", "at X Y Z" of each vertex, on the lattice, with "R G B"
+where it has a colour, and "face A B C".
+
 Vertices of a level: those of the base, those of edges in their order (from `from` on), those inside of patches in
 their order, j = 1 first.
 """
+import heapq
 import math
 import struct
 import sys
@@ -479,6 +483,322 @@ class Stage:
         return [to_rgb(*now[v]) for v in range(len(now))]
 
 
+class Double:
+    def __init__(self):
+        self.fast = self.slow = 32768
+        self.n = 0
+
+    def learn(self, yes):
+        target = 65535 if yes else 0
+        self.fast += ((target - self.fast) * (131072 // (2 * min(self.n, 30) + 3))) >> 16
+        self.slow += ((target - self.slow) * (131072 // (2 * self.n + 3))) >> 16
+        self.n = min(self.n + 1, 254)
+
+
+class Table(dict):
+    """Models that are made when they are asked for."""
+
+    def __init__(self, make):
+        self.make = make
+
+    def __missing__(self, key):
+        self[key] = self.make()
+        return self[key]
+
+
+def doubles():
+    return Table(Double)
+
+
+def grade(x):
+    return x if x < 4 else 4 * (x.bit_length() - 2) + (x >> (x.bit_length() - 3)) % 4
+
+
+def reduce(v, n):
+    shift = max(0, max(abs(c) for c in v).bit_length() - n)
+    return tuple(c >> shift for c in v)
+
+
+class Tail:
+    """Exact tail."""
+
+    def __init__(self, data):
+        flags, self.b, self.crease, self.count, self.most = struct.unpack_from("<BBBII", data, 0)
+        if flags > 1 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
+            raise Refused("tail")
+        self.colored = flags == 1
+        weights = struct.unpack_from("<48h", data, 11)
+        self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
+        self.coder = Coder(data[107:])
+        self.places, self.colours, self.marks, self.turns, self.triangles = [], [], [], [], []
+        self.state, self.behind, self.before = [], [], []
+        self.waiting, self.clock = {}, 0  # (gap, when) -> (side, behind)
+        self.close, self.close2, self.fresh, self.twice, self.twice2 = (doubles() for _ in range(5))
+        self.left, self.rim = doubles(), doubles()
+        self.starts, self.start_digits = Table(doubles), Table(doubles)
+        self.along, self.gap_along, self.across, self.fold = (Table(doubles) for _ in range(4))
+        self.digits, self.digits2 = Table(lambda: Table(doubles)), Table(lambda: Table(doubles))
+        self.tint, self.tint2, self.tint_digits = Table(doubles), Table(doubles), Table(lambda: Table(doubles))
+        self.grow()
+
+    # Decisions
+
+    def yes(self, *models):
+        models = models if len(models) == 2 else models * 2
+        p = sum(m.fast + m.slow for m in models) >> 2
+        yes = self.coder.decide((self.coder.range * min(max(p, 64), 65472)) >> 16)
+        for m in set(models):
+            m.learn(yes)
+        return yes
+
+    def value(self, one, other, digits):
+        length = 0
+        while length < 23 and self.pair(one[length], other[length]):
+            length += 1
+        if length == 0:
+            return 0
+        negative = self.coder.plain()
+        size, left, which = 1, length - 1, 0
+        for _ in range(2):
+            if left:
+                left -= 1
+                bit = self.yes(digits[length][which])
+                size = 2 * size + bit
+                which = 2 if bit else 1
+        size = (size << left) + self.coder.bits(left)
+        return -size if negative else size
+
+    def pair(self, one, other):
+        if one is not other:
+            return self.yes(one, other)
+        yes = self.coder.decide((self.coder.range * min(max((one.fast + one.slow) >> 1, 64), 65472)) >> 16)
+        one.learn(yes)
+        one.learn(yes)
+        return yes
+
+    # Sides
+
+    def start(self, side):
+        return self.triangles[side // 3][side % 3]
+
+    def end(self, side):
+        return self.triangles[side // 3][(side % 3 + 1) % 3]
+
+    def opposite(self, side):
+        return self.triangles[side // 3][(side % 3 + 2) % 3]
+
+    def triangle(self, a, b, c):
+        if len({a, b, c}) < 3 or len(self.triangles) >= self.most:
+            raise Refused("triangle")
+        self.triangles.append((a, b, c))
+        for v in (a, b, c):
+            self.turns[v] += 1
+        self.state += ["open"] * 3
+        self.behind += [None] * 3
+        self.before += [None] * 3
+        return len(self.state) - 3
+
+    def join(self, one, other):
+        self.state[one] = self.state[other] = "joined"
+
+    def link(self, side, behind):
+        self.behind[side] = behind
+        self.before[behind] = side
+
+    def wait(self, *sides):
+        for side in sides:
+            if self.state[side] == "open":
+                self.waiting[(self.gap(side), self.clock)] = (side, self.behind[side])
+                heapq.heappush(self.queue, (self.gap(side), self.clock))
+                self.clock += 1
+
+    def gap(self, side):
+        a, b, o, r = (self.places[v] for v in (self.start(side), self.end(side), self.opposite(side),
+                                               self.end(self.behind[side])))
+        both = dot(minus(a, b), minus(a, b)) + dot(minus(r, b), minus(r, b))
+        gap = 32 * dot(minus(a, r), minus(a, r)) // both if both else 0
+        one = reduce(cross(minus(b, a), minus(o, a)), 30)
+        other = reduce(cross(minus(a, b), minus(r, b)), 30)
+        return 128 - gap if dot(one, other) < 0 else gap
+
+    # Growth
+
+    def grow(self):
+        self.queue = []
+        while len(self.triangles) < self.most:
+            first = len(self.places)
+            for k in range(3):
+                at = self.places[-1] if self.places else (1 << (self.b - 1),) * 3
+                lengths = self.starts[min(k, 1)]
+                place = tuple(c + self.value(lengths, lengths, self.start_digits) for c in at)
+                colour, mark = None, 8
+                if self.colored:
+                    colour, mark = self.colour(self.colours[-1] if self.colours else (128, 0, 0), 24)
+                self.vertex(place, colour, [8, 8, mark])
+            side = self.triangle(first, first + 1, first + 2)
+            for k in range(3):
+                self.link(side + k, side + (k + 1) % 3)
+            self.wait(side, side + 1, side + 2)
+            while self.queue:
+                key = heapq.heappop(self.queue)
+                side, behind = self.waiting.pop(key)
+                if self.state[side] == "open" and self.behind[side] == behind:
+                    self.beside(side, key[0])
+        if len(self.places) != self.count or self.coder.bits(16) != 0x5143:
+            raise Refused("end")
+
+    def vertex(self, place, colour, mark):
+        if min(place) < 0 or max(place) >= 1 << self.b or len(self.places) >= self.count:
+            raise Refused("vertex")
+        self.places.append(place)
+        self.marks.append(mark)
+        self.turns.append(0)
+        if self.colored:
+            self.colours.append(colour)
+            if not all(0 <= c <= 255 for c in self.rgb(colour)):
+                raise Refused("colour")
+
+    def rgb(self, colour):
+        y, co, cg = colour
+        t = y - (cg >> 1)
+        b = t - (co >> 1)
+        return b + co, cg + t, b
+
+    def colour(self, expected, activity):
+        out, k, total = [], 0, 0
+        for channel in range(3):
+            off = self.value(self.tint[(channel, min(grade(activity) // 2, 15))], self.tint2[(channel, k)],
+                             self.tint_digits[channel])
+            out.append(expected[channel] + off)
+            k = min(abs(off).bit_length(), 9)
+            total += abs(off)
+        return tuple(out), min(4 * total, 4000)
+
+    def beside(self, g, m):
+        n, p = self.behind[g], self.before[g]
+        a, b, o, r, l = self.start(g), self.end(g), self.opposite(g), self.end(n), self.start(p)
+        if r == a:
+            raise Refused("chain")
+        closes = self.state[n] == "open"
+        u = minus(self.places[a], self.places[b])
+        v = minus(self.places[r], self.places[b])
+        uu, vv = dot(u, u), dot(v, v)
+        e = int(uu > 2 * vv or vv > 2 * uu)
+        turns = lambda x: min(self.turns[x], 9)
+        here, ends = (m // 4, turns(b), e), (m // 8, turns(a), turns(r))
+        if closes and self.yes(self.close[here], self.close2[ends]):
+            side = self.triangle(b, a, r)
+            after = self.behind[n]
+            self.join(g, side)
+            self.join(n, side + 2)
+            if after == p and self.state[p] == "open":
+                self.join(p, side + 1)
+                return
+            self.link(p, side + 1)
+            self.link(side + 1, after)
+            self.wait(p, side + 1)
+        elif self.yes(self.fresh[(m // 4, turns(b) if closes else 0)]):
+            two = closes and self.yes(self.twice[here], self.twice2[ends])
+            x = len(self.places)
+            self.place(g, m, two)
+            side = self.triangle(b, a, x)
+            self.join(g, side)
+            self.link(p, side + 1)
+            if two:
+                after = self.behind[n]
+                other = self.triangle(b, x, r)
+                self.join(side + 2, other)
+                self.join(n, other + 2)
+                self.link(side + 1, other + 1)
+                self.link(other + 1, after)
+                self.wait(p, side + 1, other + 1)
+            else:
+                self.link(side + 1, side + 2)
+                self.link(side + 2, n)
+                self.wait(p, side + 1, side + 2)
+        elif self.state[p] == "open" and self.yes(self.left[closes]):
+            side = self.triangle(b, a, l)
+            first = self.before[p]
+            self.join(g, side)
+            self.join(p, side + 1)
+            self.link(first, side + 2)
+            self.link(side + 2, n)
+            self.wait(first, side + 2)
+        elif self.yes(self.rim[self.state[n] == "rim"]):
+            self.state[g] = "rim"
+        else:
+            h = self.coder.bits(len(self.state).bit_length())
+            if h >= len(self.state) or self.state[h] == "joined":
+                raise Refused("side")
+            w = self.before[h]
+            side = self.triangle(b, a, self.start(h))
+            self.join(g, side)
+            self.link(p, side + 1)
+            self.link(side + 1, h)
+            self.link(w, side + 2)
+            self.link(side + 2, n)
+            self.wait(p, side + 1, w, side + 2)
+
+    def place(self, g, m, two):
+        n, p = self.behind[g], self.before[g]
+        f = self.behind[n]
+        ia, ib, io, ir = self.start(g), self.end(g), self.opposite(g), self.end(n)
+        a, b, o, r, o2 = (self.places[v] for v in (ia, ib, io, ir, self.opposite(n)))
+        others = [self.places[v] for v in (self.start(p), self.end(f), self.opposite(p), self.opposite(f))]
+        closes = self.state[n] == "open"
+        situation = (0 if m < 48 else 1) if two else 5 if not closes else 2 if m < 48 else 3 if m < 64 else 4
+        top = (1 << self.b) - 1
+        near = [minus(q, b) for q in [a, o, r, o2] + others]
+        at = [min(max(b[k] + ((sum(w * q[k] for w, q in zip(self.weights[situation], near)) + 2048) >> 12), 0), top)
+              for k in range(3)]
+        one, other = cross(minus(b, a), minus(o, a)), cross(minus(r, b), minus(o2, b))
+        normal = one
+        if closes:
+            normal = plus(normal, other)
+        if two:
+            normal = plus(normal, cross(minus(a, b), minus(r, b)))
+        normal = reduce(normal, 30)
+        z = max(range(3), key=lambda k: (abs(normal[k]), -k))
+        x, y = (z + 1) % 3, (z + 2) % 3
+        it = ir if two else io
+        along = sum(self.marks[v][0] for v in (ia, ib, it)) // 2
+        across = sum(self.marks[v][1] for v in (ia, ib, it)) // 2
+        d = int(two)
+        edges = dot(minus(a, b), minus(a, b)) + dot(minus(o, b), minus(o, b))
+        s = min(max(edges.bit_length() // 2 - 2, 0), 7)
+        rank = lambda i: min(grade(i), 39)
+        place = list(at)
+
+        def step(axis, i):
+            off = self.value(self.along[(d, rank(i), s)], self.gap_along[(d, m // 4, 2 * rank(i) // 5)],
+                             self.digits[d])
+            place[axis] += off
+            return abs(off)
+
+        qx = step(x, along)
+        q = qx + step(y, (2 * along + 12 * qx) // 3)
+        flat = at[z]
+        if normal[z]:
+            c = normal[x] * (place[x] - at[x]) + normal[y] * (place[y] - at[y])
+            k = abs(normal[z])
+            flat = min(max(at[z] + (2 * (-c if normal[z] > 0 else c) + k) // (2 * k), 0), top)
+        one, other = reduce(one, 14), reduce(other, 14)
+        square, both = dot(one, one) * dot(other, other), dot(one, other)
+        i = (square - both * both) // max(1, square >> 16) if square else 0
+        if both < 0:
+            i = 131072 - min(i, 131072)
+        h = min(grade(i) // 2, 32)
+        off = self.value(self.across[(d, rank(across), min(q.bit_length(), 7))],
+                         self.fold[(d, h, 2 * rank(across) // 5)], self.digits2[d])
+        place[z] = flat + off
+        colour, mark = None, 8
+        if self.colored:
+            from_ = [self.colours[v] for v in ([ia, ib, ir] if two else [ia, ib])]
+            mean = tuple(sum(c[k] for c in from_) // len(from_) for k in range(3))
+            colour, mark = self.colour(mean, sum(self.marks[v][2] for v in (ia, ib, it)))
+        self.vertex(tuple(place), colour, [min(4 * q, 4000), min(8 * abs(off), 4000), mark])
+
+
 def to_rgb(y, co, cg):
     t = y - (cg >> 1)
     g = cg + t
@@ -531,7 +851,7 @@ def main(name):
     assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
-    stages = {}
+    stages, pieces = {}, {}
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
@@ -544,6 +864,8 @@ def main(name):
         payload = data[at + 10:at + 10 + size]
         assert mark == 0x4351 and zlib.crc32(data[at:at + 6] + payload) == crc
         at += 10 + size
+        if kind == 6:
+            pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
         if kind != 4:
             continue
         what, of = payload[0] & 15, payload[0] >> 4
@@ -571,6 +893,13 @@ def main(name):
         print("place", v, *("%.9g" % (l + x * longest) for l, x in zip(lower, p)))
     for v, c in list(enumerate(stages[shown].colours()))[::11]:
         print("colour", v, *c)
+    if pieces:
+        tail = Tail(b"".join(piece for _, piece in sorted(pieces.items())))
+        print("exact", tail.b, tail.crease)
+        for v, p in enumerate(tail.places):
+            print("at", *p, *(tail.rgb(tail.colours[v]) if tail.colored else ()))
+        for t in tail.triangles:
+            print("face", *t)
 
 
 main(sys.argv[1])

@@ -1,0 +1,278 @@
+#include "qnv/exact/exact_header.h"
+#include "qnv/exact/exact_tail.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+
+namespace gs::qnv::exact {
+namespace {
+
+using displaced::BinaryEncoder;
+using displaced::Corners;
+
+constexpr std::uint32_t kNone = Gates::kNone;
+// Traversals: two to fit the weights, the second with what the first one found, and one to write.
+constexpr int kFits = 2;
+// How much the usual weights count beside what is measured, of the mean square of what they are applied to.
+constexpr double kUsualWorth = 1e-3;
+
+/// Weights that make the least error, fitted to all new vertices of a situation.
+class Fit {
+ public:
+  void add(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is, double spread) {
+    Sums& sums = sums_[situation];
+    const double worth = 1 / (spread * spread);
+    for (std::size_t i = 0; i < kNear; ++i) {
+      sums.right[i] += worth * static_cast<double>(dot(near[i], is));
+      for (std::size_t j = 0; j <= i; ++j) sums.left[i][j] += worth * static_cast<double>(dot(near[i], near[j]));
+    }
+  }
+  [[nodiscard]] Weights weights(const Weights& usual) const {
+    Weights out{};
+    for (std::size_t s = 0; s < kSituations; ++s) out[s] = solved(sums_[s], usual[s]);
+    return out;
+  }
+
+ private:
+  struct Sums {
+    std::array<std::array<double, kNear>, kNear> left{};
+    std::array<double, kNear> right{};
+  };
+  using Row = std::array<std::int16_t, kNear>;
+
+  static Row solved(const Sums& sums, const Row& usual) {
+    constexpr double kOne = 1 << kWeightBits;
+    auto left = sums.left;
+    auto right = sums.right;
+    double trace = 0;
+    for (std::size_t i = 0; i < kNear; ++i) trace += left[i][i];
+    const double worth = trace / kNear * kUsualWorth + 1e-9;
+    for (std::size_t i = 0; i < kNear; ++i) {
+      left[i][i] += worth;
+      right[i] += worth * usual[i] / kOne;
+    }
+    // Cholesky.
+    for (std::size_t i = 0; i < kNear; ++i)
+      for (std::size_t j = 0; j <= i; ++j) {
+        double rest = left[i][j];
+        for (std::size_t k = 0; k < j; ++k) rest -= left[i][k] * left[j][k];
+        if (i == j) {
+          if (!(rest > 0)) return usual;
+          left[i][i] = std::sqrt(rest);
+        } else {
+          left[i][j] = rest / left[j][j];
+        }
+      }
+    for (std::size_t i = 0; i < kNear; ++i) {
+      for (std::size_t k = 0; k < i; ++k) right[i] -= left[i][k] * right[k];
+      right[i] /= left[i][i];
+    }
+    for (std::size_t i = kNear; i-- > 0;) {
+      for (std::size_t k = i + 1; k < kNear; ++k) right[i] -= left[k][i] * right[k];
+      right[i] /= left[i][i];
+    }
+    Row out{};
+    for (std::size_t i = 0; i < kNear; ++i)
+      out[i] = static_cast<std::int16_t>(std::lround(std::clamp(right[i] * kOne, -32768.0, 32767.0)));
+    return out;
+  }
+
+  std::array<Sums, kSituations> sums_;
+};
+
+// Parallelograms: beside the gate, and where two triangles are new, beside the one behind it as well.
+constexpr Weights kUsual = [] {
+  constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;
+  Weights weights{};
+  for (std::size_t s = 0; s < kSituations; ++s) {
+    if (s < 2)
+      weights[s] = {kHalf, -kHalf, kHalf, -kHalf};
+    else
+      weights[s] = {kOne, -kOne};
+  }
+  return weights;
+}();
+
+/// The mesh that is written, as MeshGrowth asks for it: by halves, which are its sides, three a triangle.
+class MeshGuide {
+ public:
+  MeshGuide(const ExactMesh& mesh, const std::vector<std::uint32_t>& twins, Fit& fit)
+      : mesh_(mesh),
+        twins_(twins),
+        fit_(fit),
+        numbers_(mesh.vertices.size(), kNone),
+        sides_(mesh.triangles.size() * 3, kNone) {
+    halves_.reserve(sides_.size());
+  }
+  std::uint32_t start() {
+    while (done(3 * next_)) ++next_;
+    return 3 * next_;
+  }
+  /// The next vertex is corner k, from where a half begins.
+  glm::ivec3 fresh(std::uint32_t half, std::size_t k) {
+    now_ = corner(half, k);
+    numbers_[now_] = count_++;
+    return place();
+  }
+  [[nodiscard]] glm::ivec3 place() const { return mesh_.vertices[now_]; }
+  [[nodiscard]] glm::ivec3 color() const { return luma_of(mesh_.colors[now_]); }
+  /// The half beside a side.
+  [[nodiscard]] std::uint32_t beyond(std::uint32_t side) const { return twins_[halves_[side]]; }
+  /// The number of the vertex opposite to a half; kNone: it has none yet.
+  [[nodiscard]] std::uint32_t apex(std::uint32_t half) const { return numbers_[corner(half, 2)]; }
+  /// Of the triangle that lies beside that of `half` at its start, between the new vertex and `vertex`: its half.
+  [[nodiscard]] std::uint32_t beside_fresh(std::uint32_t half, std::uint32_t vertex) const {
+    const std::uint32_t other = twins_[before(half)];
+    return other != kNone && !done(other) && apex(other) == vertex ? other : kNone;
+  }
+  /// Of the sides that leave the vertex opposite to a half: the first one behind the gap that the half's triangle is
+  /// in.
+  [[nodiscard]] std::uint32_t side_at_apex(std::uint32_t half, const Gates& gates) const {
+    std::uint32_t leaves = twins_[after(half)];
+    while (leaves != kNone && !done(leaves)) leaves = twins_[before(leaves)];
+    if (leaves != kNone) return sides_[leaves];
+    // The mesh ends there; it does not on the other side.
+    std::uint32_t enters = twins_[before(half)];
+    while (enters != kNone && !done(enters)) enters = twins_[after(enters)];
+    return enters == kNone ? kNone : gates.next(sides_[enters]);
+  }
+  void added(std::uint32_t half) {
+    for (int k = 0; k < 3; ++k, half = after(half)) {
+      sides_[half] = static_cast<std::uint32_t>(halves_.size());
+      halves_.push_back(half);
+    }
+  }
+  void learn(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is,
+             std::uint32_t spread) {
+    fit_.add(situation, near, is, spread);
+  }
+
+ private:
+  static std::uint32_t after(std::uint32_t half) { return half % 3 == 2 ? half - 2 : half + 1; }
+  static std::uint32_t before(std::uint32_t half) { return half % 3 == 0 ? half + 2 : half - 1; }
+  [[nodiscard]] bool done(std::uint32_t half) const { return sides_[half] != kNone; }
+  [[nodiscard]] std::uint32_t corner(std::uint32_t half, std::size_t k) const {
+    return mesh_.triangles[half / 3][(half % 3 + k) % 3];
+  }
+
+  const ExactMesh& mesh_;
+  const std::vector<std::uint32_t>& twins_;
+  Fit& fit_;
+  std::vector<std::uint32_t> numbers_;         // of vertices
+  std::vector<std::uint32_t> halves_, sides_;  // of sides, of halves
+  std::uint32_t next_ = 0, now_ = 0, count_ = 0;
+};
+
+std::vector<std::uint32_t> twins_of(const ExactMesh& mesh) {
+  const auto beside = displaced::neighbours_of(mesh.triangles);
+  std::vector<std::uint32_t> twins(mesh.triangles.size() * 3, kNone);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t other = beside[t][k];
+      if (other == kNone) continue;
+      for (std::uint32_t l = 0; l < 3; ++l)
+        if (mesh.triangles[other][l] == mesh.triangles[t][(k + 1) % 3] &&
+            mesh.triangles[other][(l + 1) % 3] == mesh.triangles[t][k])
+          twins[3 * t + k] = 3 * other + l;
+    }
+  return twins;
+}
+
+// The angle that parts the corners that are shaded apart from those that are not, with the fewest edges wrong.
+int crease_angle_of(const displaced::SurfaceMesh& mesh) {
+  constexpr float kApart = 0.9995f;  // a cosine
+  if (mesh.normals.empty()) return 180;
+  const auto normal_of = [&](std::uint32_t t) {
+    const Corners& c = mesh.triangles[t];
+    const glm::vec3 a = mesh.positions[c[0]];
+    const glm::vec3 n = glm::cross(mesh.positions[c[1]] - a, mesh.positions[c[2]] - a);
+    const float length = glm::length(n);
+    return length > 0 ? n / length : glm::vec3(0);
+  };
+  const auto shading = [&](std::uint32_t t, std::uint32_t vertex) {
+    for (std::size_t k = 0; k < 2; ++k)
+      if (mesh.triangles[t][k] == vertex) return mesh.normals[t][k];
+    return mesh.normals[t][2];
+  };
+  std::array<std::int64_t, 181> apart{}, together{};  // edges by the angle of their sides
+  const auto beside = displaced::neighbours_of(mesh.triangles);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t other = beside[t][k];
+      if (other == kNone || other < t) continue;
+      const glm::vec3 n = normal_of(t), m = normal_of(other);
+      if (n == glm::vec3(0) || m == glm::vec3(0)) continue;
+      const double cosine = std::clamp(static_cast<double>(glm::dot(n, m)), -1.0, 1.0);
+      const auto angle = static_cast<std::size_t>(std::ceil(std::acos(cosine) * 180 / std::numbers::pi - 1e-3));
+      bool parted = false;
+      for (const std::uint32_t v : {mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]})
+        parted = parted || glm::dot(shading(t, v), shading(other, v)) < kApart;
+      ++(parted ? apart : together)[std::min<std::size_t>(angle, 180)];
+    }
+  // At most this angle: together.
+  std::int64_t wrong = 0, least = 0;
+  for (std::size_t angle = 181; angle-- > 0;) wrong += apart[angle];
+  int best = 180;
+  least = wrong;
+  for (std::size_t angle = 180; angle-- > 0;) {
+    wrong += together[angle + 1] - apart[angle + 1];
+    if (wrong < least) {
+      least = wrong;
+      best = static_cast<int>(angle);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
+  const auto top = static_cast<float>((1 << bits) - 1);
+  displaced::part(mesh);
+  ExactMesh out;
+  out.bits = bits;
+  out.crease_angle = crease_angle_of(mesh);
+  for (glm::vec3& p : mesh.positions) p = glm::clamp(glm::floor(p * top + 0.5f), 0.0f, top);
+  out.vertices.reserve(mesh.positions.size());
+  for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);
+  out.colors = std::move(mesh.colors);
+  out.triangles = std::move(mesh.triangles);
+  return out;
+}
+
+std::vector<std::byte> encode_tail(const ExactMesh& mesh) {
+  TailHeader header;
+  header.bits = mesh.bits;
+  header.crease_angle = mesh.crease_angle;
+  header.colored = !mesh.colors.empty();
+  header.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
+  header.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  header.weights = kUsual;
+  const std::vector<std::uint32_t> twins = twins_of(mesh);
+  std::vector<std::byte> body;
+  for (int pass = 0; pass <= kFits; ++pass) {
+    BinaryEncoder encoder;
+    Fit fit;
+    MeshGuide guide(mesh, twins, fit);
+    MeshGrowth<BinaryEncoder, MeshGuide> growth(encoder, header, guide);
+    if (!growth.run()) return {};
+    if (pass < kFits)
+      header.weights = fit.weights(kUsual);
+    else
+      body = encoder.finish();
+  }
+  std::vector<std::byte> bytes = encode_tail_header(header);
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  const std::size_t least = (mesh.triangles.size() + kMostTrianglesAByte - 1) / kMostTrianglesAByte;
+  if (bytes.size() < least) bytes.resize(least);
+  return bytes;
+}
+
+}  // namespace gs::qnv::exact

@@ -1,0 +1,110 @@
+#pragma once
+
+#include "qnv/displaced/manifold.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace gs::qnv::exact {
+
+/// The triangles of a mesh that grows, and its sides: side 3 t + k leads from corner k of triangle t to the next one.
+/// Sides beside which nothing is stand in chains: behind a side to b the first one comes that leaves b on the other
+/// side of the gap at b. Every chain is closed.
+class Gates {
+ public:
+  enum class State : std::uint8_t { open, rim, joined };
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  void reserve(std::size_t triangles) {
+    triangles_.reserve(triangles);
+    next_.reserve(3 * triangles);
+    before_.reserve(3 * triangles);
+    states_.reserve(3 * triangles);
+  }
+  [[nodiscard]] const std::vector<displaced::Corners>& triangles() const { return triangles_; }
+  [[nodiscard]] std::vector<displaced::Corners> take_triangles() { return std::move(triangles_); }
+  [[nodiscard]] std::uint32_t sides() const { return static_cast<std::uint32_t>(states_.size()); }
+
+  [[nodiscard]] std::uint32_t from(std::uint32_t side) const { return triangles_[side / 3][side % 3]; }
+  [[nodiscard]] std::uint32_t to(std::uint32_t side) const { return triangles_[side / 3][(side % 3 + 1) % 3]; }
+  [[nodiscard]] std::uint32_t opposite(std::uint32_t side) const { return triangles_[side / 3][(side % 3 + 2) % 3]; }
+  [[nodiscard]] State state(std::uint32_t side) const { return states_[side]; }
+  [[nodiscard]] bool open(std::uint32_t side) const { return states_[side] == State::open; }
+  /// Along its chain. Of a joined side: the one that lies beside it.
+  [[nodiscard]] std::uint32_t next(std::uint32_t side) const { return next_[side]; }
+  [[nodiscard]] std::uint32_t before(std::uint32_t side) const { return before_[side]; }
+
+  /// Its first side; they are open, and in no chain yet.
+  std::uint32_t add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const std::uint32_t side = sides();
+    triangles_.push_back({a, b, c});
+    next_.insert(next_.end(), 3, kNone);
+    before_.insert(before_.end(), 3, kNone);
+    states_.insert(states_.end(), 3, State::open);
+    return side;
+  }
+  void link(std::uint32_t side, std::uint32_t behind) {
+    next_[side] = behind;
+    before_[behind] = side;
+  }
+  void join(std::uint32_t side, std::uint32_t other) {
+    states_[side] = states_[other] = State::joined;
+    next_[side] = other;
+    next_[other] = side;
+  }
+  /// Of every side the one that lies beside it; kNone: none does.
+  [[nodiscard]] std::vector<std::uint32_t> twins() const {
+    std::vector<std::uint32_t> twins(sides(), kNone);
+    for (std::uint32_t side = 0; side < sides(); ++side)
+      if (states_[side] == State::joined) twins[side] = next_[side];
+    return twins;
+  }
+  void close(std::uint32_t side) { states_[side] = State::rim; }
+
+ private:
+  std::vector<displaced::Corners> triangles_;
+  std::vector<std::uint32_t> next_, before_;
+  std::vector<State> states_;
+};
+
+/// Open sides by how narrow the gap behind them is; of those alike the one that came first. One that has another side
+/// behind it by now, or is no longer open, is passed over.
+class GateQueue {
+ public:
+  static constexpr std::uint32_t kGrades = 129;
+  struct Gate {
+    std::uint32_t side = 0, gap = 0;
+  };
+
+  void push(std::uint32_t side, std::uint32_t behind, std::uint32_t gap) {
+    queues_[gap].waiting.emplace_back(side, behind);
+    least_ = std::min(least_, gap);
+  }
+  std::optional<Gate> pop(const Gates& gates) {
+    for (; least_ < kGrades; ++least_) {
+      Queue& queue = queues_[least_];
+      while (queue.first < queue.waiting.size()) {
+        const auto [side, behind] = queue.waiting[queue.first++];
+        if (gates.open(side) && gates.next(side) == behind) return Gate{side, least_};
+      }
+      queue.waiting.clear();
+      queue.first = 0;
+    }
+    return {};
+  }
+
+ private:
+  struct Queue {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> waiting;  // side, the one behind it
+    std::size_t first = 0;
+  };
+  std::array<Queue, kGrades> queues_;
+  std::uint32_t least_ = kGrades;
+};
+
+}  // namespace gs::qnv::exact

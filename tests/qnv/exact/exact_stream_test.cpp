@@ -1,0 +1,311 @@
+#include "qnv/codec/loss.h"
+#include "qnv/codec/payloads.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/exact/tail_pieces.h"
+#include "tests/qnv/exact/exact_shapes.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <functional>
+#include <span>
+#include <variant>
+
+namespace gs::qnv::exact::stream_test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+std::variant<EncodedStream, EncodeError> encoded(const Triangles& triangles, int bits, unsigned threads = 0) {
+  EncodeOptions options;
+  options.exact_bits = bits;
+  options.threads = threads;
+  return encode_displaced(source_of(triangles), options);
+}
+
+struct Sample {
+  Source source;
+  int bits = 11;
+  Bytes stream;
+};
+
+const std::vector<Sample>& samples() {
+  static const std::vector<Sample> all = [] {
+    std::vector<Sample> made;
+    // The last one has several pieces.
+    for (const Source& s :
+         {smooth_sources()[3], smooth_sources()[2], Source{"large torus", displaced::torus(150, 110)}})
+      made.push_back({s, made.size() == 2 ? 18 : 11, {}});
+    for (Sample& s : made) s.stream = std::get<EncodedStream>(encoded(s.source.triangles, s.bits)).bytes;
+    return made;
+  }();
+  return all;
+}
+
+StreamDecoder decoded(std::span<const std::byte> bytes, std::size_t most = std::size_t{1} << 20) {
+  StreamDecoder decoder(most);
+  (void)decoder.push(bytes);
+  decoder.finish();
+  return decoder;
+}
+
+bool same(const Cloud& a, const Cloud& b) {
+  return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.colors == b.colors &&
+         a.triangles == b.triangles;
+}
+
+struct Chunk {
+  ChunkType type = ChunkType::displaced;
+  Bytes payload;
+  std::size_t end = 0;  // in the stream
+};
+
+std::vector<Chunk> chunks_of(const Bytes& stream) {
+  std::vector<Chunk> chunks;
+  StreamReader reader;
+  (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t at) {
+    chunks.push_back({type, Bytes(payload.begin(), payload.end()), at + kChunkHeaderBytes + payload.size()});
+  });
+  return chunks;
+}
+
+std::size_t header_bytes(const Bytes& stream) {
+  std::size_t bytes = 0;
+  bool more = false;
+  (void)decode_header(stream, bytes, more);
+  return bytes;
+}
+
+void check_sound(const Cloud& cloud) {
+  REQUIRE_EACH(cloud.normals.size() == cloud.size());
+  REQUIRE_EACH(cloud.weights.size() == cloud.size());
+  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
+  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
+  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
+  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
+}
+
+/// What a cloud shows, put back on the lattice.
+std::vector<Turned> triangles_shown(const Cloud& cloud, int bits, bool rgb) {
+  const displaced::Frame frame(cloud.description.box);
+  const float step = frame.size / static_cast<float>((1 << bits) - 1);
+  ExactMesh mesh;
+  for (const glm::vec3& p : cloud.positions) mesh.vertices.emplace_back(glm::floor((p - frame.lower) / step + 0.5f));
+  if (rgb) mesh.colors = cloud.colors;
+  for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
+    mesh.triangles.push_back({cloud.triangles[i], cloud.triangles[i + 1], cloud.triangles[i + 2]});
+  return triangles_in(mesh);
+}
+
+}  // namespace
+
+TEST_CASE("the end of an exact stream is the mesh itself") {
+  for (const Sample& s : samples()) {
+    INFO(s.source.name);
+    const StreamDecoder decoder = decoded(s.stream);
+    CHECK(decoder.problems().empty());
+    CHECK(decoder.refused_chunks() == 0);
+    CHECK(!decoder.full());
+    REQUIRE(decoder.exact().whole());
+    CHECK(decoder.exact().bits() == s.bits);
+    CHECK(decoder.exact().come() == decoder.exact().length());
+    const Cloud cloud = decoder.cloud();
+    check_sound(cloud);
+    CHECK(cloud.size() == decoder.vectors());
+    CHECK(triangles_shown(cloud, s.bits, s.source.colored) ==
+          triangles_in(s.source.triangles, s.bits, s.source.colored));
+    // Half a step of the lattice, and what f32 rounds.
+    const Box box = cloud.description.box;
+    for (const glm::vec3& p : cloud.positions)
+      for (int axis = 0; axis < 3; ++axis)
+        REQUIRE_EACH((p[axis] >= box.lower[axis] - 1e-5f && p[axis] <= box.upper[axis] + 2e-3f));
+    // What is shown has the area of the source.
+    double area = 0;
+    for (const float w : cloud.weights) area += static_cast<double>(w);
+    CHECK(area == Approx(area_of(s.source.triangles)).epsilon(0.01));
+  }
+}
+
+TEST_CASE("surfaces as they should not be come back from exact streams, or say what was expected") {
+  for (const Source& s : nasty_sources()) {
+    INFO(s.name);
+    const auto made = encoded(s.triangles, 11);
+    REQUIRE(std::holds_alternative<EncodedStream>(made));
+    const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
+    REQUIRE(decoder.exact().whole());
+    const Cloud cloud = decoder.cloud();
+    check_sound(cloud);
+    CHECK(triangles_shown(cloud, 11, false) == triangles_in(s.triangles, 11, false));
+  }
+  CHECK(std::holds_alternative<EncodeError>(encoded({}, 11)));
+  CHECK(std::holds_alternative<EncodeError>(encoded({triangle_of({0, 0, 0}, {1, 1, 1}, {1, 1, 1})}, 11)));
+}
+
+TEST_CASE("what stands before an exact tail is at most a fifth of it, and a picture from the header on") {
+  for (const Sample& s : samples()) {
+    INFO(s.source.name);
+    const auto chunks = chunks_of(s.stream);
+    std::size_t before = header_bytes(s.stream), tail = 0;
+    bool ended = false;
+    for (const Chunk& chunk : chunks) {
+      if (chunk.type == ChunkType::directory) continue;
+      const bool piece = chunk.type == ChunkType::exact;
+      CHECK((piece || !ended));  // the tail comes last
+      ended = ended || piece;
+      (piece ? tail : before) += kChunkHeaderBytes + chunk.payload.size();
+    }
+    CHECK(before <= 1000 + tail / 5);
+    CHECK(decoded(std::span(s.stream).first(header_bytes(s.stream))).vectors() > 300);
+  }
+  CHECK(std::ranges::count(chunks_of(samples()[2].stream), ChunkType::exact, &Chunk::type) >= 3);
+}
+
+TEST_CASE("every prefix of an exact stream is a surface, and none a broken mesh") {
+  for (const Sample& s : samples()) {
+    INFO(s.source.name);
+    std::size_t whole_at = 0;
+    for (const Chunk& chunk : chunks_of(s.stream))
+      if (chunk.type == ChunkType::exact) whole_at = chunk.end;
+    StreamDecoder decoder;
+    const Cloud refined = [&] {
+      StreamDecoder without;
+      REQUIRE(without.push(std::span(s.stream).first(header_bytes(s.stream))));
+      for (const Chunk& chunk : chunks_of(s.stream))
+        if (chunk.type == ChunkType::displaced) without.add(chunk.type, chunk.payload);
+      return without.cloud();
+    }();
+    const std::size_t step = std::max<std::size_t>(1, s.stream.size() / 150);
+    bool was_whole = false;
+    for (std::size_t at = 0; at < s.stream.size(); at += step) {
+      REQUIRE(decoder.push(std::span(s.stream).subspan(at, std::min(step, s.stream.size() - at))));
+      const std::size_t come = std::min(at + step, s.stream.size());
+      REQUIRE_EACH(decoder.exact().whole() == (come >= whole_at));
+      if (decoder.exact().whole() == was_whole && at % (7 * step) != 0) continue;
+      was_whole = decoder.exact().whole();
+      const Cloud cloud = decoder.cloud();
+      check_sound(cloud);
+      REQUIRE_EACH(cloud.size() == decoder.vectors());
+      if (!was_whole && decoder.exact().come() > 0) REQUIRE_EACH(same(cloud, refined));
+    }
+    CHECK(was_whole);
+  }
+}
+
+TEST_CASE("pieces of a tail may come in any order, twice, and before all else") {
+  const Sample& s = samples()[2];
+  auto chunks = chunks_of(s.stream);
+  const Cloud wanted = decoded(s.stream).cloud();
+  std::mt19937 random(4);
+  for (int round = 0; round < 3; ++round) {
+    std::shuffle(chunks.begin(), chunks.end(), random);
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));
+    for (const Chunk& chunk : chunks) {
+      decoder.add(chunk.type, chunk.payload);
+      if (round == 1 && chunk.type == ChunkType::exact) decoder.add(chunk.type, chunk.payload);
+    }
+    CHECK(same(decoder.cloud(), wanted));
+    CHECK(decoder.refused_chunks() == 0);
+  }
+}
+
+TEST_CASE("a lost or damaged piece leaves the refined surface") {
+  const Sample& s = samples()[2];
+  const auto chunks = chunks_of(s.stream);
+  StreamDecoder without;
+  REQUIRE(without.push(std::span(s.stream).first(header_bytes(s.stream))));
+  for (const Chunk& chunk : chunks)
+    if (chunk.type == ChunkType::displaced) without.add(chunk.type, chunk.payload);
+  const Cloud refined = without.cloud();
+  std::mt19937 random(9);
+  for (const Chunk& chunk : chunks) {
+    if (chunk.type != ChunkType::exact) continue;
+    Bytes damaged = s.stream;
+    damaged[chunk.end - 1 - random() % chunk.payload.size()] ^= std::byte{16};
+    const StreamDecoder decoder = decoded(damaged);
+    CHECK(!decoder.exact().whole());
+    CHECK(decoder.problems().size() == 1);
+    CHECK(same(decoder.cloud(), refined));
+  }
+  const Bytes lossy = drop_packets(s.stream, 0.9, 2);
+  CHECK(!decoded(lossy).exact().whole());
+  CHECK(decoded(drop_packets(s.stream, 0, 2)).exact().whole());
+}
+
+TEST_CASE("pieces that do not go together are refused") {
+  const Bytes tail(40000, std::byte{3});
+  const auto pieces = pieces_of(tail);
+  REQUIRE(pieces.size() == 3);
+  TailPieces held;
+  CHECK(!held.add({}));
+  CHECK(!held.add(std::span(pieces[0]).first(8)));
+  CHECK(held.length() == 0);
+  REQUIRE(held.add(pieces[1]));
+  CHECK(held.length() == tail.size());
+  CHECK(!held.take());
+  Bytes other = pieces[0];
+  other[4] = std::byte{1};  // of a tail of another length
+  CHECK(!held.add(other));
+  other = pieces[0];
+  other[0] = std::byte{1};  // overlaps the second
+  CHECK(!held.add(other));
+  other = pieces[2];
+  other.push_back(std::byte{3});  // beyond the end
+  CHECK(!held.add(other));
+  other = pieces[1];
+  other.back() = std::byte{4};
+  CHECK(!held.add(other));  // there already, but otherwise
+  CHECK(held.add(pieces[1]));
+  CHECK(held.come() == 16384);
+  REQUIRE(held.add(pieces[2]));
+  REQUIRE(held.add(pieces[0]));
+  const auto whole = held.take();
+  REQUIRE(whole);
+  CHECK(*whole == tail);
+}
+
+TEST_CASE("mutated pieces give the refined surface or a mesh") {
+  std::mt19937 random(21);
+  const Sample& s = samples()[1];
+  const auto chunks = chunks_of(s.stream);
+  for (std::size_t round = 0; round < 60; round += watched_step(6)) {
+    StreamDecoder decoder(1 << 18);
+    REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));
+    for (const Chunk& chunk : chunks) {
+      Bytes mutated = chunk.payload;
+      const std::size_t within = round % 2 == 0 ? std::min<std::size_t>(mutated.size(), 130) : mutated.size();
+      if (chunk.type == ChunkType::exact) mutated[random() % within] = static_cast<std::byte>(random());
+      decoder.add(chunk.type, mutated);
+    }
+    const Cloud cloud = decoder.cloud();
+    check_sound(cloud);
+    REQUIRE(cloud.size() == decoder.vectors());
+  }
+}
+
+TEST_CASE("a decoder that may hold fewer vectors than a mesh has shows the refined surface") {
+  const Sample& s = samples()[2];
+  const StreamDecoder decoder = decoded(s.stream, 9000);
+  CHECK(decoder.full());
+  CHECK(!decoder.exact().whole());
+  CHECK(decoder.vectors() > 300);
+  CHECK(decoder.vectors() <= 9000);
+}
+
+TEST_CASE("the same mesh gives the same exact stream, whatever the threads, and only displaced ones carry it") {
+  const Sample& s = samples()[1];
+  for (const unsigned threads : {1u, 3u})
+    CHECK(std::get<EncodedStream>(encoded(s.source.triangles, s.bits, threads)).bytes == s.stream);
+  CHECK(carries(row_of(Payload::displaced), ChunkType::exact));
+  CHECK(!carries(row_of(Payload::packed), ChunkType::exact));
+  // In a stream of another payload it is refused.
+  const TriangleSource source = source_of(s.source.triangles);
+  const auto packed = row_of(Payload::packed).encode(std::cref(source), {}, nullptr);
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(std::get<EncodedStream>(packed).bytes));
+  decoder.add(ChunkType::exact, Bytes(100));
+  CHECK(decoder.refused_chunks() == 1);
+}
+
+}  // namespace gs::qnv::exact::stream_test
