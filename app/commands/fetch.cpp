@@ -108,6 +108,7 @@ std::optional<std::string> check_fetch(const Options& options) {
 int run_fetch(const Options& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
+  load.whole_surfaces = true;  // whose vectors are counted
   load.cache_folder.clear();  // what comes is measured
   Report report;
   report.is_cells = comes_as_cells(url);

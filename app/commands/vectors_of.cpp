@@ -82,6 +82,7 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   auto surface = std::make_unique<OpenedSurface>();
   LoadOptions load = load_options(options);
   load.max_bytes = LoadOptions{}.max_bytes;  // `--max-bytes` bounds what is written
+  load.whole_surfaces = true;
   surface->world = load_world(path, load);
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;

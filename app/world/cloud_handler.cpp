@@ -54,6 +54,7 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
     return;
   }
   CloudFile file{path, bytes, cut};
+  file.to_draw = !world_.options.whole_surfaces;
   file.origin = {world_.reader_of(found_.origin), file_name_of(found_)};
   if (!place_.is_node) {
     file.loss = world_.options.loss;
@@ -156,7 +157,8 @@ void CloudHandler::show_records(bool last) {
   shown_exact_ = decoder_->exact().whole();
   shown_ = vectors;
   shown_revision_ = revision;
-  show_(std::make_shared<const qnv::Cloud>(decoder_->cloud()));
+  show_(std::make_shared<const qnv::Cloud>(world_.options.whole_surfaces ? decoder_->cloud()
+                                                                         : decoder_->cloud_to_draw()));
 }
 
 void CloudHandler::end(const std::optional<std::string>& problem) {

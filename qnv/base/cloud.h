@@ -67,6 +67,7 @@ struct Cell {
 };
 
 class LodStream;
+struct SurfacePatches;
 
 /// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
 ///
@@ -81,13 +82,16 @@ struct Cloud {
   std::vector<Rgb8> colors;
   std::vector<std::uint8_t> classes;
   std::vector<Cell> cells;  // of discs that came from an octree
-  /// Three numbers of vectors a triangle, counter-clockwise seen from outside: where there are some, the vectors are the
-  /// vertices of a surface, which is closed between them however near it is seen.
+  /// Three numbers of vectors a triangle, counter-clockwise seen from outside: where there are some, the vectors are
+  /// the vertices of a surface, which is closed between them however near it is seen.
   std::vector<std::uint32_t> triangles;
   Rgb8 color;
   /// Where the vectors come from when there are too many, or too many too small, to keep all of them: then the
   /// arrays are empty, and every view takes its own cut (lod.h).
   std::shared_ptr<LodStream> levels;
+  /// The same of a displaced surface: then the arrays are empty, and every view takes its own cut
+  /// (surface/surface_cut.h).
+  std::shared_ptr<const SurfacePatches> patches;
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] bool empty() const { return positions.empty(); }

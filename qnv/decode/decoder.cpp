@@ -150,4 +150,13 @@ Cloud StreamDecoder::cloud() const {
   return cloud;
 }
 
+Cloud StreamDecoder::cloud_to_draw() {
+  if (!header() || header()->payload != Payload::displaced) return cloud();
+  Cloud cloud;
+  cloud.description = header()->description;
+  cloud.color = header()->color;
+  cloud.patches = surface_.patches();
+  return cloud;
+}
+
 }  // namespace gs::qnv

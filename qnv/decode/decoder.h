@@ -58,6 +58,9 @@ class StreamDecoder {
   /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
   /// which the first ones cover all of it evenly.
   [[nodiscard]] Cloud cloud() const;
+  /// The same for who draws it: a displaced surface has patches in place of arrays, of which only those are worked out
+  /// that have changed since the last call.
+  [[nodiscard]] Cloud cloud_to_draw();
 
  private:
   /// Of a displaced surface: the first stage is a part of the header, and there before any chunk.

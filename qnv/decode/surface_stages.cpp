@@ -123,6 +123,13 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   if (cluster->level > found->second.header().depth && count_.full) return;
   if (!found->second.add(*cluster, payload)) ++count_.refused;
+  // Of a cluster that ends early, too, some numbers may have come.
+  if (const auto evaluator = evaluators_.find(cluster->stage); evaluator != evaluators_.end()) {
+    if (cluster->kind == displaced::ClusterHeader::Kind::color)
+      evaluator->second.colors_changed();
+    else
+      evaluator->second.changed(*cluster, found->second.patches().size());
+  }
   ++count_.taken;
   drop_stages();
   recount();
@@ -134,18 +141,31 @@ const displaced::Surface* SurfaceStages::shown() const {
   return stages_.empty() ? nullptr : &stages_.begin()->second;
 }
 
-void SurfaceStages::recount() {
+std::vector<std::pair<int, const displaced::Surface*>> SurfaceStages::all_shown() const {
+  std::vector<std::pair<int, const displaced::Surface*>> all;
   const displaced::Surface* main = shown();
-  count_.vectors = main ? slots_shown(*main) : 0;
   for (const auto& [number, surface] : stages_)
-    if (surface.header().beside && &surface != main) count_.vectors += slots_shown(surface);
+    if (&surface == main) all.emplace_back(number, &surface);
+  for (const auto& [number, surface] : stages_)
+    if (surface.header().beside && &surface != main) all.emplace_back(number, &surface);
+  return all;
+}
+
+void SurfaceStages::recount() {
+  count_.vectors = 0;
+  for (const auto& [number, surface] : all_shown()) count_.vectors += slots_shown(*surface);
 }
 
 void SurfaceStages::append(Cloud& cloud, bool colored) const {
-  const displaced::Surface* main = shown();
-  if (main) append(*main, cloud, colored);
-  for (const auto& [number, surface] : stages_)
-    if (surface.header().beside && &surface != main) append(surface, cloud, colored);
+  for (const auto& [number, surface] : all_shown()) append(*surface, cloud, colored);
+}
+
+std::shared_ptr<const SurfacePatches> SurfaceStages::patches() {
+  std::erase_if(evaluators_, [&](const auto& each) { return !stages_.contains(each.first); });
+  auto patches = std::make_shared<SurfacePatches>();
+  for (const auto& [number, surface] : all_shown())
+    patches->parts.push_back(evaluators_[number].state(*surface, shown_level(*surface), box_));
+  return patches;
 }
 
 void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool colored) const {

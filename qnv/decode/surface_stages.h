@@ -2,11 +2,14 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/displaced/surface.h"
+#include "qnv/surface/patch_evaluator.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace gs::qnv {
@@ -28,6 +31,8 @@ class SurfaceStages {
   /// What is shown of all that has come: vertices, and triangles between them. `colored`: they have colours, those
   /// whose have not come that of the cloud.
   void append(Cloud& cloud, bool colored) const;
+  /// The same for who draws it. Shares with what it gave before what did not change.
+  [[nodiscard]] std::shared_ptr<const SurfacePatches> patches();
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
@@ -38,6 +43,8 @@ class SurfaceStages {
   void recount();
   /// The last stage of which enough has come to take the place of those before; null: none.
   [[nodiscard]] const displaced::Surface* shown() const;
+  /// All that are shown together, the main one first.
+  [[nodiscard]] std::vector<std::pair<int, const displaced::Surface*>> all_shown() const;
   void append(const displaced::Surface& surface, Cloud& cloud, bool colored) const;
 
   Box box_;
@@ -46,6 +53,7 @@ class SurfaceStages {
   std::uint32_t gone_ = 0;  // a bit a stage whose place another one has taken
   Count count_;
   std::map<int, displaced::Surface> stages_;
+  std::map<int, PatchEvaluator> evaluators_;            // of stages that were asked for as patches
   std::multimap<int, std::vector<std::byte>> waiting_;  // by stage
 };
 

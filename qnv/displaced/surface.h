@@ -87,6 +87,8 @@ class Surface {
 
   /// All numbers of a kind, for who makes them.
   [[nodiscard]] LevelNumbers& numbers(int layer, int level);
+  /// Those that have come; null: none.
+  [[nodiscard]] const LevelNumbers* find(int layer, int level) const;
   [[nodiscard]] std::array<NumberArray, 3>& colors(int level);
 
   /// The patches, cut along their creases: whose vertices have normals.
@@ -105,7 +107,6 @@ class Surface {
   [[nodiscard]] std::vector<std::uint32_t> triangles(int level) const;
 
  private:
-  [[nodiscard]] const LevelNumbers* find(int layer, int level) const;
   LevelNumbers& sparse(int layer, int level);
   std::array<NumberArray, 3>& sparse_colors(int level);
   bool take_run(const ClusterHeader& cluster);

@@ -6,6 +6,7 @@
 #include "render/mesh/mesh_pass.h"
 #include "render/scene/collector.h"
 #include "render/splat/splat_pass.h"
+#include "render/surface/surface_pass.h"
 #include "render/volume/volume_pass.h"
 
 #include <algorithm>
@@ -84,15 +85,34 @@ FormerPicture make_picture(const Gl& gl, int width, int height) {
   return picture;
 }
 
+/// Whether the processor draws surfaces of a list itself, and whether it draws all that has edges: then OpenGL needs no
+/// samples.
+bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
+  const bool by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
+  bool any = !list.splats.empty();
+  nothing_else = !by_gl;
+  for (const DrawItem& item : list.items) {
+    const bool layer = item.surface && item.surface->patches && !item.overlay && !by_gl;
+    any = any || layer;
+    nothing_else = nothing_else && (layer || !item.seen);
+  }
+  for (const SplatItem& item : list.splats)
+    nothing_else = nothing_else && item.cloud && item.cloud->description.kind == qnv::Kind::surface;
+  nothing_else = nothing_else && any;
+  return any;
+}
+
 /// How the picture is drawn off screen. Drivers on the processor take three times as long for samples of their own as
 /// for four times the pixels, which are `reduced` afterwards. Clouds have samples of their own.
 DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
   DrawOptions local = options;
   local.x = local.y = 0;
   const int most = gl.max_renderbuffer_size / kPixelSide;
-  if (reduced && gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide &&
-      list.splats.empty() && list.lights.size() <= kLightsOfManyPixels && options.width <= most &&
-      options.height <= most) {
+  bool nothing_else = false;
+  const bool layers = draws_layers(gl, list, options, nothing_else);
+  if (nothing_else) local.target_samples = 1;
+  if (reduced && gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide && !layers &&
+      list.lights.size() <= kLightsOfManyPixels && options.width <= most && options.height <= most) {
     local.width *= kPixelSide;
     local.height *= kPixelSide;
     local.samples = 1;
@@ -157,6 +177,7 @@ struct Renderer::State {
   std::optional<BackgroundPass> background;
   std::unique_ptr<MeshPass> meshes;
   std::unique_ptr<SplatPass> splats;
+  std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
   OffscreenTarget target;
   std::map<std::uint32_t, FormerPicture> former;  // by viewport, of pictures that may be given up
@@ -178,6 +199,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   if (auto* error = std::get_if<ContextError>(&meshes)) return std::move(*error);
   state->meshes = std::move(std::get<std::unique_ptr<MeshPass>>(meshes));
   state->splats = std::make_unique<SplatPass>(state->gl);
+  state->surfaces = std::make_unique<SurfacePass>(state->gl);
   state->volumes = std::make_unique<VolumePass>(state->gl);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
@@ -217,7 +239,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   coarse.width = (options.width + coarseness - 1) / coarseness;
   coarse.height = (options.height + coarseness - 1) / coarseness;
   const DrawOptions local = for_target(gl, list, coarse, outer_samples == 0);
-  if (!bind_target(local.width, local.height, local.samples)) {
+  if (!bind_target(local.width, local.height, std::min(local.samples, local.target_samples))) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
     return {};
   }
@@ -296,10 +318,13 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   gl.DepthMask(GL_FALSE);
   state_->background->draw(list.background, glm::mat3(camera.world_from_camera), lens.tangents(), options.background);
   gl.DepthMask(GL_TRUE);
-  state_->meshes->draw(list, camera, lens, options, statistics, [&] {
+  state_->surfaces->prepare(list, camera, lens, options);
+  const auto between = [&] {
+    state_->surfaces->draw(list, camera, lens, options, *state_->splats, statistics);
     state_->splats->draw(list, camera, lens, options, statistics);
     state_->volumes->draw(list, camera, lens, options, statistics);
-  });
+  };
+  state_->meshes->draw(list, camera, lens, options, statistics, between, state_->surfaces.get());
   if (list.overlays && !statistics.given_up) draw_overlays(list, given, options, statistics);
   // Whoever draws next (the user interface) finds the defaults.
   if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
@@ -326,13 +351,13 @@ void Renderer::draw_overlays(const RenderList& list, const Camera& given, const 
   state_->gl.DepthMask(GL_TRUE);
   state_->gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   state_->meshes->draw(
-      list, camera, lens, options, statistics, [] {}, true);
+      list, camera, lens, options, statistics, [] {}, state_->surfaces.get(), true);
 }
 
 /// Leaves the picture bound for reading; false, and nothing bound, where the driver has no memory for it.
 bool Renderer::draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
                                FrameStatistics* statistics) {
-  if (!bind_target(local.width, local.height, local.samples)) {
+  if (!bind_target(local.width, local.height, std::min(local.samples, local.target_samples))) {
     state_->gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
     return false;
   }

@@ -159,6 +159,10 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
+  if (item.surface && item.surface->patches) {
+    mesh_seen = view.surfaces ? view.surfaces->mesh_of(item) : nullptr;
+    if (!mesh_seen) return;
+  }
   if (const float nearest = depth - sphere.radius; item.mesh->coarser && sphere.radius >= 0 && nearest > 0) {
     const float pixels = sphere.radius / nearest * view.pixels;
     while ((*mesh_seen)->coarser && pixels * (*mesh_seen)->coarser_error <= kMostDeviation)
@@ -383,12 +387,13 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
 
 void MeshPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                     const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between,
-                    bool overlays) {
+                    const SurfacePass* surfaces, bool overlays) {
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
   meshes_.forget_binding();
   View view;
+  view.surfaces = surfaces;
   view.camera_from_world = camera_from_world_of(camera);
   view.tangents = projection.tangents();
   view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);

@@ -11,6 +11,7 @@
 #include "render/scene/draw_options.h"
 #include "render/scene/fog.h"
 #include "render/scene/render_list.h"
+#include "render/surface/surface_pass.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -33,10 +34,12 @@ class MeshPass {
 
   /// `camera` must have its near and far planes set. Leaves depth writes on, blending and culling off.
   /// `between` is called when the opaque items are drawn and the transparent ones are not; it may change any state.
+  /// `surfaces`: has the cuts of the view; null: there are none.
   /// `overlays`: the items that are such, and no others.
   /// When `options.go_on` ends the frame before that, it is not called.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
-            FrameStatistics& statistics, const std::function<void()>& between, bool overlays = false);
+            FrameStatistics& statistics, const std::function<void()>& between, const SurfacePass* surfaces,
+            bool overlays = false);
 
  private:
   /// Bits that select a shader variant; each is one #define. What costs little where it is not needed is no variant:
@@ -103,6 +106,7 @@ class MeshPass {
     glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
     float near_plane, far_plane;
     float pixels;  // of a metre at a distance of one
+    const SurfacePass* surfaces;
   };
 
   explicit MeshPass(const Gl& gl);

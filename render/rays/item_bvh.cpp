@@ -1,5 +1,6 @@
 #include "render/rays/item_bvh.h"
 
+#include "render/rays/surface_pick.h"
 #include "vrml/mesh/vertices.h"
 
 #include <glm/glm.hpp>
@@ -50,6 +51,12 @@ bool is_sought(const DrawItem& item, Sought sought) {
   }
 }
 
+glm::dvec3 world_normal(const DrawItem& item, const glm::dvec3& in_node) {
+  const glm::dvec3 normal = glm::transpose(glm::inverse(glm::dmat3(item.world_from_node))) * in_node;
+  const double length = glm::length(normal);
+  return length > 0 && std::isfinite(length) ? normal / length : glm::dvec3(0);
+}
+
 void describe(const DrawItem& item, const vrml::Mesh& mesh, const SightLine& line, SurfaceHit& hit) {
   const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * hit.triangle.triangle;
   const auto blend = [&](const auto& values) {
@@ -63,9 +70,7 @@ void describe(const DrawItem& item, const vrml::Mesh& mesh, const SightLine& lin
   glm::dvec3 normal = glm::cross(b - a, c - a);
   if (mesh.normals.size() == mesh.positions.size())
     if (const glm::dvec3 smooth(blend(mesh.normals)); glm::dot(smooth, smooth) > 0) normal = smooth;
-  normal = glm::transpose(glm::inverse(glm::dmat3(item.world_from_node))) * normal;
-  const double length = glm::length(normal);
-  hit.normal = length > 0 && std::isfinite(length) ? normal / length : glm::dvec3(0);
+  hit.normal = world_normal(item, normal);
   if (mesh.texture_coordinates.size() == mesh.positions.size()) {
     hit.texture_coordinate = blend(mesh.texture_coordinates);
   } else {
@@ -171,11 +176,12 @@ void ItemBvh::prepare(const RenderList& list) {
 }
 
 std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLine& line, std::size_t max_triangles,
-                                           Sought sought) {
+                                           Sought sought, float pixel) {
   ++searches_;
   update(list);
   std::optional<SurfaceHit> found;
   const vrml::Mesh* found_in = nullptr;
+  glm::dvec3 patch_normal(0);
   const glm::dvec3 usable = line.origin * 0.0 + line.direction * 0.0;
   if (usable != glm::dvec3(0) || line.direction == glm::dvec3(0)) return found;
   const BoxTree::Walker walker(line);
@@ -186,10 +192,18 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return farthest;
-    const Searched searched = searched_for(place, item, max_triangles);
-    if (!searched.mesh) return farthest;
     const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
                            glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
+    if (item.surface && item.surface->patches && sought != Sought::met) {
+      const auto hit = pick_patches(*item.surface->patches, inside, pixel / item.detail);
+      if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
+      found = SurfaceHit{place, {hit->distance, hit->patch, hit->weights}};
+      found_in = nullptr;
+      patch_normal = hit->normal;
+      return hit->distance;
+    }
+    const Searched searched = searched_for(place, item, max_triangles);
+    if (!searched.mesh) return farthest;
     const auto hit =
         searched.tree ? searched.tree->nearest(*searched.mesh, inside) : nearest_of_all(*searched.mesh, inside);
     if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
@@ -197,7 +211,11 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     found_in = searched.mesh;
     return hit->distance;
   });
-  if (found) describe(list.items[found->item], *found_in, line, *found);
+  if (found && found_in) describe(list.items[found->item], *found_in, line, *found);
+  if (found && !found_in) {
+    found->point = line.origin + line.direction * found->triangle.distance;
+    found->normal = world_normal(list.items[found->item], patch_normal);
+  }
   return found;
 }
 

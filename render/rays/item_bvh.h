@@ -18,7 +18,7 @@ namespace gs::render {
 /// Where a line meets a triangle of a RenderList, in world space.
 struct SurfaceHit {
   std::size_t item = 0;  // of RenderList::items
-  TriangleHit triangle;  // of its mesh; of a former one of the item, where the tree of that is still made
+  TriangleHit triangle;  // of its mesh; of a former one of the item, where the tree of that is still made; of a patch
   glm::dvec3 point{0};
   /// Of length 1: of the mesh's normals if it has some, else of the triangle, towards where its corners go
   /// counter-clockwise. 0 where there is none.
@@ -45,9 +45,12 @@ class ItemBvh {
   /// since the last call, and some microseconds. Until the tree of a large mesh is made meanwhile, the item's former
   /// one counts; of the first one all triangles are looked at, in some 10 ns each.
   /// Of meshes whose triangles are more than `max_triangles` together the farther ones are not met.
+  /// Surfaces with patches are met as they are drawn from where the line begins, with pixels that are so wide at
+  /// distance 1; but what is sought to be bumped into has no patches, only the items' meshes.
   [[nodiscard]] std::optional<SurfaceHit> nearest(const RenderList& list, const SightLine& line,
                                                   std::size_t max_triangles = std::size_t{1} << 24,
-                                                  Sought sought = Sought::seen);
+                                                  Sought sought = Sought::seen,
+                                                  float pixel = 1 / kUsualPixelsPerRadian);
   /// Triangles of what is met that may touch the box from `lower` to `upper`, world space; no more than `most`. Takes
   /// some microseconds, and time for what has changed as `nearest` does.
   [[nodiscard]] std::vector<WorldTriangle> near(const RenderList& list, const glm::dvec3& lower,

@@ -374,13 +374,14 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   source.appearance = resources_.appearance_nodes(*parent.scene, shape);
   const auto cloud = clouds_.find(source.geometry);
   const bool vectors = cloud != clouds_.end() && cloud->second;
-  if (vectors && cloud->second->triangles.empty()) {
+  if (vectors && cloud->second->triangles.empty() && !cloud->second->patches) {
     add_splats(parent, id, item, cloud->second, detail_of(schemas_.view(*parent.scene, geometry)), source);
     return;
   }
   dmat4 world_from_node = parent.world_from_local;
   if (vectors) {
     item.surface = cloud->second;
+    item.detail = detail_of(schemas_.view(*parent.scene, geometry));
     item.mesh = resources_.surface_mesh(cloud->second);
     dress_surface(item);
     if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, item.mesh->indices.size() / 3)) return;

@@ -29,6 +29,7 @@ struct DrawOptions {
   std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
   std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs
   std::function<bool()> go_on;   // asked some times a second; false: what is not drawn yet is left out. Null: true
+  int target_samples = 64;       // at most, of what OpenGL draws: what the processor rasterises has samples of its own
 };
 
 struct FrameStatistics {

@@ -70,6 +70,7 @@ struct DrawItem {
   bool met = true;                                // false: the viewer goes through it
   bool overlay = false;                           // fixed to the viewer: drawn over everything that is not
   std::shared_ptr<const qnv::Cloud> surface;      // whose vectors are the mesh's vertices: a QNV node; else null
+  float detail = 1;                               // > 0: of the QNV node; multiplies how finely a surface is shown
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.

@@ -1,11 +1,27 @@
 #include "render/scene/surface_mesh.h"
 
+#include "qnv/surface/patch_mesh.h"
+
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace gs::render {
+namespace {
+
+// Of what one bumps into.
+constexpr std::size_t kMostMetTriangles = 16384;
+
+vrml::Color color_of(const qnv::Rgb8& c) {
+  return {static_cast<float>(c.r) / 255, static_cast<float>(c.g) / 255, static_cast<float>(c.b) / 255};
+}
+
+}  // namespace
 
 std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud) {
+  if (cloud.patches)
+    return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMostMetTriangles), cloud.description.two_sided,
+                       cloud.color);
   auto mesh = std::make_shared<vrml::Mesh>();
   mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(cloud.positions));
   mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(cloud.normals));
@@ -14,11 +30,43 @@ std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud) {
   if (!cloud.colors.empty()) {
     std::vector<vrml::Color> colors;
     colors.reserve(cloud.colors.size());
-    for (const qnv::Rgb8& c : cloud.colors)
-      colors.push_back({static_cast<float>(c.r) / 255, static_cast<float>(c.g) / 255, static_cast<float>(c.b) / 255});
+    for (const qnv::Rgb8& c : cloud.colors) colors.push_back(color_of(c));
     mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
   }
   for (const glm::vec3& p : cloud.positions) mesh->bounds.add(p);
+  return mesh;
+}
+
+std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
+                                              bool two_sided, const qnv::Rgb8& color) {
+  auto mesh = std::make_shared<vrml::Mesh>();
+  bool colored = false;
+  for (const auto& part : surface.parts) colored = colored || part->colored();
+  std::vector<glm::vec3> positions, normals;
+  std::vector<vrml::Color> colors;
+  std::vector<std::uint32_t> indices;
+  qnv::PatchMesh patch;
+  for (const qnv::PatchCut& one : cut.patches) {
+    patch.build(*surface.parts[one.part], one);
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (const qnv::PatchVertex& v : patch.vertices()) {
+      positions.push_back(v.position);
+      normals.push_back(qnv::unpack_direction(v.normal));
+    }
+    for (std::size_t i = 0; colored && i < patch.vertices().size(); ++i)
+      colors.push_back(color_of(patch.colors().empty() ? color : patch.colors()[i]));
+    for (const auto& triangles : {patch.inner(), patch.border()})
+      for (const qnv::PatchMesh::Triangle& t : triangles)
+        for (const auto corner : t) indices.push_back(first + corner);
+  }
+  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(positions));
+  mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(normals));
+  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
+  if (colored) mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
+  mesh->solid = !two_sided;
+  const qnv::Box box = surface.box();
+  mesh->bounds.add(box.lower);
+  mesh->bounds.add(box.upper);
   return mesh;
 }
 

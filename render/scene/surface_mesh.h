@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
+#include "qnv/surface/surface_cut.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
 
@@ -8,8 +9,14 @@
 
 namespace gs::render {
 
-/// The mesh of vectors with triangles between them (qnv::Cloud::triangles).
+/// The mesh of vectors with triangles between them (qnv::Cloud::triangles). Of a surface in patches one of them all at
+/// a level, for who bumps into it; it is not what is drawn.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud);
+
+/// The triangles of a cut as a mesh; patches do not share vertices. `two_sided`: seen from behind, too.
+[[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface,
+                                                            const qnv::SurfaceCut& cut, bool two_sided,
+                                                            const qnv::Rgb8& color);
 
 /// A surface is lit even where no Material asks for it; then it has the colour of its stream.
 void dress_surface(DrawItem& item);

@@ -1,6 +1,7 @@
 #include "render/splat/splat_pass.h"
 
 #include "render/gl/shaders.h"
+#include "render/scene/collector.h"
 #include "render/splat/splat_budget.h"
 #include "render/splat/splat_closing.h"
 #include "render/splat/splat_pieces.h"
@@ -45,11 +46,18 @@ class SavedTarget {
 };
 
 /// What a cloud is shaded as: with the colours of its vectors where they tell something, whatever its material.
-Material shown_material(const SplatItem& item, ColorBy color_by) {
-  if (color_by == ColorBy::own) return item.material;
+Material shown_material(const Material& material, ColorBy color_by) {
+  if (color_by == ColorBy::own) return material;
   Material plain;
-  plain.transparency = item.material.transparency;
+  plain.transparency = material.transparency;
   return plain;
+}
+
+Material shown_material(const SplatItem& item, ColorBy color_by) {
+  Material material = shown_material(item.material, color_by);
+  const qnv::Rgb8& own = item.cloud->color;
+  if (item.own_color) material.diffuse = glm::vec3(own.r, own.g, own.b) / 255.0f;
+  return material;
 }
 
 }  // namespace
@@ -127,6 +135,10 @@ SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, 
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
   SplatLayer layer = rasterize_surface(pieces, view);
   close_pinholes(layer, view, closing_for(shared, view));
+  return upload(layer);
+}
+
+SplatTextures SplatPass::upload(const SplatLayer& layer) {
   SplatTextures result;
   result.discs = layer.discs;
   if (layer.empty()) return result;
@@ -143,7 +155,7 @@ SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, 
   return result;
 }
 
-void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
+void SplatPass::shade(const Material& m, const SplatTextures& textures, int closing, std::uint32_t light_set,
                       const CameraFog& fog, const Projection& projection, const DrawOptions& options) {
   const bool colored = textures.colors != 0;
   const Shader* s = shader(colored, closing > 0, fog.on, LightSets::variant(lights_.count(light_set)));
@@ -177,10 +189,7 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int 
   gl_.Uniform2f(s->pixel, 2 / static_cast<float>(options.width), 2 / static_cast<float>(options.height));
   gl_.Uniform2f(s->tangents, view_tangents.x, view_tangents.y);
   gl_.Uniform2f(s->depth_row, projection.depth_offset, projection.depth_scale);
-  const Material m = shown_material(item, options.clouds.color_by);
-  const qnv::Rgb8& own = item.cloud->color;
-  const glm::vec3 diffuse = item.own_color ? glm::vec3(own.r, own.g, own.b) / 255.0f : m.diffuse;
-  const glm::vec4 base(diffuse, 1 - m.transparency), emissive(m.emissive, m.ambient_intensity),
+  const glm::vec4 base(m.diffuse, 1 - m.transparency), emissive(m.emissive, m.ambient_intensity),
       specular(m.specular, m.shininess * kShininessScale);
   gl_.Uniform4fv(s->base, 1, glm::value_ptr(base));
   gl_.Uniform4fv(s->emissive_ambient, 1, glm::value_ptr(emissive));
@@ -189,6 +198,28 @@ void SplatPass::shade(const SplatItem& item, const SplatTextures& textures, int 
   lights_.bind(light_set);
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, const DrawItem& item, const Camera& camera,
+                           const Projection& projection, const DrawOptions& options) {
+  if (layer.empty()) return;
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  lights_.begin(list.lights, camera_from_world, options.headlight);
+  const vrml::Bounds bounds = world_bounds(item.mesh->bounds, item.world_from_node);
+  const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
+  const std::uint32_t set =
+      lights_.choose(item.directional_lights, glm::vec3(camera_from_world * glm::dvec4(center, 1)),
+                     glm::length(bounds.upper - bounds.lower) * 0.5f);
+  lights_.upload();
+  const SavedTarget target(gl_);
+  const SplatTextures textures = upload(layer);
+  target.bind();
+  shade(shown_material(item.material, options.clouds.color_by), textures, 0, set,
+        camera_fog(list.fog, glm::mat3(camera.world_from_camera)), projection, options);
+  gl_.Viewport(options.x, options.y, options.width, options.height);
+  gl_.Scissor(options.x, options.y, options.width, options.height);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
 }
 
 void SplatPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
@@ -248,7 +279,8 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(item, *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog, projection, options);
+    shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog,
+          projection, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);

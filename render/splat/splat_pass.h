@@ -28,6 +28,10 @@ class SplatPass {
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
+  /// Shades what another rasteriser of the processor left of an item, like a cloud. `options` as for `draw`.
+  void draw_layer(const SplatLayer& layer, const RenderList& list, const DrawItem& item, const Camera& camera,
+                  const Projection& projection, const DrawOptions& options);
+
  private:
   struct Shader {
     Program program;
@@ -39,8 +43,9 @@ class SplatPass {
   /// `lights`: LightSets::variant.
   const Shader* shader(bool colored, bool closing, bool fog, unsigned lights);
   /// `closing`: how wide the holes are that are still to be closed, in pixels.
-  void shade(const SplatItem& item, const SplatTextures& textures, int closing, std::uint32_t light_set,
+  void shade(const Material& material, const SplatTextures& textures, int closing, std::uint32_t light_set,
              const CameraFog& fog, const Projection& projection, const DrawOptions& options);
+  SplatTextures upload(const SplatLayer& layer);
   /// Empty where OpenGL is not wanted or cannot.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);

@@ -1,6 +1,5 @@
 #include "render/splat/splat_pieces.h"
 
-#include "qnv/lod/lod.h"
 #include "render/scene/color_ramps.h"
 
 #include <glm/glm.hpp>
@@ -68,12 +67,14 @@ std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Cloud>&
   return pieces;
 }
 
-/// False where the view cannot be one.
-bool look(const SplatView& view, qnv::LodView& lod) {
+}  // namespace
+
+std::optional<qnv::LodView> lod_view(const SplatView& view) {
+  qnv::LodView lod;
   const glm::mat4 node_from_camera = glm::inverse(view.camera_from_node);
   const glm::mat4 transposed = glm::transpose(view.camera_from_node);
   lod.eye = glm::vec3(node_from_camera[3]);
-  if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return false;
+  if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return std::nullopt;
   // Distances are measured in the node's units, like the voxels' edges, so that the scale falls out.
   lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
   const std::array<glm::vec4, 5> planes{{{1, 0, -view.tangents.x, 0},
@@ -82,10 +83,8 @@ bool look(const SplatView& view, qnv::LodView& lod) {
                                          {0, -1, -view.tangents.y, 0},
                                          {0, 0, -1, -view.near_plane}}};
   for (std::size_t i = 0; i < planes.size(); ++i) lod.planes[i] = transposed * planes[i];
-  return true;
+  return lod;
 }
-
-}  // namespace
 
 SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view, const CutOptions& options) {
   SplatCut cut;
@@ -94,8 +93,9 @@ SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatVi
     cut.pieces = prefix_of(cloud, options.budget == 0 ? all : std::min(all, options.budget), options.color_by);
     return cut;
   }
-  qnv::LodView lod;
-  if (!look(view, lod)) return cut;
+  auto looked = lod_view(view);
+  if (!looked) return cut;
+  qnv::LodView& lod = *looked;
   lod.budget = options.budget;
   lod.error_pixels = 1 / options.detail;
   lod.viewport = options.viewport;

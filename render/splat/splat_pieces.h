@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/lod/lod.h"
 #include "render/scene/cloud_look.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_raster.h"
@@ -7,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace gs::render {
@@ -32,5 +34,8 @@ struct SplatCut {
 /// the order stand for levels and blocks of it for chunks. Nothing for views that are not finite.
 [[nodiscard]] SplatCut cut_cloud(const std::shared_ptr<const qnv::Cloud>& cloud, const SplatView& view,
                                  const CutOptions& options);
+
+/// A view as who cuts a stream takes it, but for budget and error. Nothing for views that are not finite.
+[[nodiscard]] std::optional<qnv::LodView> lod_view(const SplatView& view);
 
 }  // namespace gs::render

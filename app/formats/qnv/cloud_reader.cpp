@@ -8,6 +8,7 @@
 #include "qnv/encode/encode_volume.h"
 #include "qnv/lod/lod.h"
 #include "qnv/records/record.h"
+#include "qnv/surface/patch_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,7 +124,7 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
     report(Severity::error,
            "vectors take " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
-  return decoder.cloud();
+  return file_.to_draw ? decoder.cloud_to_draw() : decoder.cloud();
 }
 
 std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
@@ -169,6 +170,11 @@ std::optional<qnv::Cloud> CloudFileReader::volume() {
     return std::nullopt;
   }
   return std::move(std::get<qnv::Cloud>(found));
+}
+
+/// That a cloud takes as it is held and drawn.
+std::uint64_t bytes_of(const qnv::Cloud& cloud) {
+  return cloud.size() * kHeldBytes + (cloud.patches ? cloud.patches->bytes() : 0);
 }
 
 qnv::Rgb8 color_at(const std::vector<qnv::TransferPoint>& points, float value) {
@@ -223,7 +229,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
 }
 
 bool has_room_for(const qnv::Cloud& cloud, const vrml::Budget& budget) {
-  return cloud.size() * kHeldBytes <= budget.left(vrml::Resource::vectors);
+  return bytes_of(cloud) <= budget.left(vrml::Resource::vectors);
 }
 
 std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget& budget) {
@@ -232,7 +238,7 @@ std::shared_ptr<const qnv::Cloud> hold_cloud(qnv::Cloud cloud, const WorldBudget
     vrml::Share share;
   };
   auto held = std::make_shared<Held>(Held{std::move(cloud), vrml::Share(budget, vrml::Resource::vectors)});
-  if (!held->share.grow(held->cloud.size() * kHeldBytes)) return nullptr;
+  if (!held->share.grow(bytes_of(held->cloud))) return nullptr;
   return {held, &held->cloud};
 }
 

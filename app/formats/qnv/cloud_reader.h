@@ -32,6 +32,7 @@ struct CloudFile {
   double loss = 0;                   // this share of a stream's packets never comes (`--loss`)
   std::uint64_t loss_seed = 1;
   VolumeOrigin origin{};  // of a volume
+  bool to_draw = false;   // a displaced surface becomes patches, of which views take cuts, and no arrays
 };
 
 /// The vectors of a file of a type that `is_cloud`: a stream's, an importer's, or the strongest 9 % of a

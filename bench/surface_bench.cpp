@@ -1,0 +1,265 @@
+// surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]...: what a picture of a displaced surface costs.
+//
+// Decodes STREAM (payload displaced) and draws it from N directions (12) around it at 1024x768, with cuts whose edges
+// are 1 / D pixels long (1 and 2, and all there is): what the cut, the processor's triangles alone, its discs alone and
+// a whole frame take, beside the same surface as one mesh with OpenGL (llvmpipe on a machine without a GPU) and beside
+// the cut of OCTREE, a packed stream of the same model. Milliseconds a frame by the clock and of processor time, which
+// other programs on the machine disturb less. A Markdown table.
+
+#include "net/files/file.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/lod/lod.h"
+#include "qnv/surface/surface_cut.h"
+#include "render/draw/renderer.h"
+#include "render/gl/context.h"
+#include "render/scene/camera.h"
+#include "render/scene/surface_mesh.h"
+#include "render/splat/splat_pieces.h"
+#include "render/splat/splat_raster.h"
+#include "render/surface/patch_raster.h"
+
+#include <glm/gtc/matrix_inverse.hpp>
+#include <glm/trigonometric.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <sys/resource.h>
+
+namespace gs::bench {
+namespace {
+
+constexpr int kWidth = 1024, kHeight = 768;
+
+struct Times {
+  double wall = 0, processor = 0;
+};
+
+Times now() {
+  struct rusage usage {};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
+          seconds(usage.ru_utime) + seconds(usage.ru_stime)};
+}
+
+struct Row {
+  std::string what;
+  Times spent;  // of all frames
+  double vertices = 0, triangles = 0;
+};
+
+void print(const Row& row, int frames) {
+  std::printf("| %s | %.0f | %.0f | %.1f | %.1f |\n", row.what.c_str(), row.vertices / frames / 1000,
+              row.triangles / frames / 1000, 1000 * row.spent.wall / frames, 1000 * row.spent.processor / frames);
+}
+
+class Bench {
+ public:
+  Bench(qnv::Cloud patches, qnv::Cloud arrays, int frames) : frames_(frames) {
+    patches_ = std::make_shared<const qnv::Cloud>(std::move(patches));
+    arrays_ = std::make_shared<const qnv::Cloud>(std::move(arrays));
+    const qnv::Box box = patches_->patches->box();
+    bounds_.add(box.lower);
+    bounds_.add(box.upper);
+    auto opened = render::open_headless_context("osmesa");
+    if (auto* context = std::get_if<std::unique_ptr<render::GlContext>>(&opened)) context_ = std::move(*context);
+    if (!context_) return;
+    auto created = render::Renderer::create(*context_);
+    if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
+  }
+
+  [[nodiscard]] render::Camera camera(int frame) const {
+    return render::fit_depth(
+        render::orbit_camera(bounds_, glm::radians(360.0f * static_cast<float>(frame) / static_cast<float>(frames_)),
+                             glm::radians(15.0f), 0.785398f, kWidth, kHeight),
+        bounds_);
+  }
+  [[nodiscard]] render::SplatView view(int frame) const {
+    const render::Camera c = camera(frame);
+    render::SplatView view;
+    view.camera_from_node = glm::mat4(glm::affineInverse(c.world_from_camera));
+    view.tangents = render::projection(c, kWidth, kHeight, true).tangents();
+    view.width = kWidth;
+    view.height = kHeight;
+    view.near_plane = c.near_plane;
+    view.supersample = 2;
+    return view;
+  }
+  template <class Body>
+  void each(const std::string& what, Body body) {
+    Row row;
+    row.what = what;
+    for (int frame = -1; frame < frames_; ++frame) {  // the first one is not counted
+      const int at = frame < 0 ? 0 : frame;
+      const Times start = now();
+      const std::pair<double, double> drawn = body(at);
+      const Times end = now();
+      if (frame < 0) continue;
+      row.spent.wall += end.wall - start.wall;
+      row.spent.processor += end.processor - start.processor;
+      row.vertices += drawn.first;
+      row.triangles += drawn.second;
+    }
+    print(row, frames_);
+  }
+
+  void run(float detail) {
+    char name[32];
+    if (detail > 100)
+      std::snprintf(name, sizeof(name), "all there is");
+    else
+      std::snprintf(name, sizeof(name), "%.2g pixels", 1 / double{detail});
+    const std::string of = std::string(", ") + name;
+    const auto cut_of = [&](int frame) {
+      auto looked = render::lod_view(view(frame));
+      looked->error_pixels = 1 / detail;
+      looked->leave_backs = !patches_->description.two_sided;
+      return qnv::cut_surface(*patches_->patches, *looked);
+    };
+    each("cut" + of, [&](int frame) { return std::pair(static_cast<double>(cut_of(frame).vertices), 0.0); });
+    each("cut and triangles on the processor" + of, [&](int frame) {
+      const auto layer = render::rasterize_patches(*patches_->patches, cut_of(frame), view(frame),
+                                                   {patches_->description.two_sided, {}, render::ColorBy::own});
+      return std::pair(static_cast<double>(layer.discs), static_cast<double>(layer.drawn));
+    });
+    render::RenderList list = list_of(patches_, render::mesh_of_surface(*patches_));
+    list.items.front().detail = detail;
+    frame("whole frame, processor" + of, list, render::SplatPath::cpu);
+    if (detail < 100) frame("whole frame, the cut with llvmpipe" + of, list, render::SplatPath::gl);
+  }
+
+  void beside(const std::shared_ptr<const qnv::Cloud>& octree) {
+    render::SplatPiece piece{arrays_.get(), 0, arrays_->size()};
+    each("all vertices as discs, the raster alone", [&](int frame) {
+      const auto layer = render::rasterize_surface(std::span(&piece, 1), view(frame));
+      return std::pair(static_cast<double>(layer.discs), 0.0);
+    });
+    frame("whole frame, one mesh with llvmpipe", list_of(arrays_, render::mesh_of_surface(*arrays_)),
+          render::SplatPath::gl);
+    if (!octree) return;
+    render::RenderList list;
+    render::SplatItem item;
+    item.cloud = octree;
+    item.own_color = true;
+    list.splats.push_back(item);
+    list.bounds = bounds_;
+    frame("whole frame, the octree's cut", list, render::SplatPath::cpu);
+  }
+
+  [[nodiscard]] bool ready() const { return renderer_ != nullptr; }
+
+ private:
+  [[nodiscard]] render::RenderList list_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                           std::shared_ptr<const vrml::Mesh> mesh) const {
+    render::RenderList list;
+    render::DrawItem item;
+    item.mesh = std::move(mesh);
+    item.surface = cloud;
+    item.material.lit = false;
+    render::dress_surface(item);
+    list.items.push_back(std::move(item));
+    list.bounds = bounds_;
+    return list;
+  }
+  void frame(const std::string& what, const render::RenderList& list, render::SplatPath path) {
+    render::DrawOptions options;
+    options.width = kWidth;
+    options.height = kHeight;
+    options.splats = path;
+    each(what, [&](int frame) {
+      render::FrameStatistics statistics;
+      const auto image = renderer_->draw_to_image(list, camera(frame), options, &statistics);
+      (void)image;
+      return std::pair(static_cast<double>(statistics.vectors), static_cast<double>(statistics.triangles));
+    });
+  }
+
+  int frames_;
+  std::shared_ptr<const qnv::Cloud> patches_, arrays_;
+  vrml::Bounds bounds_;
+  std::unique_ptr<render::GlContext> context_;
+  std::unique_ptr<render::Renderer> renderer_;
+};
+
+int run(int argc, char** argv) {
+  std::vector<std::string> paths;
+  std::vector<float> details;
+  int frames = 12;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "--frames" && i + 1 < argc)
+      frames = std::max(1, std::atoi(argv[++i]));
+    else if (word == "--detail" && i + 1 < argc)
+      details.push_back(std::strtof(argv[++i], nullptr));
+    else
+      paths.emplace_back(word);
+  }
+  if (paths.empty()) {
+    std::fprintf(stderr, "usage: surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]...\n");
+    return 2;
+  }
+  if (details.empty()) details = {1, 2, 1000};
+  const auto read = [](const std::string& path) {
+    auto file = net::map_file(path);
+    std::vector<std::byte> bytes;
+    if (auto* mapped = std::get_if<net::MappedFile>(&file))
+      bytes.assign(mapped->bytes().begin(), mapped->bytes().end());
+    return bytes;
+  };
+  qnv::StreamDecoder decoder;
+  const std::vector<std::byte> bytes = read(paths[0]);
+  Times start = now();
+  (void)decoder.push(bytes);
+  decoder.finish();
+  const Times numbers = now();
+  qnv::Cloud patches = decoder.cloud_to_draw();
+  const Times made = now();
+  if (!patches.patches) {
+    std::fprintf(stderr, "%s: no displaced stream\n", paths[0].c_str());
+    return 1;
+  }
+  std::printf(
+      "%s: %zu bytes, %zu vertices, %zu patches, level %d. Numbers %.0f ms, patches %.0f ms of processor time; %.0f "
+      "MB.\n\n",
+      paths[0].c_str(), bytes.size(), patches.patches->vertex_count(), patches.patches->parts[0]->size(),
+      patches.patches->parts[0]->level(), 1000 * (numbers.processor - start.processor),
+      1000 * (made.processor - numbers.processor), static_cast<double>(patches.patches->bytes()) / 1e6);
+  std::shared_ptr<const qnv::Cloud> octree;
+  if (paths.size() > 1) {
+    auto opened = qnv::LodStream::open(read(paths[1]));
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened)) {
+      qnv::Cloud cloud;
+      cloud.description = (*stream)->header().description;
+      cloud.color = (*stream)->header().color;
+      cloud.levels = std::move(*stream);
+      octree = std::make_shared<const qnv::Cloud>(std::move(cloud));
+    }
+  }
+  Bench bench(std::move(patches), decoder.cloud(), frames);
+  if (!bench.ready()) {
+    std::fprintf(stderr, "no OpenGL\n");
+    return 1;
+  }
+  std::printf(
+      "| a frame of 1024x768 | thousand vertices | thousand triangles | ms | processor ms |\n| --- | --: | --: | --: | "
+      "--: |\n");
+  for (const float detail : details) bench.run(detail);
+  bench.beside(octree);
+  return 0;
+}
+
+}  // namespace
+}  // namespace gs::bench
+
+int main(int argc, char** argv) { return gs::bench::run(argc, argv); }

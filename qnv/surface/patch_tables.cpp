@@ -1,0 +1,72 @@
+#include "qnv/surface/patch_tables.h"
+
+#include <memory>
+#include <mutex>
+
+namespace gs::qnv {
+namespace {
+
+using displaced::row_start;
+
+PatchTable make_table(int level, const PatchTable* before) {
+  PatchTable table;
+  const std::size_t n = std::size_t{1} << level, half = n / 2;
+  table.grid.resize(patch_vertices(level));
+  const auto at = [&](std::size_t i, std::size_t j) -> PatchTable::Number& { return table.grid[row_start(j, n) + i]; };
+  const auto add = [&](std::size_t i, std::size_t j) {
+    const std::size_t known = level == 0 ? 0 : patch_vertices(level - 1);
+    at(i, j) = static_cast<PatchTable::Number>(known + table.places.size());
+    table.places.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+    table.on_edge.push_back(j == 0 ? 0 : i + j == n ? 1 : i == 0 ? 2 : 3);
+  };
+  if (level == 0) {
+    add(0, 0);
+    add(1, 0);
+    add(0, 1);
+  } else {
+    for (std::size_t j = 0; j <= half; ++j)
+      for (std::size_t i = 0; i + j <= half; ++i) at(2 * i, 2 * j) = before->grid[row_start(j, half) + i];
+    for (std::size_t j = 0; j <= n; ++j)
+      for (std::size_t i = 0; i + j <= n; ++i) {
+        if (i % 2 == 0 && j % 2 == 0) continue;
+        add(i, j);
+        // A vertex lies half-way along a row, along a column, or between both.
+        const std::size_t left = i % 2, below = j % 2;
+        table.parents.push_back(left == 1 && below == 1 ? std::array{at(i + 1, j - 1), at(i - 1, j + 1)}
+                                                        : std::array{at(i - left, j - below), at(i + left, j + below)});
+      }
+  }
+  for (std::size_t t = 0; t <= n; ++t) {
+    table.edges[0].push_back(at(t, 0));
+    table.edges[1].push_back(at(n - t, t));
+    table.edges[2].push_back(at(0, n - t));
+  }
+  using Side = PatchTable::Side;
+  const auto side = [&](bool on, std::uint8_t edge, std::size_t from) {
+    return on ? Side{edge, static_cast<std::uint16_t>(from)} : Side{};
+  };
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i + j < n; ++i) {
+      const std::array corners{at(i, j), at(i + 1, j), at(i, j + 1)};
+      const std::array sides{side(j == 0, 0, i), side(i + j + 1 == n, 1, j), side(i == 0, 2, n - 1 - j)};
+      if (j == 0 || i == 0 || i + j + 1 == n)
+        table.border.push_back({corners, sides});
+      else
+        table.inner.push_back(corners);
+      if (i + j + 1 < n) table.inner.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return table;
+}
+
+}  // namespace
+
+const PatchTable& patch_table(int level) {
+  static std::array<PatchTable, displaced::kDeepestPatch + 1> tables;
+  static std::array<std::once_flag, displaced::kDeepestPatch + 1> made;
+  const auto l = static_cast<std::size_t>(level);
+  const PatchTable* before = level > 0 ? &patch_table(level - 1) : nullptr;
+  std::call_once(made[l], [&] { tables[l] = make_table(level, before); });
+  return tables[l];
+}
+
+}  // namespace gs::qnv

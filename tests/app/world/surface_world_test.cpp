@@ -1,0 +1,94 @@
+// Displaced surfaces as worlds: what is loaded to be drawn, and what a pointer meets.
+#include "app/view/picking.h"
+#include "app/world/world_loader.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/surface/patch_surface.h"
+#include "render/scene/collector.h"
+#include "tests/app/clouds.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+#include "tests/qnv/displaced/displaced_shapes.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <string>
+
+namespace gs::app::surface_world_test {
+namespace {
+
+/// A ball of radius 1.
+const std::string& ball_stream() {
+  static const std::string bytes = [] {
+    const qnv::Triangles ball = qnv::displaced::ball(40);
+    auto made = qnv::encode_displaced([&](const qnv::TriangleSink& sink) { return sink(ball); }, {});
+    REQUIRE(std::holds_alternative<qnv::EncodedStream>(made));
+    return test::string_of(std::get<qnv::EncodedStream>(made).bytes);
+  }();
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("a displaced surface is loaded as patches to be drawn, and as triangles for who wants them") {
+  const ScratchFolder folder;
+  const std::string path = folder.write("ball.qnv", ball_stream());
+  OpenedWorld world = load_world(path);
+  INFO(said(world));
+  REQUIRE(world.clouds.size() == 1);
+  const qnv::Cloud& cloud = *world.clouds.begin()->second;
+  REQUIRE(cloud.patches);
+  CHECK(cloud.positions.empty());
+  LoadOptions whole;
+  whole.whole_surfaces = true;
+  const OpenedWorld other = load_world(path, whole);
+  const qnv::Cloud& arrays = *other.clouds.begin()->second;
+  CHECK(!arrays.patches);
+  CHECK(arrays.positions.size() == cloud.patches->vertex_count());
+  LoadOptions cut;
+  cut.max_bytes = ball_stream().size() / 2;
+  const OpenedWorld part = load_world(path, cut);
+  CHECK(part.clouds.begin()->second->patches);
+
+  render::MeshCache meshes;
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  REQUIRE(list.items.size() == 1);
+  CHECK(list.splats.empty());
+  CHECK(list.items[0].surface->patches == cloud.patches);
+  CHECK(list.items[0].mesh->indices.size() / 3 <= 16384);
+  CHECK(list.bounds.upper.x == Approx(1).margin(0.05));
+}
+
+TEST_CASE("a pointer meets the triangles of a displaced surface that are seen there") {
+  const ScratchFolder folder;
+  OpenedWorld world = load_world(folder.write("ball.qnv", ball_stream()));
+  render::MeshCache meshes;
+  render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  REQUIRE(list.items.size() == 1);
+  const glm::dvec3 middle(4, 0, -2);
+  list.items[0].world_from_node = glm::scale(glm::translate(glm::dmat4(1), middle), glm::dvec3(2));
+  for (const glm::dvec3& to : {glm::dvec3(0), glm::dvec3(0.5, 0.3, 0), glm::dvec3(-1, 0.8, 0.4)}) {
+    render::SightLine line;
+    line.origin = middle + glm::dvec3(0.3, 0.2, 6);
+    line.direction = glm::normalize(middle + to - line.origin);
+    const auto hit = Picker().pick(list, line);
+    REQUIRE(hit);
+    CHECK(hit->item == 0);
+    CHECK(!hit->splat);
+    CHECK(glm::length(hit->point - middle) == Approx(2).margin(0.02));
+    CHECK(glm::dot(hit->normal, glm::normalize(hit->point - middle)) > 0.99);
+    CHECK(glm::length(hit->point - line.origin) == Approx(hit->distance));
+    // From far away it is coarse, and so is what is met.
+    PickOptions far;
+    far.pixel = 1;
+    const auto coarse = Picker().pick(list, line, far);
+    REQUIRE(coarse);
+    CHECK(glm::length(coarse->point - middle) < glm::length(hit->point - middle) + 0.01);
+  }
+  render::SightLine beside;
+  beside.origin = {0, 0, 6};
+  CHECK(!Picker().pick(list, beside));
+}
+
+}  // namespace gs::app::surface_world_test

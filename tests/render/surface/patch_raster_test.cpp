@@ -1,0 +1,167 @@
+#include "render/surface/patch_raster.h"
+
+#include "render/rays/surface_pick.h"
+#include "render/splat/splat_pieces.h"
+#include "tests/qnv/surface/patch_shapes.h"
+#include "tests/render/clouds.h"
+
+#include <catch2/catch.hpp>
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+namespace gs::render::patch_raster_test {
+namespace {
+
+using qnv::displaced::ball;
+using qnv::displaced::mesh_of;
+using qnv::displaced::sheet;
+using qnv::displaced::torus;
+
+SplatView view_from(const glm::vec3& eye, int size, int supersample, const glm::mat4& world_from_node = glm::mat4(1)) {
+  SplatView view;
+  view.camera_from_node = glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 0, 1)) * world_from_node;
+  view.tangents = glm::vec2(0.5f);
+  view.width = size;
+  view.height = size;
+  view.near_plane = 0.01f;
+  view.supersample = supersample;
+  return view;
+}
+
+qnv::SurfaceCut cut_for(const qnv::SurfacePatches& surface, const SplatView& view, float error,
+                        bool leave_backs = true) {
+  auto looked = lod_view(view);
+  REQUIRE(looked);
+  looked->error_pixels = error;
+  looked->leave_backs = leave_backs;
+  return qnv::cut_surface(surface, *looked);
+}
+
+/// Of normals and coverage, both 0 to 1.
+double likeness(const SplatLayer& a, const SplatLayer& b) {
+  REQUIRE(a.normals.size() == b.normals.size());
+  test::Psnr psnr;
+  for (std::size_t i = 0; i < a.normals.size(); ++i) psnr.add(a.normals[i] / 65535.0, b.normals[i] / 65535.0);
+  return psnr.decibels();
+}
+
+std::size_t covered(const SplatLayer& layer) {
+  std::size_t count = 0;
+  for (std::size_t i = 3; i < layer.normals.size(); i += 4) count += layer.normals[i] > 0 ? 1 : 0;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("every sample shows the nearest triangle that its ray meets, with its normal and its depth") {
+  for (const int which : {0, 1}) {
+    const qnv::displaced::SurfaceMesh shape = which == 0 ? mesh_of(torus(6, 4)) : mesh_of(sheet(8));
+    const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(shape, 3, 3), 3);
+    // Uneven, mirrored, and so near that the near plane cuts it.
+    glm::mat4 uneven = glm::scale(glm::mat4(1), glm::vec3(1, 0.6f, 1.3f));
+    for (const SplatView& view : {view_from({2.5f, 0.7f, 1.2f}, 48, 1), view_from({2.5f, 0.7f, 1.2f}, 48, 1, uneven),
+                                  view_from({2, 1.5f, 1}, 48, 1, glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1))),
+                                  view_from({0.5f, 0.3f, 0.25f}, 48, 1)}) {
+      const SplatLayer layer =
+          rasterize_patches(surface, cut_for(surface, view, 4, false), view, {true, {}, ColorBy::own});
+      REQUIRE(layer.width == 48);
+      const glm::dmat4 node_from_camera = glm::inverse(glm::dmat4(view.camera_from_node));
+      std::size_t wrong = 0, both = 0;
+      for (int y = 0; y < view.height; ++y)
+        for (int x = 0; x < view.width; ++x) {
+          const glm::dvec3 ray((2.0 * x + 1) / 48 - 1, (2.0 * y + 1) / 48 - 1, -2);
+          // From the eye, in depths; what is nearer than the near plane is not drawn.
+          const SightLine line{glm::dvec3(node_from_camera[3]),
+                               glm::dvec3(node_from_camera * glm::dvec4(ray * 0.5, 0))};
+          const auto hit = pick_patches(surface, line, 4 / 48.0f);
+          if (hit && hit->distance <= 0.012) continue;
+          const auto at = static_cast<std::size_t>(y * 48 + x);
+          const bool drawn = layer.normals[4 * at + 3] > 0;
+          if (hit.has_value() != drawn) {
+            ++wrong;
+            continue;
+          }
+          if (!hit) continue;
+          ++both;
+          const glm::vec3 shown =
+              glm::vec3(layer.normals[4 * at], layer.normals[4 * at + 1], layer.normals[4 * at + 2]) / 32767.5f - 1.0f;
+          const glm::vec3 normal =
+              glm::normalize(glm::transpose(glm::inverse(glm::mat3(view.camera_from_node))) * hit->normal);
+          const bool near = std::abs(static_cast<double>(layer.depth[at]) - hit->distance) < 0.01 * hit->distance;
+          if (!near || std::abs(glm::dot(shown, normal)) < 0.99f) ++wrong;
+        }
+      INFO(which);
+      CHECK(both > 200);
+      CHECK(wrong <= both / 50);  // on edges, where the raster's places are rounded
+    }
+  }
+}
+
+TEST_CASE("a closed surface of mixed levels has no pinholes, and comes out the same with any number of threads") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(3)), 4), 4);
+  SplatView view = view_from({1.6f, 0.4f, 0.5f}, 96, 2);
+  for (const float error : {24.0f, 3.0f}) {
+    const qnv::SurfaceCut cut = cut_for(surface, view, error);
+    view.threads = 1;
+    const SplatLayer layer = rasterize_patches(surface, cut, view, {});
+    view.threads = 3;
+    const SplatLayer other = rasterize_patches(surface, cut, view, {});
+    CHECK(layer.normals == other.normals);
+    CHECK(layer.depth == other.depth);
+    std::size_t inside = 0, holes = 0;
+    const auto full = [&](std::size_t i) { return layer.normals[4 * i + 3] == 65535; };
+    for (std::size_t y = 1; y + 1 < 96; ++y)
+      for (std::size_t x = 1; x + 1 < 96; ++x) {
+        const std::size_t i = y * 96 + x;
+        if (!full(i - 1) || !full(i + 1) || !full(i - 96) || !full(i + 96)) continue;
+        ++inside;
+        holes += full(i) ? 0 : 1;
+      }
+    CHECK(inside > 1000);
+    CHECK(holes == 0);
+  }
+}
+
+TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole surface", "[optimised]") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(12, 8)), 5, 0, true), 5);
+  const SplatView view = view_from({4, 1, 2}, 128, 2);
+  const SplatLayer whole = rasterize_patches(surface, cut_for(surface, view, 0.001f), view, {});
+  const SplatLayer fine = rasterize_patches(surface, cut_for(surface, view, 1), view, {});
+  const SplatLayer coarse = rasterize_patches(surface, cut_for(surface, view, 30), view, {});
+  CHECK(fine.discs < whole.discs);
+  CHECK(likeness(whole, fine) > 30);
+  CHECK(likeness(whole, coarse) < likeness(whole, fine) - 6);
+  CHECK(!whole.colors.empty());
+}
+
+TEST_CASE("backs are seen of surfaces with two sides, and of no others") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
+  const SplatView inside = view_from({0.01f, 0.02f, 0.03f}, 32, 1);
+  const qnv::SurfaceCut cut = cut_for(surface, inside, 8, false);
+  CHECK(covered(rasterize_patches(surface, cut, inside, {})) == 0);
+  CHECK(covered(rasterize_patches(surface, cut, inside, {true, {}, ColorBy::own})) == 32 * 32);
+}
+
+TEST_CASE("a picked point lies on a triangle, whose nearest corner is told") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 3), 3);
+  const SightLine line{{0.2, 0.1, 5}, {0, 0, -1}};
+  const auto hit = pick_patches(surface, line, 0.001f);
+  REQUIRE(hit);
+  const glm::dvec3 point = line.origin + line.direction * hit->distance;
+  glm::dvec3 blended(0);
+  double nearest = 10;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 corner(hit->corners[static_cast<std::size_t>(k)]);
+    blended += corner * hit->weights[k];
+    nearest = std::min(nearest, glm::length(corner - point));
+  }
+  CHECK(glm::length(blended - point) < 1e-5);
+  CHECK(hit->normal.z > 0.3f);
+  CHECK(glm::length(glm::dvec3(hit->vertex) - point) < 2 * nearest + 1e-9);
+  CHECK(!pick_patches(surface, {{3, 3, 5}, {0, 0, -1}}, 0.001f));
+}
+
+}  // namespace gs::render::patch_raster_test
