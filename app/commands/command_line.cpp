@@ -46,10 +46,14 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
           std::string(row.name), [take] { take(""); }, help);
     } else if (has_optional_value(row)) {
       // Behind "=" alone: a word behind the option is the next argument.
-      constexpr std::string_view kAlone = "true";
-      parser.add_flag(std::string(row.name), help)
+      static constexpr std::string_view kAlone = "true";
+      parser.add_flag(std::string(row.name), std::as_const(help))
           ->type_name(std::string(row.argument))
-          ->each([take](const std::string& value) { take(value == kAlone ? "" : value); });
+          ->each([&options, &row](const std::string& value) {
+            // The parser says which option it was.
+            if (const auto problem = row.set(options, value == kAlone ? "" : value))
+              throw CLI::ValidationError(*problem + ", not '" + value + "'");
+          });
     } else {
       parser.add_option_function<std::string>(std::string(row.name), take, help)
           ->type_name(std::string(row.argument))
