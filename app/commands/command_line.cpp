@@ -192,8 +192,8 @@ std::string manual_page() {
       if (!applies(row, command)) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
-      out += ".TP\n.B " + name + (row.argument.empty() ? "" : " " + std::string(row.argument)) + "\n" +
-             std::string(row.help);
+      out += ".TP\n.B " + name + (row.argument.empty() || has_optional_value(row) ? "" : " ") +
+             std::string(row.argument) + "\n" + std::string(row.help);
       if (!row.standard.empty()) out += " (" + std::string(row.standard) + ")";
       out += ".\n";
     }
