@@ -46,10 +46,14 @@ void add_options(CLI::App& parser, const CommandRow& command, Options& options) 
           std::string(row.name), [take] { take(""); }, help);
     } else if (has_optional_value(row)) {
       // Behind "=" alone: a word behind the option is the next argument.
-      constexpr std::string_view kAlone = "true";
-      parser.add_flag(std::string(row.name), help)
+      static constexpr std::string_view kAlone = "true";
+      parser.add_flag(std::string(row.name), std::as_const(help))
           ->type_name(std::string(row.argument))
-          ->each([take](const std::string& value) { take(value == kAlone ? "" : value); });
+          ->each([&options, &row](const std::string& value) {
+            // The parser says which option it was.
+            if (const auto problem = row.set(options, value == kAlone ? "" : value))
+              throw CLI::ValidationError(*problem + ", not '" + value + "'");
+          });
     } else {
       parser.add_option_function<std::string>(std::string(row.name), take, help)
           ->type_name(std::string(row.argument))
@@ -188,8 +192,8 @@ std::string manual_page() {
       if (!applies(row, command)) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
-      out += ".TP\n.B " + name + (row.argument.empty() ? "" : " " + std::string(row.argument)) + "\n" +
-             std::string(row.help);
+      out += ".TP\n.B " + name + (row.argument.empty() || has_optional_value(row) ? "" : " ") +
+             std::string(row.argument) + "\n" + std::string(row.help);
       if (!row.standard.empty()) out += " (" + std::string(row.standard) + ")";
       out += ".\n";
     }

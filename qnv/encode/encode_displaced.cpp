@@ -40,8 +40,9 @@ constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent, as a part of it: with more the whole would be larger than it need be.
-constexpr double kBeforeTail = 1.0 / 6;
+// Before the mesh itself so much is sent, as a part of it, and in bytes for each of its vertices: with more the whole
+// would be larger than it need be.
+constexpr double kBeforeTail = 1.0 / 6, kBytesAVertexBeforeTail = 0.25;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
 
@@ -226,7 +227,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
-  const double room = tail.empty() ? 1e300 : kBeforeTail * static_cast<double>(tail.size());
+  const double room = tail.empty() ? 1e300
+                                   : std::min(kBeforeTail * static_cast<double>(tail.size()),
+                                              kBytesAVertexBeforeTail * static_cast<double>(tail_vertices));
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;

@@ -13,7 +13,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -73,6 +76,45 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(shown == facts["vectors"]);
   CHECK(chunks == facts["chunks"]);
   CHECK(run("info " + quoted(out)).output.find("title: The ball") != std::string::npos);
+}
+
+TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
+  const ScratchFolder folder;
+  // With 2^11 places along 2047 units every one of them is a whole number.
+  const std::string mesh = folder.write(
+      "mesh.obj", "v 0 0 0\nv 2047 0 0\nv 1000 2000 0\nv 500 700 1500\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  const std::string stream = folder.path("mesh.qnv"), out = folder.path("out.ply");
+  const Run result = run("encode --exact " + quoted(mesh) + " " + quoted(stream));
+  INFO(result.output);
+  REQUIRE(result.status == kDone);
+  const nlohmann::json facts = info(stream);
+  CHECK(facts["payload"] == "displaced");
+  CHECK(facts["damaged_chunks"] == 0);
+  CHECK(facts["exact"]["bits"] == 11);
+  CHECK(facts["exact"]["triangles"] == 4);
+  CHECK(facts["exact"]["come"] == facts["exact"]["bytes"]);
+  REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
+  const std::string ply = folder.read("out.ply");
+  CHECK(ply.find("element face 4\n") != std::string::npos);
+  const std::size_t count = std::stoul(ply.substr(ply.find("element vertex ") + 15));
+  const std::size_t body = ply.find("end_header\n") + 11;
+  std::set<std::array<float, 3>> places;
+  for (std::size_t v = 0; v < count; ++v) {
+    std::array<float, 3> p{};
+    REQUIRE(ply.size() >= body + 31 * v + sizeof p);
+    std::memcpy(p.data(), ply.data() + body + 31 * v, sizeof p);
+    places.insert({std::round(p[0]), std::round(p[1]), std::round(p[2])});
+  }
+  CHECK(places == std::set<std::array<float, 3>>{{0, 0, 0}, {2047, 0, 0}, {1000, 2000, 0}, {500, 700, 1500}});
+  REQUIRE(run("encode --exact=16 " + quoted(mesh) + " " + quoted(stream)).status == kDone);
+  CHECK(info(stream)["exact"]["bits"] == 16);
+  // What has come of it is told, too.
+  const std::string bytes = folder.read("mesh.qnv");
+  const nlohmann::json part = info(folder.write("part.qnv", bytes.substr(0, bytes.size() - 150)));
+  CHECK(!part.contains("exact"));
+  CHECK(part["vectors"] > 0);
+  CHECK(run("encode --exact " + quoted(folder.write("points.xyz", "0 0 0\n1 0 0\n0 1 0\n")) + " " + quoted(stream))
+            .status == kFailed);
 }
 
 TEST_CASE("encode: the same bytes for the same seed, others for another") {
@@ -223,13 +265,30 @@ TEST_CASE("encode and export write over nothing but what they write") {
 }
 
 TEST_CASE("encode, info and export: wrong usage gives one line and status 2") {
-  for (const char* arguments :
-       {"encode a.wrl", "encode a.wrl b.qnv c.qnv", "encode a.wrl b.wrl", "encode --vectors 0 a.wrl b.qnv",
-        "encode --vectors many a.wrl b.qnv", "encode --fraction 2 a.wrl b.qnv", "encode --fraction 0 a.wrl b.qnv",
-        "encode --vectors 5 --max-bytes 5 a.wrl b.qnv", "encode --packed --records a.wrl b.qnv",
-        "encode --isovalue nan a.raw b.qnv", "encode --dims 1x2 a.raw b.qnv", "encode --type u12 a.raw b.qnv",
-        "encode --spacing 1,0,1 a.raw b.qnv", "encode --seed x a.wrl b.qnv", "export a.qnv", "export a.qnv b.nothing",
-        "export --vrml97 a.qnv b.spz", "info", "info a b"}) {
+  for (const char* arguments : {"encode a.wrl",
+                                "encode a.wrl b.qnv c.qnv",
+                                "encode a.wrl b.wrl",
+                                "encode --vectors 0 a.wrl b.qnv",
+                                "encode --vectors many a.wrl b.qnv",
+                                "encode --fraction 2 a.wrl b.qnv",
+                                "encode --fraction 0 a.wrl b.qnv",
+                                "encode --vectors 5 --max-bytes 5 a.wrl b.qnv",
+                                "encode --packed --records a.wrl b.qnv",
+                                "encode --exact=7 a.wrl b.qnv",
+                                "encode --exact=many a.wrl b.qnv",
+                                "encode --exact --packed a.wrl b.qnv",
+                                "encode --exact --max-bytes 5k a.wrl b.qnv",
+                                "encode --exact --outlines a.wrl b.qnv",
+                                "encode --isovalue nan a.raw b.qnv",
+                                "encode --dims 1x2 a.raw b.qnv",
+                                "encode --type u12 a.raw b.qnv",
+                                "encode --spacing 1,0,1 a.raw b.qnv",
+                                "encode --seed x a.wrl b.qnv",
+                                "export a.qnv",
+                                "export a.qnv b.nothing",
+                                "export --vrml97 a.qnv b.spz",
+                                "info",
+                                "info a b"}) {
     const Run result = run(arguments);
     INFO(arguments << "\n" << result.output);
     CHECK(result.status == kUsage);

@@ -151,10 +151,10 @@ inline std::vector<Source> smooth_sources() {
     const auto part = [](float v) { return static_cast<std::uint8_t>(127.5f + 127.5f * v); };
     return Rgb8{part(std::sin(3 * p.x)), part(std::cos(2 * p.y + 1)), part(p.z)};
   };
-  return {{"ball", displaced::ball(20)},
-          {"torus", displaced::torus(50, 30)},
-          {"sheet with a hole", displaced::sheet(40)},
-          {"painted ball", displaced::ball(12, painted), true}};
+  return {{"ball", displaced::ball(8)},
+          {"torus", displaced::torus(30, 16)},
+          {"sheet with a hole", displaced::sheet(26)},
+          {"painted ball", displaced::ball(9, painted), true}};
 }
 
 }  // namespace gs::qnv::exact
