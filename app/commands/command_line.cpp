@@ -6,6 +6,8 @@
 #include "app/commands/commands.h"
 #include "app/commands/options.h"
 #include "app/formats/content_types.h"
+#include "app/settings/user_settings.h"
+#include "app/view/actions.h"
 #include "net/files/standard_input.h"
 
 #include <CLI/CLI.hpp>
@@ -178,6 +180,16 @@ constexpr char kNoMemory[] = "ghostspace: error: there is not enough memory for 
   std::abort();
 }
 
+// As roff has it: a dash that is one, a first character that commands nothing.
+std::string escaped(std::string_view text) {
+  std::string result = "\\&";
+  for (const char c : text) {
+    if (c == '-' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string manual_page() {
@@ -200,6 +212,17 @@ std::string manual_page() {
   }
   out += ".SH FILES\nRead, gzip'd or not: " + content_type_list() +
          ".\n.PP\nWritten by export: " + export_format_list() + ".\n";
+  out += ".SH KEYS\nOf a window, besides those that move the viewer (F1 shows them).\n";
+  for (const ActionRow& row : actions())
+    if (const std::string keys = keys_of(row); !keys.empty())
+      out += ".TP\n.B " + escaped(keys) + "\n" + std::string(row.help) + ".\n";
+  out +=
+      ".SH SETTINGS\nOf a window: lines NAME = VALUE of $XDG_CONFIG_HOME/ghostspace/settings.conf "
+      "(~/.config/ghostspace/settings.conf) or of the file of \\-\\-config; its preferences write them. Bookmarks "
+      "stand "
+      "beside it; what the program remembers, and its log, in $XDG_STATE_HOME/ghostspace.\n";
+  for (const SettingRow& row : setting_rows())
+    out += ".TP\n.B " + escaped(row.name) + "\n" + std::string(row.help) + " (" + standard_of(row) + ").\n";
   out +=
       ".SH EXIT STATUS\n0: done. 1: a file could not be read or drawn, or has errors (check). 2: wrong usage. 3: what "
       "was made could not be "

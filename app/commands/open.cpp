@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/settings/user_folders.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
@@ -30,6 +31,10 @@ int run_open(const Options& options) {
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);
   viewer.control = {options.control_paths, options.control_ports, options.control_token};
+  if (!options.no_config && !viewer.control.any() && options.confine.empty())
+    viewer.folders = user_folders(options.config);
+  viewer.size_given = options.size_given;
+  if (options.files.empty()) viewer.not_kept = first;
   LoadOptions load = load_options(options);
   // Who looks at a window sees how far it is, and can cancel.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;

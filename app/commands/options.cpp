@@ -24,6 +24,7 @@ Problem set_size(Options& options, const std::string& value) {
   constexpr double kLargest = 16384;
   if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kLargest || size[1] > kLargest)
     return "expected WIDTHxHEIGHT, each from 1 to 16384";
+  options.size_given = true;
   options.width = static_cast<int>(size[0]);
   options.height = static_cast<int>(size[1]);
   return {};
@@ -289,6 +290,20 @@ constexpr OptionRow kOptions[] = {
     {"--reuse", "", "", "open the files in the window that is there already, if there is one: for desktops", "open ",
      [](Options& o, const std::string&) {
        o.reuse = true;
+       return Problem{};
+     }},
+    {"--config", "FILE", "",
+     "keep the settings of a window in FILE, in the place of ~/.config/ghostspace/settings.conf", "open ",
+     [](Options& o, const std::string& v) {
+       o.config = v;
+       return v.empty() ? Problem("expected a file") : Problem{};
+     }},
+    {"--no-config", "", "",
+     "a window reads and writes nothing of yours: no settings, bookmarks, recent files or log. So it is anyway for "
+     "pictures, and where the program is controlled",
+     "open ",
+     [](Options& o, const std::string&) {
+       o.no_config = true;
        return Problem{};
      }},
     {"--input", "FILE", "",

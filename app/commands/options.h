@@ -72,6 +72,9 @@ struct Options {
   std::vector<std::string> control_paths;    // Unix sockets for those who control the program
   std::vector<std::uint16_t> control_ports;  // and ports of this machine
   std::string control_token;                 // file for the token; empty: on standard error
+  bool size_given = false;
+  std::string config;  // file of settings; empty: the user's own
+  bool no_config = false;
 };
 
 /// One option: the row from which parsing, --help and the manual page are made.

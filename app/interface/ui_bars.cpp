@@ -37,25 +37,20 @@ void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 
 constexpr std::size_t kLabelLength = 80;  // bytes that a list shows of a name
 
-/// `label` so that Dear ImGui takes no part of it for an identifier.
-std::string without_identifier(const std::string& label) {
-  std::string result = shortened(label, kLabelLength);
-  for (std::size_t at = 0; (at = result.find("##", at)) != std::string::npos; ++at) result.insert(at + 1, " ");
-  return result;
-}
-
 /// A list of labels to choose from, which may be anything and may repeat.
 std::optional<std::size_t> choose(const char* id, const std::string& preview, const std::vector<std::string>& labels,
                                   std::optional<std::size_t> chosen, float width) {
   std::optional<std::size_t> result;
   ImGui::SetNextItemWidth(width);
-  if (!ImGui::BeginCombo(id, without_identifier(preview).c_str(), ImGuiComboFlags_HeightLarge)) return result;
+  if (!ImGui::BeginCombo(id, shown(shortened(preview, kLabelLength)).c_str(), ImGuiComboFlags_HeightLarge))
+    return result;
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(labels.size()));
   while (clipper.Step()) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
       const auto index = static_cast<std::size_t>(i);
-      if (ImGui::Selectable((without_identifier(labels[index]) + "##" + std::to_string(i)).c_str(), chosen == index))
+      if (ImGui::Selectable(label_of(shortened(labels[index], kLabelLength), std::to_string(i)).c_str(),
+                            chosen == index))
         result = index;
     }
   }
@@ -63,25 +58,27 @@ std::optional<std::size_t> choose(const char* id, const std::string& preview, co
   return result;
 }
 
-constexpr NavigationMode kShownModes[] = {NavigationMode::examine, NavigationMode::fly, NavigationMode::walk,
-                                          NavigationMode::pan, NavigationMode::look_at};
+struct ModeIcon {
+  NavigationMode mode;
+  Icon icon;
+};
+constexpr ModeIcon kModes[] = {{NavigationMode::examine, Icon::examine},
+                               {NavigationMode::fly, Icon::fly},
+                               {NavigationMode::walk, Icon::walk},
+                               {NavigationMode::pan, Icon::pan},
+                               {NavigationMode::look_at, Icon::look_at}};
 
-/// How much of the top bar there is room for (`more`: clouds and layouts). Each row leaves out more than the one
-/// before.
+/// How much of the tool bar there is room for. Each row leaves out more than the one before.
 struct BarPlan {
   float files, viewpoints;  // widths at scale 1; 0: left out
-  bool mode_buttons, arrows, headlight_word, home, layouts, link, fit, more;
+  bool mode_words, words, arrows, panels, layouts, link;
 };
 constexpr BarPlan kBarPlans[] = {
-    {150, 170, true, true, true, true, true, true, true, true},
-    {150, 170, false, true, true, true, true, true, true, true},
-    {90, 130, false, true, false, true, true, true, true, true},
-    {90, 130, false, true, false, true, false, true, true, true},
-    {90, 90, false, false, false, true, false, true, true, true},
-    {90, 90, false, false, false, false, false, true, true, true},
-    {70, 0, false, false, false, false, false, false, true, true},
-    {70, 0, false, false, false, false, false, false, false, true},
-    {0, 0, false, false, false, false, false, false, false, false},
+    {150, 170, true, true, true, true, true, true},    {150, 170, true, false, true, true, true, true},
+    {120, 150, false, false, true, true, true, true},  {100, 130, false, false, true, true, false, true},
+    {90, 110, false, false, false, true, false, true}, {80, 90, false, false, false, true, false, false},
+    {70, 0, false, false, false, true, false, false},  {0, 0, false, false, false, true, false, false},
+    {0, 0, false, false, false, false, false, false},
 };
 
 float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
@@ -89,19 +86,17 @@ float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
 /// What a plan needs, up to what stands at the right end.
 float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   const float gap = ImGui::GetStyle().ItemSpacing.x, group = gap * 2.5f;
-  const float combo_arrow = ImGui::GetFrameHeight();
-  float width = ImGui::GetStyle().WindowPadding.x + button_width("Open") + group;
+  const auto button = [&](std::string_view word, bool with_word) {
+    return icon_button_width(with_word ? word : std::string_view()) + 1;
+  };
+  float width = ImGui::GetStyle().WindowPadding.x + button("Open", true) + group;
   if (model.files.size() > 1 && plan.files > 0) width += gap + plan.files * scale;
-  if (plan.viewpoints > 0) width += plan.viewpoints * scale + (plan.arrows ? 2 * combo_arrow + 2 : 0) + group;
-  if (plan.mode_buttons)
-    for (const NavigationMode mode : kShownModes) width += button_width(row_of(mode).label.data()) + 1;
-  else
-    width += button_width("Examine") + combo_arrow;
-  width += group + (plan.home ? button_width("Reset") + 1 : 0) + (plan.fit ? button_width("Fit") : 0);
-  if (plan.home) width += group + button_width(plan.headlight_word ? "Headlight" : "Light");
-  if (plan.home && model.has_sounds) width += 1 + button_width("Sound");
-  if (!plan.more) return width;
-  if (model.has_surface_clouds || model.has_volumes) width += gap + button_width("Transfer");
+  if (plan.viewpoints > 0)
+    width += plan.viewpoints * scale + (plan.arrows ? 2 * ImGui::GetFrameHeight() + 2 : 0) + group;
+  for (const ModeIcon& one : kModes) width += button(row_of(one.mode).label, plan.mode_words);
+  width += group + button("Reset", plan.words) + button("Fit", plan.words) + group + button("Headlight", plan.words);
+  if (model.has_sounds) width += button("Sound", plan.words);
+  if (plan.panels && (model.has_surface_clouds || model.has_volumes)) width += group + button("Transfer", plan.words);
   width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
   if (plan.link && model.layout != ViewportLayout::one) width += 1 + button_width("Link");
   return width;
@@ -113,10 +108,10 @@ const BarPlan& bar_plan(const UiModel& model, float scale, float room) {
   return std::end(kBarPlans)[-1];
 }
 
-std::string log_label(const UiModel& model) {
+std::string log_word(const UiModel& model) {
   const std::size_t count = model.log ? model.log->errors() + model.log->warnings() : 0;
-  if (count == 0) return "Log###log";
-  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count)) + "###log";
+  if (count == 0) return "Log";
+  return "Log  " + (count > 999 ? std::string("999+") : std::to_string(count));
 }
 
 std::string counted(std::size_t count) {
@@ -127,29 +122,32 @@ std::string counted(std::size_t count) {
 
 }  // namespace
 
-float UiOverlay::State::top_bar_height() const { return ImGui::GetFrameHeight() + 10 * scale; }
+float UiOverlay::State::tool_bar_height() const { return ImGui::GetFrameHeight() + std::round(8 * scale); }
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
 
-void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool as_list) {
+// An icon, with its word where there is room.
+void UiOverlay::State::tool(Action action, Icon icon, bool with_word, const UiModel& model, UiActions& actions) {
+  const ActionRow& row = row_of(action);
+  ImGui::BeginDisabled(!is_possible(action, model));
+  if (icon_button(row.help, icon, with_word ? row.label : std::string_view(), is_on(action, model)))
+    actions.run = action;
+  ImGui::EndDisabled();
+  tooltip(tooltip_of(action));
+}
+
+void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool words) {
   ImGui::BeginDisabled(!model.has_world);
-  if (as_list) {
-    ImGui::SetNextItemWidth(button_width("Examine") + ImGui::GetFrameHeight());
-    if (ImGui::BeginCombo("##mode", row_of(model.mode).label.data())) {
-      for (const NavigationMode mode : kShownModes)
-        if (model.rules.allows(mode) && ImGui::Selectable(row_of(mode).label.data(), mode == model.mode))
-          actions.mode = mode;
-      ImGui::EndCombo();
-    }
-  } else {
-    for (const NavigationMode mode : kShownModes) {
-      if (mode != kShownModes[0]) ImGui::SameLine(0, 1);
-      ImGui::BeginDisabled(!model.rules.allows(mode));
-      if (switch_button(row_of(mode).label.data(), mode == model.mode)) actions.mode = mode;
-      ImGui::EndDisabled();
-      const int key = static_cast<int>(mode);
-      tooltip(model.rules.allows(mode) ? std::string(row_of(mode).help) + " (" + std::to_string(key) + ")"
-                                       : "This world does not allow " + std::string(row_of(mode).label));
-    }
+  for (const ModeIcon& one : kModes) {
+    if (one.mode != kModes[0].mode) ImGui::SameLine(0, 1);
+    const NavigationModeRow& row = row_of(one.mode);
+    ImGui::BeginDisabled(!model.rules.allows(one.mode));
+    if (icon_button(row.label, one.icon, words ? row.label : std::string_view(),
+                    model.has_world && one.mode == model.mode))
+      actions.mode = one.mode;
+    ImGui::EndDisabled();
+    tooltip(model.rules.allows(one.mode)
+                ? std::string(row.help) + " (" + std::to_string(static_cast<int>(one.mode)) + ")"
+                : "This world does not allow " + std::string(row.label));
   }
   ImGui::EndDisabled();
 }
@@ -180,16 +178,12 @@ void UiOverlay::State::viewpoint_list(const UiModel& model, UiActions& actions, 
   ImGui::EndDisabled();
 }
 
-void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
-  begin_bar("##top", 0, top_bar_height(), 5 * scale);
-  const std::string label = log_label(model);
-  const float right = button_width(label.c_str()) + button_width("?") + 8 * scale + 2;
+void UiOverlay::State::tool_bar(const UiModel& model, UiActions& actions) {
+  begin_bar("##tools", menu_bar_height(), tool_bar_height(), std::round(4 * scale));
+  const std::string log = log_word(model);
+  const float right = icon_button_width(log) + icon_button_width("") + 8 * scale + 2;
   const BarPlan& plan = bar_plan(model, scale, ImGui::GetIO().DisplaySize.x - right - 8 * scale);
-  if (switch_button("Open", open_panel, true)) {
-    open_panel = !open_panel;
-    open_panel_appears = open_panel;
-  }
-  tooltip(tooltip_of(Action::open_file));
+  tool(Action::open_file, Icon::open, true, model, actions);
   if (model.files.size() > 1 && plan.files > 0) {
     ImGui::SameLine();
     const std::string preview = model.file && *model.file < model.files.size() ? model.files[*model.file] : "Files";
@@ -202,59 +196,34 @@ void UiOverlay::State::top_bar(const UiModel& model, UiActions& actions) {
     viewpoint_list(model, actions, plan.viewpoints * scale, plan.arrows);
   }
   group_gap();
-  mode_buttons(model, actions, !plan.mode_buttons);
-  view_buttons(model, actions, plan.home, plan.fit, plan.headlight_word);
-  if (plan.more && (model.has_surface_clouds || model.has_volumes)) {
-    ImGui::SameLine();
-    if (switch_button("Transfer", panel_shows(Action::clouds), true)) (void)toggle_panel(Action::clouds);
-    tooltip(tooltip_of(Action::clouds));
+  mode_buttons(model, actions, plan.mode_words);
+  group_gap();
+  tool(Action::reset, Icon::home, plan.words, model, actions);
+  ImGui::SameLine(0, 1);
+  tool(Action::fit, Icon::fit, plan.words, model, actions);
+  group_gap();
+  tool(Action::headlight, Icon::light, plan.words, model, actions);
+  if (model.has_sounds) {
+    ImGui::SameLine(0, 1);
+    tool(Action::mute, model.muted ? Icon::silence : Icon::sound, plan.words, model, actions);
   }
-  if (plan.more) {
+  if (plan.panels && (model.has_surface_clouds || model.has_volumes)) {
     group_gap();
-    layout_buttons(model, actions, plan.layouts, plan.link);
+    tool(Action::clouds, Icon::curve, plan.words, model, actions);
   }
+  group_gap();
+  layout_buttons(model, actions, plan.layouts, plan.link);
 
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetIO().DisplaySize.x - right));
   const bool bad = model.log && model.log->errors() > 0, doubtful = model.log && model.log->warnings() > 0;
   ImGui::PushStyleColor(ImGuiCol_Text, bad ? UiColors::kError : doubtful ? UiColors::kWarning : UiColors::kText);
-  if (switch_button(label.c_str(), panel_shows(Action::log), true)) (void)toggle_panel(Action::log);
+  if (icon_button("log", Icon::log, log, is_on(Action::log, model))) actions.run = Action::log;
   ImGui::PopStyleColor();
   tooltip(tooltip_of(Action::log));
   ImGui::SameLine(0, 1);
-  if (switch_button("?", help, true)) help = !help;
+  if (icon_button("help", Icon::help, "", help)) actions.run = Action::help;
   tooltip(tooltip_of(Action::help));
   ImGui::End();
-}
-
-void UiOverlay::State::view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit,
-                                    bool whole_word) {
-  ImGui::BeginDisabled(!model.has_world);
-  if (home) {
-    group_gap();
-    if (ImGui::Button("Reset")) actions.run = Action::reset;
-    tooltip(tooltip_of(Action::reset));
-  }
-  if (with_fit) {
-    if (home)
-      ImGui::SameLine(0, 1);
-    else
-      group_gap();
-    ImGui::BeginDisabled(model.mode == NavigationMode::none);
-    if (ImGui::Button("Fit")) actions.run = Action::fit;
-    ImGui::EndDisabled();
-    tooltip(tooltip_of(Action::fit));
-  }
-  if (home) {
-    group_gap();
-    if (switch_button(whole_word ? "Headlight" : "Light", model.headlight)) actions.run = Action::headlight;
-    tooltip(tooltip_of(Action::headlight));
-    if (model.has_sounds) {
-      ImGui::SameLine(0, 1);
-      if (switch_button(std::string(row_of(Action::mute).label).c_str(), !model.muted)) actions.run = Action::mute;
-      tooltip(tooltip_of(Action::mute));
-    }
-  }
-  ImGui::EndDisabled();
 }
 
 void UiOverlay::State::status_bar(const UiModel& model) {

@@ -1,147 +1,145 @@
+#include "app/base/text.h"
+#include "app/interface/base/text_field.h"
 #include "app/interface/ui_state.h"
-
-#include "app/formats/content_types.h"
-#include "app/session/documents.h"
 
 #include <imgui.h>
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 
+// The Open dialog, where the desktop has none.
 namespace gs::app {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kMostEntries = 5000, kMostRecent = 8;
-
-void put(char (&buffer)[4096], const std::string& text) {
-  const std::size_t size = std::min(text.size(), sizeof buffer - 1);
-  std::memcpy(buffer, text.data(), size);
-  buffer[size] = 0;
-}
-
-/// Whether a content type calls files of this name its own; packed ones count.
-bool is_known(std::string name) {
-  for (char& c : name)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t point = name.find_last_of('.');
-  if (point == std::string::npos) return false;
-  const std::string extension = name.substr(point) + ' ';
-  const auto types = content_types();
-  return std::any_of(types.begin(), types.end(), [&](const ContentType& type) {
-    return type.extensions.find(extension) != std::string_view::npos;
-  });
-}
+constexpr std::size_t kMostRecentShown = 5;
 
 }  // namespace
 
-void UiOverlay::State::read_folder() {
-  folder_entries.clear();
-  folder_problem.clear();
+// A folder is looked into; anything else is opened, and the dialog stays until something of it shows: what cannot be
+// opened is mended there.
+void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& actions) {
+  const std::string path = opened_path(typed);
+  if (path.empty()) return;
   std::error_code error;
-  if (folder.empty()) folder = fs::current_path(error).string();
-  fs::directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
-  for (; !error && entry != fs::directory_iterator() && folder_entries.size() < kMostEntries; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (name.empty() || name[0] == '.') continue;
-    std::error_code ignored;  // of a link that leads nowhere
-    const bool is_folder = entry->is_directory(ignored);
-    if (is_folder || (entry->is_regular_file(ignored) && (all_files || is_known(name))))
-      folder_entries.push_back({name, is_folder});
-  }
-  if (error) folder_problem = "Cannot read this folder: " + error.message();
-  std::sort(folder_entries.begin(), folder_entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
-    return a.is_folder != b.is_folder ? a.is_folder : a.name < b.name;
-  });
-}
-
-void UiOverlay::State::opened(const std::string& path_or_url, UiActions& actions) {
-  if (path_or_url.empty()) return;
-  std::error_code error;
-  if (fs::is_directory(path_or_url, error)) {
-    folder = path_or_url;
-    read_folder();
+  dialog.chosen.reset();
+  if (fs::is_directory(path, error)) {
+    dialog.typed = typed.ends_with('/') ? typed : typed + "/";
+    dialog.wanted = true;
+    listing.forget();
     return;
   }
-  std::erase(recent, path_or_url);
-  recent.insert(recent.begin(), path_or_url);
-  if (recent.size() > kMostRecent) recent.resize(kMostRecent);
-  actions.open = path_or_url;
-  // The panel stays until something of it shows: what cannot be opened is mended there.
-  opening = true;
-  open_problem.clear();
+  actions.open = path;
+  dialog.typed = typed;
+  dialog.opening = true;
+  dialog.problem.clear();
 }
 
-void UiOverlay::State::open_files_panel(UiActions& actions) {
+// What fits the typed part in the folder that is typed before it; of nothing typed, the folder of before.
+std::vector<FolderListing::Entry> UiOverlay::State::dialog_rows(const TypedPath& path) {
+  std::vector<FolderListing::Entry> rows;
+  const std::string part = lower_case(path.part);
+  for (const FolderListing::Entry& entry : listing.entries_of(path.folder)) {
+    if (entry.name[0] == '.' && !path.part.starts_with('.')) continue;
+    if (!entry.is_folder && !entry.is_known && !dialog.all_files) continue;
+    if (lower_case(entry.name).find(part) != std::string::npos) rows.push_back(entry);
+  }
+  return rows;
+}
+
+void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
+  if (!dialog.open) return;
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({8 * scale, top_bar_height() + 8 * scale});
-  ImGui::SetNextWindowSize({std::min(520 * scale, screen.x - 16 * scale),
-                            std::min(440 * scale, screen.y - top_bar_height() - status_bar_height() - 16 * scale)});
-  const bool visible = ImGui::Begin("Open", &open_panel,
+  const float width = std::min(640 * scale, screen.x - 24 * scale);
+  ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({width, std::min(480 * scale, screen.y - 24 * scale)});
+  if (dialog.appears) ImGui::SetNextWindowFocus();
+  const bool visible = ImGui::Begin("Open", &dialog.open,
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
-  if (visible) {
-    if (open_panel_appears) {
-      read_folder();
-      ImGui::SetKeyboardFocusHere();
-      open_panel_appears = false;
-    }
-    ImGui::SetNextItemWidth(-ImGui::CalcTextSize("Open").x - 3 * ImGui::GetStyle().FramePadding.x);
-    const bool entered =
-        ImGui::InputTextWithHint("##path", "Path or URL", path, sizeof path,
-                                 ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-    ImGui::SameLine();
-    if (ImGui::Button("Open") || entered) opened(path, actions);
-    if (!open_problem.empty()) {
-      ImGui::PushTextWrapPos(0);
-      colored_text(UiColors::kError, shortened(open_problem, 400));
-      ImGui::PopTextWrapPos();
-    } else if (opening) {
-      colored_text(UiColors::kQuiet, "Opening...");
-    }
-    if (!recent.empty()) {
-      colored_text(UiColors::kQuiet, "Recent");
-      const std::vector<std::string> shown = recent;
-      for (std::size_t i = 0; i < shown.size(); ++i) {
-        ImGui::PushID(static_cast<int>(i));
-        if (ImGui::Selectable((shortened(file_label(shown[i]), 80) + "###recent").c_str())) opened(shown[i], actions);
-        tooltip(shown[i]);
-        ImGui::PopID();
-      }
-      ImGui::Separator();
-    }
-    if (ImGui::Checkbox("All files", &all_files)) read_folder();
-    ImGui::SameLine(0, 16 * scale);
-    colored_text(UiColors::kQuiet, shortened(folder, 200));
-    ImGui::BeginChild("##folder");
-    if (!folder_problem.empty()) colored_text(UiColors::kError, folder_problem);
-    std::string go_to;
-    if (ImGui::Selectable("../")) go_to = (fs::path(folder) / "..").lexically_normal().string();
-    ImGuiListClipper clipper;
-    clipper.Begin(static_cast<int>(folder_entries.size()));
-    std::string chosen;
-    while (clipper.Step()) {
-      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-        const FolderEntry& entry = folder_entries[static_cast<std::size_t>(i)];
-        ImGui::PushID(i);
-        const std::string label = shortened(entry.name, 120) + (entry.is_folder ? "/###entry" : "###entry");
-        if (ImGui::Selectable(label.c_str())) chosen = (fs::path(folder) / entry.name).string();
-        ImGui::PopID();
-      }
-    }
-    ImGui::EndChild();
-    if (!chosen.empty()) {
-      put(path, chosen);
-      opened(chosen, actions);
-    } else if (!go_to.empty()) {
-      folder = go_to;
-      read_folder();
+  if (!visible) return ImGui::End();
+  if (std::exchange(dialog.appears, false)) {
+    listing.forget();
+    dialog.wanted = true;
+  }
+  if (std::exchange(dialog.wanted, false)) ImGui::SetKeyboardFocusHere();
+  const float button = ImGui::CalcTextSize("Open").x + 2 * ImGui::GetStyle().FramePadding.x;
+  const FieldEvents events =
+      text_field("##path", "Path or URL; a part of a name finds it", dialog.typed,
+                 width - button - 2 * ImGui::GetStyle().WindowPadding.x - ImGui::GetStyle().ItemSpacing.x, false,
+                 [this](const std::string& typed) { return completed_path(typed, listing); });
+  ImGui::SameLine();
+  const bool pressed = ImGui::Button("Open");
+  if (events.changed) dialog.chosen.reset();
+  const TypedPath path = typed_path(dialog.typed);
+  const std::vector<FolderListing::Entry> rows =
+      looks_like_url(dialog.typed) ? std::vector<FolderListing::Entry>() : dialog_rows(path);
+  if (events.moved != 0 && !rows.empty()) {
+    const int count = static_cast<int>(rows.size());
+    const int at = dialog.chosen ? static_cast<int>(*dialog.chosen) + events.moved : events.moved > 0 ? 0 : count - 1;
+    dialog.chosen = static_cast<std::size_t>((at + count) % count);
+  }
+  if (dialog.chosen && *dialog.chosen >= rows.size()) dialog.chosen.reset();
+  std::optional<std::string> choice;
+  if (events.entered || pressed) {
+    std::error_code error;
+    const bool is_there = fs::exists(opened_path(dialog.typed), error);
+    if (dialog.chosen)
+      choice = path.before + rows[*dialog.chosen].name;
+    else if (rows.size() == 1 && !is_there)
+      choice = path.before + rows.front().name;  // a part of the name has found it
+    else
+      choice = dialog.typed;
+  }
+  if (!dialog.problem.empty()) {
+    ImGui::PushTextWrapPos(0);
+    colored_text(UiColors::kError, shortened(dialog.problem, 400));
+    ImGui::PopTextWrapPos();
+  } else if (dialog.opening) {
+    colored_text(UiColors::kQuiet, "Opening...");
+  }
+  if (dialog.typed.empty() && !model.recent.empty()) {
+    colored_text(UiColors::kQuiet, "Recent");
+    std::vector<Suggestion> recent;
+    for (const std::string& place : model.recent)
+      if (recent.size() < kMostRecentShown) recent.push_back({place, without_home(place), Icon::clock});
+    if (const auto clicked = suggestion_rows(recent, std::nullopt)) choice = recent[*clicked].place;
+    ImGui::Separator();
+  }
+  ImGui::Checkbox("All files", &dialog.all_files);
+  ImGui::SameLine(0, 16 * scale);
+  std::error_code error;
+  colored_text(UiColors::kQuiet,
+               shortened(path.folder.empty() ? without_home(fs::current_path(error).string()) : path.before, 200));
+  ImGui::BeginChild("##folder");
+  if (!listing.problem().empty()) colored_text(UiColors::kError, listing.problem());
+  if (ImGui::Selectable("##up")) choice = path.before.empty() ? "../" : path.before + "../";
+  ImGui::SameLine(4 * scale);
+  inline_icon(Icon::folder);
+  text("..");
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(rows.size()));
+  while (clipper.Step()) {
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+      const FolderListing::Entry& entry = rows[static_cast<std::size_t>(i)];
+      ImGui::PushID(i);
+      const bool chosen = dialog.chosen && *dialog.chosen == static_cast<std::size_t>(i);
+      if (ImGui::Selectable("##entry", chosen)) choice = path.before + entry.name;
+      ImGui::SameLine(4 * scale);
+      inline_icon(entry.is_folder ? Icon::folder : Icon::file);
+      text(shortened(entry.name, 120));
+      ImGui::PopID();
     }
   }
+  if (events.moved != 0 && dialog.chosen)
+    ImGui::SetScrollFromPosY(ImGui::GetCursorStartPos().y +
+                             static_cast<float>(*dialog.chosen + 1) * ImGui::GetTextLineHeightWithSpacing() -
+                             ImGui::GetScrollY());
+  ImGui::EndChild();
   ImGui::End();
+  if (choice) choose_in_dialog(*choice, actions);
 }
 
 }  // namespace gs::app

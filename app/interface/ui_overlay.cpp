@@ -3,15 +3,18 @@
 #include "app/interface/ui_state.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace gs::app {
 namespace {
 
 constexpr int kFramesToFocus = 4;  // until a text field that appears has the keys, at most
+const std::string kSideNames[kDockSides] = {"left", "right", "bottom"};
 
 }  // namespace
 
@@ -21,30 +24,44 @@ bool UiOverlay::State::toggle_panel(Action action) {
   return panel.has_value();
 }
 
-bool UiOverlay::State::panel_shows(Action action) const {
-  const auto panel = panel_of(action);
-  return panel && dock.dock().is_front(*panel);
+// Colours, and letters of the user's size; glyphs that texts of the frame before have lacked.
+void UiOverlay::State::apply_appearance(bool at_first) {
+  const float wanted = screen_scale * static_cast<float>(settings.text_size);
+  if (!at_first && wanted != scale) menus_width = 0;
+  if (at_first || wanted != scale || settings.theme != theme) {
+    scale = wanted;
+    theme = settings.theme;
+    set_style(theme, scale);
+    fonts->set_size(kFontSize * scale);
+  }
+  if (!fonts->stale()) return;
+  fonts->build();
+  if (backend) backend->fonts_changed();
 }
 
-UiOverlay::UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale) : state_(std::make_unique<State>()) {
-  state_->scale = scale;
+UiOverlay::UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale, const UserSettings& settings)
+    : state_(std::make_unique<State>()) {
+  state_->settings = settings;
+  state_->screen_scale = scale;
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
-  set_style(scale);
-  load_font(scale);
+  state_->fonts = std::make_unique<InterfaceFonts>();
+  state_->apply_appearance(true);
   state_->backend = std::move(backend);
   state_->backend->begin();
 }
 
 UiOverlay::~UiOverlay() {
   state_->backend.reset();
+  state_->fonts.reset();
   ImGui::DestroyContext();
 }
 
 void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) {
   state_->now = now;
   state_->notices.expire(now);
+  state_->apply_appearance(false);
   state_->backend->begin_frame();
   state_->input.add(events);
   if (ImGui::GetIO().WantTextInput) state_->text_waits = 0;
@@ -56,26 +73,32 @@ void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) 
 UiActions UiOverlay::build(const UiModel& model) {
   UiActions actions;
   State& state = *state_;
-  state.tooltips.begin(state.now, !state.open_panel);
-  state.top_bar(model, actions);
+  state.settings = model.settings;
+  state.to_restore = model.to_restore;
+  state.tooltips.begin(state.now, !state.dialog.open && !state.palette.open);
+  state.menu_bar(model, actions);
+  state.tool_bar(model, actions);
+  state.restore_line(model, actions);
   if (state.statistics) state.status_bar(model);
   state.dock.build({state.scale, state.tooltips}, model, actions);
   if (state.help) state.help_panel();
-  if (state.open_panel) state.open_files_panel(actions);
+  state.open_dialog(model, actions);
+  state.preferences_dialog(model, actions);
+  state.palette_dialog(model, actions);
   state.question_panel(model, actions);
   state.viewport_marks(model);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())
       state.loading_line(viewport, i, actions);
-    else if (viewport.label.empty() && !state.open_panel)
+    else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
   }
   state.notice_lines();
   if (model.travel_anchor) state.travel_mark(model);
   if (model.over_sensor && !ImGui::GetIO().WantCaptureMouse) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
-    if (!model.link.empty()) ImGui::SetTooltip("%s", model.link.c_str());
+    if (!model.link.empty()) ImGui::SetTooltip("%s", shown(model.link).c_str());
   }
   state.tooltips.end();
   return actions;
@@ -93,7 +116,7 @@ bool UiOverlay::has_input_left() const { return state_->input.waiting(); }
 Viewport UiOverlay::picture_area(const glm::ivec2& framebuffer) {
   State& state = *state_;
   const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
-  const float x = std::max(pixels.x, 0.01f), y = std::max(pixels.y, 0.01f), top = state.top_bar_height();
+  const float x = std::max(pixels.x, 0.01f), y = std::max(pixels.y, 0.01f), top = state.top_height();
   const float width = static_cast<float>(framebuffer.x) / x, height = static_cast<float>(framebuffer.y) / y;
   state.dock.lay_out({0, top, width, std::max(1.0f, height - top - state.status_bar_height())}, state.scale);
   const DockRectangle& picture = state.dock.layout().picture;
@@ -119,9 +142,20 @@ bool UiOverlay::run(Action action) {
   State& state = *state_;
   switch (action) {
     case Action::open_file:
-      state.open_panel = state.open_panel_appears = true;
+      show_open_dialog();
+      return true;
+    case Action::palette:
+      if (state.palette.open)
+        state.palette = {};
+      else
+        state.show_palette();
+      return true;
+    case Action::address:
+      state.address.wanted = true;
       state.text_waits = kFramesToFocus;
-      state.help = false;
+      return true;
+    case Action::preferences:
+      state.preferences = !state.preferences;
       return true;
     case Action::help:
       state.help = !state.help;
@@ -136,6 +170,14 @@ bool UiOverlay::run(Action action) {
   }
 }
 
+void UiOverlay::show_open_dialog() {
+  State& state = *state_;
+  state.dialog.open = state.dialog.appears = true;
+  state.dialog.problem.clear();
+  state.text_waits = kFramesToFocus;
+  state.help = false;
+}
+
 void UiOverlay::show_log() {
   if (const auto log = panel_of(Action::log)) state_->dock.dock().open(*log);
 }
@@ -147,27 +189,71 @@ void UiOverlay::show_notice(std::string text, bool is_error) {
 void UiOverlay::clear_notices() { state_->notices.clear(); }
 
 void UiOverlay::open_ended(const std::string& problem) {
-  State& state = *state_;
-  if (!std::exchange(state.opening, false)) return;
-  state.open_problem = problem;
+  State::OpenDialog& dialog = state_->dialog;
+  if (!std::exchange(dialog.opening, false)) return;
+  dialog.problem = problem;
   if (problem.empty()) {
-    state.open_panel = false;
-  } else if (state.open_panel) {
+    dialog.open = false;
+    dialog.typed = typed_path(dialog.typed).before;  // next time it begins in the same folder
+  } else if (dialog.open) {
     // What is typed next is another try.
-    state.open_panel_appears = true;
-    state.text_waits = kFramesToFocus;
+    dialog.wanted = true;
+    state_->text_waits = kFramesToFocus;
   }
 }
 
 bool UiOverlay::close_one() {
-  if (state_->question) return state_->question_refused = true;
-  for (bool* open : {&state_->open_panel, &state_->help}) {
-    if (*open) {
-      *open = false;
-      return true;
-    }
+  State& state = *state_;
+  if (state.question) return state.question_refused = true;
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a menu or a list
+    ImGui::ClosePopupToLevel(0, true);
+    return true;
   }
-  return state_->dock.close_one() || state_->notices.close_one();
+  if (state.palette.open) {
+    state.palette = {};
+    return true;
+  }
+  for (bool* open : {&state.dialog.open, &state.preferences, &state.help})
+    if (std::exchange(*open, false)) return true;
+  if (state.address.active) return true;  // the field leaves the keys by itself
+  return state.dock.close_one() || state.notices.close_one();
+}
+
+std::vector<PanelMemory> UiOverlay::panels() const {
+  std::vector<PanelMemory> result;
+  const Dock& dock = state_->dock.dock();
+  const auto add = [&](std::size_t panel) {
+    result.push_back({std::string(panel_rows()[panel].id), kSideNames[static_cast<std::size_t>(dock.side_of(panel))],
+                      dock.is_open(panel), dock.is_front(panel)});
+  };
+  for (std::size_t side = 0; side < kDockSides; ++side)
+    for (const std::size_t panel : dock.open_at(static_cast<DockSide>(side))) add(panel);
+  for (std::size_t panel = 0; panel < dock.panels(); ++panel)
+    if (!dock.is_open(panel)) add(panel);
+  return result;
+}
+
+std::array<double, kDockSides> UiOverlay::areas() const {
+  std::array<double, kDockSides> result{};
+  for (std::size_t side = 0; side < kDockSides; ++side)
+    result[side] = static_cast<double>(state_->dock.dock().size(static_cast<DockSide>(side)));
+  return result;
+}
+
+void UiOverlay::arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas) {
+  Dock& dock = state_->dock.dock();
+  for (std::size_t side = 0; side < kDockSides; ++side)
+    if (areas[side] > 0) dock.set_size(static_cast<DockSide>(side), static_cast<float>(areas[side]));
+  std::vector<std::size_t> fronts;
+  for (const PanelMemory& one : panels) {
+    const auto panel = find_panel(one.panel);
+    const auto side = std::find(std::begin(kSideNames), std::end(kSideNames), one.side);
+    if (!panel) continue;
+    if (side != std::end(kSideNames)) dock.move(*panel, static_cast<DockSide>(side - std::begin(kSideNames)));
+    if (one.open) dock.open(*panel);
+    if (one.open && one.front) fronts.push_back(*panel);
+  }
+  for (const std::size_t panel : fronts) dock.open(panel);
 }
 
 }  // namespace gs::app

@@ -1,12 +1,15 @@
 #pragma once
 
 #include "app/interface/base/ui_model.h"
+#include "app/interface/dock/dock.h"
+#include "app/settings/user_memory.h"
 #include "app/view/actions.h"
 #include "app/view/viewports.h"
 #include "app/window/window_event.h"
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +29,8 @@ class InterfaceBackend {
   virtual void begin() = 0;
   /// Tells Dear ImGui sizes and times of the frame that begins.
   virtual void begin_frame() = 0;
+  /// The font atlas of Dear ImGui is another than before.
+  virtual void fonts_changed() = 0;
   /// Draws what was laid out into the framebuffer that is bound.
   virtual void draw() = 0;
 };
@@ -35,7 +40,7 @@ class InterfaceBackend {
 class UiOverlay {
  public:
   /// `scale`: 1 on a common screen.
-  UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale);
+  UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale, const UserSettings& settings = {});
   ~UiOverlay();
   UiOverlay(const UiOverlay&) = delete;
   UiOverlay& operator=(const UiOverlay&) = delete;
@@ -60,7 +65,13 @@ class UiOverlay {
 
   /// Does what is the interface's alone. False: the action is none of that kind.
   bool run(Action action);
+  /// Its own, for those whose desktop has none.
+  void show_open_dialog();
   void show_log();
+  /// Where the panels are, and how large the areas of the dock (left, right, bottom); to be kept, and taken up again.
+  [[nodiscard]] std::vector<PanelMemory> panels() const;
+  [[nodiscard]] std::array<double, kDockSides> areas() const;
+  void arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas);
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
   void clear_notices();

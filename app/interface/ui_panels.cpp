@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -56,7 +57,9 @@ void action_table() {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, keys);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
   }
-  const auto rows = actions();
+  std::vector<ActionRow> rows;
+  for (const ActionRow& row : actions())
+    if (row.key != Key::unknown) rows.push_back(row);
   const std::size_t half = (rows.size() + 1) / 2;
   for (std::size_t line = 0; line < half; ++line) {
     ImGui::TableNextRow();
@@ -75,7 +78,7 @@ void action_table() {
 void UiOverlay::State::help_panel() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y - 2 * top_bar_height()});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {screen.x - 24 * scale, screen.y - 24 * scale});
   ImGui::SetNextWindowSize({std::min(720 * scale, screen.x - 24 * scale), 0});
   if (ImGui::Begin("Keys and mouse", &help, kPanelFlags | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove)) {
     help_table("##pointer", kPointerHelp);
@@ -88,7 +91,7 @@ void UiOverlay::State::help_panel() {
 
 void UiOverlay::State::notice_lines() {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
-  float top = top_bar_height() + 10 * scale;
+  float top = top_height() + 10 * scale;
   std::optional<std::size_t> closed;
   for (std::size_t i = 0; i < notices.lines().size(); ++i) {
     const Notices::Line& line = notices.lines()[i];

@@ -1,43 +1,74 @@
 #pragma once
 
 #include "app/base/text.h"
+#include "app/interface/base/icons.h"
 #include "app/interface/base/interface_input.h"
 #include "app/interface/base/notices.h"
+#include "app/interface/base/places.h"
 #include "app/interface/base/ui_style.h"
 #include "app/interface/dock_view.h"
 #include "app/interface/ui_overlay.h"
+#include "app/settings/user_folders.h"
 
 #include <imgui.h>
 
+#include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace gs::app {
 
-/// What the panels remember between frames; shared by the ui_*.cpp files only.
+/// What the interface remembers between frames; shared by the ui_*.cpp files only.
 struct UiOverlay::State {
-  float scale = 1;
+  UserSettings settings;  // of the user, by the model
+  Theme theme = Theme::dark;
+  float screen_scale = 1, scale = 1;  // of the screen alone; with the user's size of text
   double now = 0;
-  bool help = false, statistics = false, open_panel = false;
+  bool help = false, statistics = false, preferences = false;
   std::unique_ptr<InterfaceBackend> backend;
+  std::unique_ptr<InterfaceFonts> fonts;
+  int text_waits = 0;  // frames until the text field that appears takes the keys
+  std::size_t to_restore = 0;
 
-  // The Open panel.
-  bool open_panel_appears = false;
-  std::string folder;
-  struct FolderEntry {
-    std::string name;
-    bool is_folder = false;
+  /// A place that may be meant by what is typed.
+  struct Suggestion {
+    std::string place, label;
+    Icon icon;
   };
-  std::vector<FolderEntry> folder_entries;
-  std::string folder_problem;
-  bool all_files = false;  // not only those that some content type calls its own
-  char path[4096] = {};
-  bool opening = false;             // what was chosen is being read, and nothing of it shows yet
-  std::string open_problem;         // why it could not be
-  int text_waits = 0;               // frames until the text field takes the keys
-  std::vector<std::string> recent;  // newest first
+  FolderListing listing;
+
+  struct Address {
+    std::string text;
+    bool wanted = false, active = false, list_hovered = false;
+    bool typed = false;                 // its text is not what it was when it got the keys
+    std::optional<std::size_t> chosen;  // of the suggestions
+  } address;
+
+  /// A row of the palette.
+  struct Command {
+    std::string words, keys;
+    std::optional<Icon> icon;
+    std::function<void(UiActions&)> run;
+  };
+  struct Palette {
+    bool open = false, appears = false, was_focused = false;
+    std::string typed;
+    int chosen = 0;
+  } palette;
+
+  struct OpenDialog {
+    bool open = false, appears = false;
+    bool wanted = false;  // its field shall have the keys
+    std::string typed;
+    std::optional<std::size_t> chosen;  // of what is listed
+    bool all_files = false;             // not only those that some content type calls its own
+    bool opening = false;               // what was chosen is being read, and nothing of it shows yet
+    std::string problem;                // why it could not be
+  } dialog;
 
   Notices notices;
   InterfaceInput input;
@@ -45,32 +76,62 @@ struct UiOverlay::State {
   // Whether a question stands, and whether a key has answered it.
   bool question = false, question_refused = false;
 
+  float menus_width = 0;  // of the row of menus; 0: not known yet
   Tooltips tooltips;
   DockView dock;
 
-  void top_bar(const UiModel& model, UiActions& actions);
-  void mode_buttons(const UiModel& model, UiActions& actions, bool as_list);
+  void apply_appearance(bool at_first);
+
+  void menu_bar(const UiModel& model, UiActions& actions);
+  void menus(const UiModel& model, UiActions& actions);
+  void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
+  void recent_menu(const UiModel& model, UiActions& actions);
+  void bookmark_menu(const UiModel& model, UiActions& actions);
+  void places_of_travel(const UiModel& model, UiActions& actions);
+  [[nodiscard]] bool is_on(Action action, const UiModel& model) const;
+  [[nodiscard]] static bool is_possible(Action action, const UiModel& model);
+
+  void address_bar(const UiModel& model, UiActions& actions, float width);
+  [[nodiscard]] std::vector<Suggestion> suggestions(const UiModel& model, const std::string& typed);
+  /// The one that is clicked.
+  static std::optional<std::size_t> suggestion_rows(const std::vector<Suggestion>& rows,
+                                                    std::optional<std::size_t> chosen);
+
+  void tool_bar(const UiModel& model, UiActions& actions);
+  void tool(Action action, Icon icon, bool with_word, const UiModel& model, UiActions& actions);
+  void mode_buttons(const UiModel& model, UiActions& actions, bool words);
   void viewpoint_list(const UiModel& model, UiActions& actions, float width, bool with_arrows);
+  void layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link);
   void status_bar(const UiModel& model);
+  void restore_line(const UiModel& model, UiActions& actions);
+
+  void show_palette();
+  [[nodiscard]] std::vector<Command> commands(const UiModel& model) const;
+  void palette_dialog(const UiModel& model, UiActions& actions);
+  void open_dialog(const UiModel& model, UiActions& actions);
+  void choose_in_dialog(const std::string& typed, UiActions& actions);
+  [[nodiscard]] std::vector<FolderListing::Entry> dialog_rows(const TypedPath& path);
+  void preferences_dialog(const UiModel& model, UiActions& actions);
   void help_panel();
-  void open_files_panel(UiActions& actions);
   void question_panel(const UiModel& model, UiActions& actions);
   void notice_lines();
-  void view_buttons(const UiModel& model, UiActions& actions, bool home, bool with_fit, bool whole_word);
-  void layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link);
+
   void viewport_marks(const UiModel& model);
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
   void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
 
-  [[nodiscard]] float top_bar_height() const;     // in the units of Dear ImGui
+  // In the units of Dear ImGui.
+  [[nodiscard]] float menu_bar_height() const;
+  [[nodiscard]] float tool_bar_height() const;
+  [[nodiscard]] float restore_height() const {
+    return to_restore > 0 ? ImGui::GetFrameHeight() + 2 * std::round(4 * scale) : 0.0f;
+  }
+  [[nodiscard]] float top_height() const { return menu_bar_height() + tool_bar_height() + restore_height(); }
   [[nodiscard]] float status_bar_height() const;  // 0 when it is off
-  void read_folder();
   /// Says more about the item before, once the pointer rests on it.
   void tooltip(std::string_view text) { tooltips.show(text); }
   bool toggle_panel(Action action);
-  [[nodiscard]] bool panel_shows(Action action) const;
-  void opened(const std::string& path_or_url, UiActions& actions);
 };
 
 }  // namespace gs::app

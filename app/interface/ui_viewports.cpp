@@ -90,14 +90,15 @@ void UiOverlay::State::viewport_marks(const UiModel& model) {
     const Area area = area_of(viewport.place);
     draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(UiColors::kBar), 0, 0, 2 * line);
     if (viewport.label.empty()) continue;
-    const std::string label = shortened(viewport.label, 60);
+    const std::string label = shown(shortened(viewport.label, 60));
     const ImVec2 size = ImGui::CalcTextSize(label.c_str());
     const ImVec2 place(area.lower.x + std::round(12 * scale), area.lower.y + std::round(8 * scale));
     draw.PushClipRect(area.lower, area.upper, true);
     draw.AddRectFilled({place.x - 6 * scale, place.y - 3 * scale},
                        {place.x + size.x + 6 * scale, place.y + size.y + 3 * scale}, IM_COL32(20, 22, 25, 200),
                        4 * scale);
-    draw.AddText(place, ImGui::GetColorU32(viewport.active ? UiColors::kText : UiColors::kQuiet), label.c_str());
+    draw.AddText(place, ImGui::GetColorU32(viewport.active ? UiColors::kOnPicture : UiColors::kQuietOnPicture),
+                 label.c_str());
     draw.PopClipRect();
   }
   for (const UiViewport& viewport : model.viewports) {
@@ -144,8 +145,8 @@ void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
   ImGui::SetNextWindowSizeConstraints({0, 0}, {area.width(), area.height()});
   ImGui::Begin(("##welcome" + std::to_string(index)).c_str(), nullptr,
                kLineFlags | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoInputs);
-  colored_text(UiColors::kText, kFirst);
-  if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale) colored_text(UiColors::kQuiet, kSecond);
+  colored_text(UiColors::kOnPicture, kFirst);
+  if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale) colored_text(UiColors::kQuietOnPicture, kSecond);
   ImGui::End();
 }
 

@@ -27,6 +27,10 @@ class WindowBackend final : public InterfaceBackend {
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
   }
+  void fonts_changed() override {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
   void draw() override { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData()); }
 
  private:

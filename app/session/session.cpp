@@ -45,6 +45,7 @@ Frame Session::step(double now, const SessionInput& input) {
   if (input.area) {
     area_ = *input.area;
     show_loaded();
+    if (!options_.simulated) note_visits();
     for (const SessionInput::Event& event : input.events) handle(event);
     move_views(was_moving_ ? static_cast<float>(now - before) : 0.0f, input.look);
     if (std::exchange(pointer_moved_, false)) point_again();

@@ -7,6 +7,7 @@
 #include "app/session/links.h"
 #include "app/session/panes.h"
 #include "app/session/session_log.h"
+#include "app/session/travel_history.h"
 #include "app/session/world_reader.h"
 #include "app/view/actions.h"
 #include "app/view/picking.h"
@@ -15,6 +16,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -42,6 +44,7 @@ struct SessionOptions {
   bool simulated = false;
   bool audible = false;  // sounds are played on the system's device
   bool muted = false;    // until somebody wants to hear them
+  double speed = 1;      // of the viewer, times what worlds say
 };
 
 /// What happens in a step of a session.
@@ -106,7 +109,8 @@ class SessionGuest {
 /// what it leads to; it draws nothing itself, and reads no clock but to measure how long it took.
 ///
 /// session.cpp: the step, and time; session_files.cpp: what is read; session_input.cpp: what the user does;
-/// session_pointing.cpp: sensors and Anchors; session_sound.cpp: what is heard. One thread.
+/// session_travel.cpp: back and forward; session_pointing.cpp: sensors and Anchors; session_sound.cpp: what is heard.
+/// One thread.
 class Session {
  public:
   /// `wake` is called on other threads when a step would find something new; it must be safe there.
@@ -131,6 +135,13 @@ class Session {
   bool run(Action action);
   void open_files(const std::vector<std::string>& paths);
   void select_file(std::size_t index);
+  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the viewer
+  /// at `pose` once all of it is there. Neither: where it is entered, or was left.
+  void open_at(const std::string& place, const std::string& viewpoint, const std::optional<Pose>& pose);
+  /// Whether the active viewport has shown something else before (-1), or, gone back from, after (1).
+  [[nodiscard]] bool can_travel(int direction) const;
+  /// How fast viewers are from now on, times what worlds say.
+  void set_speed(double factor);
   void choose_layout(ViewportLayout layout);
   void choose_mode(NavigationMode mode);
   /// One of the active viewport's list, which is bound in the world.
@@ -228,6 +239,11 @@ class Session {
   void activate(std::size_t pane);
   void toggle_link();
 
+  void note_visits();
+  void travel(int direction);
+  void show_at(const std::string& path, const std::optional<Pose>& pose);
+  static void stand_at(View& view, const Pose& pose, bool on_a_way);
+
   bool point_world(std::size_t pane, bool down);
   bool point_at_sensor(bool down);
   bool point_with(const WindowEvent& event, std::size_t pane);
@@ -274,7 +290,9 @@ class Session {
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
   SessionGuest* guest_ = nullptr;
-  bool acted_ = false;  // the guest has, since time went on in the worlds
+  bool acted_ = false;                                     // the guest has, since time went on in the worlds
+  std::array<TravelHistory, kMostViewports> histories_;    // of the viewports
+  std::map<std::size_t, TravelHistory::Visit> returning_;  // where viewers stand once their files are there
 };
 
 }  // namespace gs::app

@@ -159,6 +159,7 @@ void Session::show_loaded() {
     if (change.found && !options_.viewpoint.empty())
       entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
     if (!change.found) tell("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
+    seen.navigation.speed *= static_cast<float>(options_.speed);
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (const auto budget = budgets_.find(panes_.at(change.pane).shown); budget != budgets_.end())
       seen.budget = budget->second;

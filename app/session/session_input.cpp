@@ -109,6 +109,10 @@ bool Session::run(Action action) {
       return true;
     case Action::close:
       return panes_.cancel(panes_.active());
+    case Action::back:
+    case Action::forward:
+      travel(action == Action::back ? -1 : 1);
+      return true;
     default:
       return seen && run_in(*seen, action);
   }

@@ -177,9 +177,10 @@ void Session::follow_link(std::size_t pane, const Link& link) {
     if (here) {
       if (!seen) continue;
       const auto index = find_viewpoint(seen->list->viewpoints, place.viewpoint);
-      if (index)
+      if (index) {
+        histories_[pane].visit(panes_.at(pane).shown, seen->navigation.pose);
         jump_to_viewpoint(*seen, *index);
-      else
+      } else
         tell("There is no Viewpoint \"" + place.viewpoint + "\" in this world", true);
       return;
     }

@@ -32,16 +32,6 @@ bool is_ours_alone(const std::string& folder) {
          (about.st_mode & 077) == 0;
 }
 
-// As another process would find it.
-std::string absolute_place(const std::string& place) {
-  const net::Url url = net::parse_url(place);
-  if (place.empty() || place.starts_with("ghostspace:") || (!url.scheme.empty() && net::find_scheme(url.scheme)))
-    return place;
-  std::error_code error;
-  const std::filesystem::path absolute = std::filesystem::absolute(place, error);
-  return error ? place : absolute.lexically_normal().string();
-}
-
 std::string token_in(const std::string& folder) {
   const auto opened = net::map_file(folder + kTokenName);
   const auto* file = std::get_if<net::MappedFile>(&opened);
@@ -51,6 +41,15 @@ std::string token_in(const std::string& folder) {
 }
 
 }  // namespace
+
+std::string absolute_place(const std::string& place) {
+  const net::Url url = net::parse_url(place);
+  if (place.empty() || place.starts_with("ghostspace:") || (!url.scheme.empty() && net::find_scheme(url.scheme)))
+    return place;
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(place, error);
+  return error ? place : absolute.lexically_normal().string();
+}
 
 std::string hand_over_folder() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");

@@ -15,6 +15,9 @@ namespace gs::app {
 /// user's session ($XDG_RUNTIME_DIR), which nobody else can read. Empty: there is none, or it is not the user's alone.
 [[nodiscard]] std::string hand_over_folder();
 
+/// A path or URL as another process would find it, or this one in another folder.
+[[nodiscard]] std::string absolute_place(const std::string& place);
+
 /// Gives files and URLs to the window that is there already. True: it has taken them; false: there is none. Relative
 /// paths are those of this process.
 [[nodiscard]] bool hand_over(const std::string& folder, const std::vector<std::string>& files);

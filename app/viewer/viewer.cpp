@@ -1,7 +1,5 @@
 #include "app/viewer/viewer.h"
 
-#include "app/base/console.h"
-#include "app/base/text.h"
 #include "app/interface/window_backend.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
@@ -18,11 +16,23 @@ constexpr double kIdleWait = 30;       // seconds; any event ends it
 constexpr double kLongPicture = 0.3;   // seconds: somebody notices
 constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
 
-// Of a window: what the author calls the world, and where it is from.
-std::string title_of(const std::string& title, const std::string& file) {
-  constexpr std::size_t kMost = 100;  // bytes
-  if (title.empty() || title == file) return file;
-  return shortened(title, kMost) + " (" + file + ")";
+DeskOptions desk_options(const ViewerOptions& options, float scale) {
+  DeskOptions result;
+  result.session = session_options(options);
+  result.folders = options.folders;
+  result.not_kept = options.not_kept;
+  result.scale = scale;
+  result.dialogs = dialog_programs();
+  return result;
+}
+
+// As the last window was, unless the user says how.
+glm::ivec2 first_size(const ViewerOptions& options) {
+  if (!options.size_given && options.folders.any()) {
+    const UserMemory memory = remembered(options.folders);
+    if (memory.width > 0 && memory.height > 0) return {memory.width, memory.height};
+  }
+  return {options.width, options.height};
 }
 
 }  // namespace
@@ -59,10 +69,14 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
     : options_(options),
       window_(std::move(window)),
       renderer_(std::move(renderer)),
-      ui_(make_window_backend(window_->handle()), window_->content_scale()),
-      session_(session_options(options), load, &Window::wake),
+      desk_(desk_options(options, window_->content_scale()), load, make_window_backend(window_->handle()), *this,
+            &Window::wake),
+      ui_(desk_.ui()),
+      session_(desk_.session()),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
-      frames_wanted_(kSettlingFrames) {}
+      frames_wanted_(kSettlingFrames) {
+  measures_.gl_renderer = renderer_->gl_renderer();
+}
 
 std::optional<std::string> Viewer::start_control() {
   auto started = ControlService::start(options_.control, &Window::wake);
@@ -83,13 +97,14 @@ void Viewer::run() {
     const double now = Window::now();
     const std::vector<WindowEvent> events = in_sight ? window_->take_events() : std::vector<WindowEvent>{};
     take_handed_over();
+    if (desk_.take_chosen_files()) frames_wanted_ = kSettlingFrames;
     SessionInput input;
     input.look = in_sight;
     if (in_sight) input.area = ui_.picture_area(size);
     if (!events.empty()) {
       frames_wanted_ = kSettlingFrames;
       ui_.begin_frame(now, events);  // the interface comes first
-      input.events = take(events);
+      input.events = desk_.take(events);
     }
     frame_ = session_.step(world_time(), input);
     tell(frame_);
@@ -107,13 +122,15 @@ void Viewer::run() {
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
-    apply(ui_.build(model()));
+    desk_.apply(ui_.build(desk_.model(frame_, measures_)));
     ui_.draw();
     window_->present();
     measure(now, Window::now(), continuous);
     if (frames_wanted_ > 0) --frames_wanted_;
     if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
   }
+  const glm::ivec2 size = window_->window_size();
+  if (size.x > 0 && size.y > 0 && !window_->is_full_screen()) desk_.note_window(size.x, size.y);
   window_->hide();
 }
 
@@ -140,29 +157,17 @@ void Viewer::wait_idle() {
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
-  if (frame.files_chosen) ui_.clear_notices();
-  const auto chosen = [this](const std::string& path) { return path == opening_; };
-  if (std::any_of(frame.arrived.begin(), frame.arrived.end(), chosen)) ui_.open_ended({});
-  for (const Frame::Failure& failure : frame.failed)
-    if (chosen(failure.path)) ui_.open_ended(failure.reason);
-  for (const std::string& line : session_.log().take_untold()) complain("%s", line.c_str());
-  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem);
-  for (const std::string& page : frame.web_pages) {
-    const bool opened = open_in_browser(page);
-    ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);
-  }
-  if (frame.show_log) ui_.show_log();
-  if (!frame.notices.empty() || !frame.web_pages.empty() || frame.show_log) frames_wanted_ = kSettlingFrames;
+  if (desk_.tell(frame)) frames_wanted_ = kSettlingFrames;
   show_title();
 }
 
 void Viewer::measure(double started, double now, bool continuous) {
   const double ms = (now - started) * 1000;
-  frame_ms_ = frame_ms_ == 0 ? ms : frame_ms_ + 0.1 * (ms - frame_ms_);
+  double& average = measures_.frame_ms;
+  average = average == 0 ? ms : average + 0.1 * (ms - average);
   const double interval = started - last_frame_;
-  if (continuous && interval > 0)
-    frames_a_second_ =
-        frames_a_second_ == 0 ? 1 / interval : frames_a_second_ + 0.1 * (1 / interval - frames_a_second_);
+  double& rate = measures_.frames_a_second;
+  if (continuous && interval > 0) rate = rate == 0 ? 1 / interval : rate + 0.1 * (1 / interval - rate);
   last_frame_ = started;
 }
 
@@ -176,18 +181,15 @@ void Viewer::take_handed_over() {
 }
 
 void Viewer::show_title() {
-  std::string title = "GhostSpace";
-  if (const View* seen = session_.view()) {
-    const OpenedWorld& world = seen->document->world;
-    title = title_of(world.title, file_label(world.path)) + " - " + title;
-  }
+  const std::string title = desk_.title();
   if (title == title_) return;
   title_ = title;
   window_->set_title(title_);
 }
 
 int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::string& error) {
-  auto window = Window::open("GhostSpace", options.width, options.height);
+  const glm::ivec2 size = first_size(options);
+  auto window = Window::open("GhostSpace", size.x, size.y);
   if (const auto* problem = std::get_if<render::ContextError>(&window)) {
     error = "cannot open a window: " + problem->message;
     return 1;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/control/control_service.h"
+#include "app/settings/user_folders.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
@@ -19,6 +20,7 @@ inline constexpr std::size_t kWindowBudget = 2'000'000;
 struct ViewerOptions {
   std::vector<std::string> files;       // opened at start, each in a viewport as far as there are
   int width = 1024, height = 768;       // of the window
+  bool size_given = false;              // else the last window's counts, where that is known
   int samples = 4;                      // anti-aliasing
   std::optional<bool> headlight;        // in place of what the worlds say
   std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
@@ -27,6 +29,8 @@ struct ViewerOptions {
   bool muted = false;                   // no sound, until it is asked for
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // where others may control it
+  UserFolders folders;    // of what is kept of the user's; empty: nothing is
+  std::string not_kept;   // a file that is not remembered
 };
 
 /// Opens a window and runs until the user quits. `load`: how worlds are read. Main thread. Returns the exit status: 0,

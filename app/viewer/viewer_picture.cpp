@@ -1,4 +1,3 @@
-#include "app/base/text.h"
 #include "app/viewer/viewer_window.h"
 
 #include <algorithm>
@@ -13,6 +12,12 @@ constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
 
+// That of the command line comes before that of the settings.
+std::size_t Viewer::budget() const {
+  if (options_.budget > 0) return options_.budget;
+  return desk_.kept().settings().budget > 0 ? desk_.kept().settings().budget : kWindowBudget;
+}
+
 void Viewer::draw_viewports() {
   std::vector<std::size_t> cloud_pixels, cloud_viewports;
   for (const Frame::Picture& picture : frame_.pictures) {
@@ -20,8 +25,7 @@ void Viewer::draw_viewports() {
     cloud_pixels.push_back(clouds ? picture.place.pixels() : 0);
     cloud_viewports.push_back(clouds ? 1 : 0);
   }
-  const std::vector<std::size_t> budgets =
-      shares_of(options_.budget > 0 ? options_.budget : kWindowBudget, cloud_pixels);
+  const std::vector<std::size_t> budgets = shares_of(budget(), cloud_pixels);
   const std::vector<std::size_t> decoded = shares_of(kMostDecoded, cloud_viewports);
   bool pending = false;
   std::size_t discs = 0;
@@ -79,77 +83,6 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
   if (!given_up || !(frame_.loading || interface_first_))
     detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
-}
-
-// The user interface ------------------------------------------------------------------------------
-
-// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
-std::string Viewer::progress_of(const std::string& path) const {
-  std::string text = file_label(path);
-  for (const LoadingState& state : session_.progress_of(path)) {
-    if (state.received == 0) continue;
-    text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
-    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
-  }
-  return text;
-}
-
-void Viewer::describe_viewports(UiModel& model) const {
-  const Panes& panes = session_.panes();
-  for (const Frame::Picture& picture : frame_.pictures) {
-    const Pane& pane = panes.at(picture.pane);
-    UiViewport viewport;
-    viewport.place = picture.place;
-    if (pane.view()) viewport.label = file_label(pane.shown);
-    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
-    viewport.active = picture.pane == panes.active();
-    model.viewports.push_back(std::move(viewport));
-  }
-  model.layout = panes.layout();
-  model.linked = session_.linked();
-}
-
-UiModel Viewer::model() {
-  UiModel model;
-  const Panes& panes = session_.panes();
-  for (const DocumentList::Entry& entry : panes.documents().entries()) model.files.push_back(file_label(entry.path));
-  model.file = panes.selected();
-  describe_viewports(model);
-  if (const FolderQuestions::Question* question = session_.question())
-    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
-  const Pane& pane = panes.at(panes.active());
-  model.statistics = pane.statistics;
-  model.frame_ms = frame_ms_;
-  model.frames_a_second = frames_a_second_;
-  model.gl_renderer = renderer_->gl_renderer();
-  model.log = &session_.log();
-  model.travel_anchor = pane.input.travel_anchor();
-  model.pointer = pane.input.pointer();
-  const View* seen = pane.view();
-  if (!seen) return model;
-  model.has_world = true;
-  const auto& viewpoints = seen->list->viewpoints;
-  for (const std::size_t index : listed_viewpoints(viewpoints)) {
-    if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
-    model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
-  }
-  const Session::Pointed pointed = session_.pointed();
-  model.over_sensor = pointed.sensor;
-  model.link = pointed.description;
-  model.mode = seen->navigation.mode;
-  model.rules = seen->rules;
-  model.speed = seen->navigation.speed;
-  model.headlight = seen->headlight;
-  model.has_sounds = !seen->list->sounds.empty();
-  model.muted = session_.sounds().muted();
-  model.look = seen->look;
-  model.has_surface_clouds = seen->document->has_surface_clouds;
-  model.has_volumes = seen->document->has_volumes;
-  model.bounds = seen->list->bounds;
-  model.looking = seen->navigation.pose.forward();
-  for (const render::SplatItem& item : seen->list->splats)
-    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
-  return model;
 }
 
 }  // namespace gs::app

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "app/interface/ui_overlay.h"
-#include "app/session/session.h"
-#include "app/view/actions.h"
 #include "app/view/picture_detail.h"
+#include "app/viewer/desk.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
 #include "app/window/window.h"
@@ -18,8 +16,8 @@
 namespace gs::app {
 
 /// A session in a window: hands it what the user does, draws what it leads to, and lays the user interface over it.
-/// Main thread only. viewer.cpp: the loop; viewer_input.cpp: what the user does; viewer_picture.cpp: what he sees.
-class Viewer {
+/// Main thread only. viewer.cpp: the loop; viewer_picture.cpp: what is drawn; desk.h: the rest, which needs no window.
+class Viewer final : public DeskWindow {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
@@ -27,33 +25,31 @@ class Viewer {
   [[nodiscard]] std::optional<std::string> start_control();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
+  ~Viewer() override = default;
 
   void run();
 
  private:
+  void toggle_full_screen() override { window_->toggle_full_screen(); }
+  void close() override { window_->close(); }
+
   void wait_for_something();
   void wait_idle();
   void measure(double started, double now, bool continuous);
   void tell(const Frame& frame);
   void show_title();
   void take_handed_over();
+  [[nodiscard]] std::size_t budget() const;
 
-  /// What of the events is the session's; does what is the interface's own.
-  [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
-  bool run(Action action);
-
-  [[nodiscard]] UiModel model();
-  void describe_viewports(UiModel& model) const;
-  [[nodiscard]] std::string progress_of(const std::string& path) const;
-  void apply(const UiActions& actions);
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
 
   const ViewerOptions& options_;
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Renderer> renderer_;
-  UiOverlay ui_;
-  Session session_;
+  Desk desk_;
+  UiOverlay& ui_;                            // of the desk
+  Session& session_;                         // likewise
   std::unique_ptr<ControlService> control_;  // null: nobody may control it
   std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
@@ -61,8 +57,8 @@ class Viewer {
   std::array<PictureDetail, kMostViewports> details_;
   LoadingPace pace_;
   std::string title_;
-  std::string opening_;  // what was chosen in the Open panel last
-  double last_frame_ = 0, frame_ms_ = 0, frames_a_second_ = 0;
+  DeskMeasures measures_;
+  double last_frame_ = 0;
   int frames_wanted_;
   bool was_continuous_ = false, was_loading_ = false;
   bool interface_first_ = false;  // the next picture of the interface waits for no new one of the worlds

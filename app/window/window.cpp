@@ -47,6 +47,8 @@ constexpr KeyRow kKeys[] = {
     {GLFW_KEY_KP_ADD, Key::plus},
     {GLFW_KEY_MINUS, Key::minus},
     {GLFW_KEY_KP_SUBTRACT, Key::minus},
+    {GLFW_KEY_COMMA, letter_key(',')},
+    {GLFW_KEY_PERIOD, letter_key('.')},
 };
 
 Key key_of(int glfw, int scancode) {
@@ -264,6 +266,14 @@ glm::ivec2 Window::framebuffer_size() const {
   glfwGetFramebufferSize(window_, &size.x, &size.y);
   return size;
 }
+
+glm::ivec2 Window::window_size() const {
+  glm::ivec2 size(0);
+  glfwGetWindowSize(window_, &size.x, &size.y);
+  return size;
+}
+
+bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
 
 float Window::content_scale() const {
   float x = 1, y = 1;

@@ -57,6 +57,9 @@ class Window final : public render::GlContext {
   void toggle_full_screen();
   /// Pixels of the framebuffer; 0 when minimised.
   [[nodiscard]] glm::ivec2 framebuffer_size() const;
+  /// As `open` takes it; 0 when minimised.
+  [[nodiscard]] glm::ivec2 window_size() const;
+  [[nodiscard]] bool is_full_screen() const;
   /// Of the monitor: 1 on a common screen, 2 where everything should be twice as large.
   [[nodiscard]] float content_scale() const;
   /// Seconds, monotonic.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "app/session/session_log.h"
+#include "app/settings/user_memory.h"
+#include "app/settings/user_settings.h"
 #include "app/view/actions.h"
 #include "app/view/navigation.h"
 #include "app/view/viewports.h"
@@ -36,6 +38,7 @@ struct UiQuestion {
 /// What the user interface shows. Made anew for each frame; pointers need to last only that long.
 struct UiModel {
   std::vector<std::string> files;   // labels
+  std::vector<std::string> paths;   // of these
   std::optional<std::size_t> file;  // of these, the chosen one
 
   std::vector<UiViewport> viewports;
@@ -43,7 +46,17 @@ struct UiModel {
   bool linked = false;  // all viewports move as one
   std::optional<UiQuestion> question;
 
+  // Of the user.
+  UserSettings settings;
+  std::vector<std::string> recent;  // paths and URLs, the newest first
+  std::vector<Bookmark> bookmarks;
+  std::size_t to_restore = 0;  // files of a window that ended by itself; 0: nothing is asked
+
   // From here on: the active viewport.
+  std::string address;                  // path or URL of what it shows or waits for
+  std::optional<std::size_t> bookmark;  // of that file and viewpoint
+  bool can_go_back = false, can_go_forward = false;
+  bool loading = false;
   bool has_world = false;
 
   std::vector<std::string> viewpoints;   // labels
@@ -79,9 +92,12 @@ struct UiActions {
   std::optional<NavigationMode> mode;
   std::optional<Action> run;
   std::optional<ViewportLayout> layout;
-  std::optional<bool> allow_folder;           // the answer to UiModel::question
-  std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
-  std::optional<render::CloudLook> look;      // instead of the model's
+  std::optional<bool> allow_folder;                           // the answer to UiModel::question
+  std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
+  std::optional<render::CloudLook> look;                      // instead of the model's
+  std::optional<UserSettings> settings;                       // likewise
+  std::optional<std::size_t> open_bookmark, remove_bookmark;  // of UiModel::bookmarks
+  std::optional<bool> restore;                                // the answer about UiModel::to_restore
 };
 
 }  // namespace gs::app

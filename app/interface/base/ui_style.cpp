@@ -1,49 +1,49 @@
 #include "app/interface/base/ui_style.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
+#include <iterator>
 #include <utility>
 
 namespace gs::app {
 namespace {
 
-constexpr float kFontSize = 14.5f;
 constexpr double kTooltipDelay = 0.5;  // seconds
+
+ImVec4 grey(float value) { return {value, value, value, 1}; }
+
+void set_colors(Theme theme) {
+  const bool dark = theme == Theme::dark;
+  UiColors::kText = dark ? ImVec4(0.88f, 0.89f, 0.91f, 1) : ImVec4(0.11f, 0.12f, 0.14f, 1);
+  UiColors::kQuiet = dark ? ImVec4(0.58f, 0.61f, 0.66f, 1) : ImVec4(0.38f, 0.41f, 0.45f, 1);
+  UiColors::kAccent = dark ? ImVec4(0.30f, 0.58f, 0.90f, 1) : ImVec4(0.10f, 0.42f, 0.78f, 1);
+  UiColors::kBar = dark ? ImVec4(0.125f, 0.135f, 0.150f, 1) : ImVec4(0.885f, 0.895f, 0.910f, 1);
+  UiColors::kPanel = dark ? ImVec4(0.145f, 0.155f, 0.172f, 1) : ImVec4(0.945f, 0.950f, 0.958f, 1);
+  UiColors::kPopup = dark ? ImVec4(0.170f, 0.182f, 0.202f, 1) : ImVec4(0.985f, 0.988f, 0.992f, 1);
+  UiColors::kError = dark ? ImVec4(0.96f, 0.42f, 0.40f, 1) : ImVec4(0.75f, 0.13f, 0.12f, 1);
+  UiColors::kWarning = dark ? ImVec4(0.95f, 0.76f, 0.34f, 1) : ImVec4(0.60f, 0.40f, 0.02f, 1);
+  UiColors::kNote = dark ? ImVec4(0.52f, 0.72f, 0.95f, 1) : ImVec4(0.10f, 0.36f, 0.66f, 1);
+  UiColors::kContrast = grey(dark ? 1.0f : 0.0f);
+}
+
+}  // namespace
 
 ImVec4 with_alpha(ImVec4 color, float alpha) {
   color.w = alpha;
   return color;
 }
 
-// Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
-constexpr const char* kFonts[] = {
-    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-    "/usr/share/fonts/TTF/DejaVuSans.ttf",
-    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-    "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
-    "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
-};
-
-}  // namespace
-
-void load_font(float scale) {
-  static constexpr ImWchar kRanges[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x2044, 0x2190, 0x21FF, 0};
-  ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
-  ImFontConfig config;
-  config.OversampleH = 2;
-  const float size = std::round(kFontSize * scale);
-  for (const char* path : kFonts) {
-    std::error_code error;
-    if (std::filesystem::is_regular_file(path, error) && fonts.AddFontFromFileTTF(path, size, &config, kRanges)) return;
-  }
-  config.SizePixels = std::round(13 * scale);
-  fonts.AddFontDefault(&config);
-}
-
-void set_style(float scale) {
-  ImGui::StyleColorsDark();
+void set_style(Theme theme, float scale) {
+  set_colors(theme);
+  if (theme == Theme::dark)
+    ImGui::StyleColorsDark();
+  else
+    ImGui::StyleColorsLight();
   ImGuiStyle& style = ImGui::GetStyle();
+  style = [&] {
+    ImGuiStyle fresh;  // sizes are scaled from here, not from what was scaled before
+    std::copy(std::begin(style.Colors), std::end(style.Colors), std::begin(fresh.Colors));
+    return fresh;
+  }();
   style.WindowRounding = 6;
   style.PopupRounding = style.FrameRounding = style.GrabRounding = style.ScrollbarRounding = 4;
   style.WindowBorderSize = style.PopupBorderSize = 1;
@@ -54,13 +54,20 @@ void set_style(float scale) {
   style.ItemInnerSpacing = {6, 4};
   style.ScrollbarSize = 12;
   style.DisabledAlpha = 0.4f;
-  const ImVec4 lighter(1, 1, 1, 1);
+  const ImVec4& lighter = UiColors::kContrast;
   const std::pair<ImGuiCol, ImVec4> colors[] = {
       {ImGuiCol_Text, UiColors::kText},
       {ImGuiCol_TextDisabled, UiColors::kQuiet},
       {ImGuiCol_WindowBg, UiColors::kPanel},
-      {ImGuiCol_PopupBg, UiColors::kPanel},
-      {ImGuiCol_Border, with_alpha(lighter, 0.09f)},
+      {ImGuiCol_PopupBg, UiColors::kPopup},
+      {ImGuiCol_MenuBarBg, UiColors::kBar},
+      {ImGuiCol_Tab, with_alpha(lighter, 0.04f)},
+      {ImGuiCol_TabHovered, with_alpha(lighter, 0.14f)},
+      {ImGuiCol_TabActive, with_alpha(lighter, 0.11f)},
+      {ImGuiCol_TabUnfocused, with_alpha(lighter, 0.04f)},
+      {ImGuiCol_TabUnfocusedActive, with_alpha(lighter, 0.11f)},
+      {ImGuiCol_ModalWindowDimBg, ImVec4(0, 0, 0, 0.35f)},
+      {ImGuiCol_Border, with_alpha(lighter, 0.12f)},
       {ImGuiCol_FrameBg, with_alpha(lighter, 0.07f)},
       {ImGuiCol_FrameBgHovered, with_alpha(lighter, 0.12f)},
       {ImGuiCol_FrameBgActive, with_alpha(lighter, 0.16f)},
@@ -94,7 +101,17 @@ ImVec4 color_of(vrml::Severity severity) {
   return UiColors::kNote;
 }
 
-void text(std::string_view text) { ImGui::TextUnformatted(text.data(), text.data() + text.size()); }
+void text(std::string_view text) {
+  const std::string drawn = shown(text);
+  ImGui::TextUnformatted(drawn.data(), drawn.data() + drawn.size());
+}
+
+std::string label_of(std::string_view text, std::string_view id) {
+  std::string label = shown(text);
+  // What would begin an identifier is parted.
+  for (std::size_t at = 0; (at = label.find("##", at)) != std::string::npos; ++at) label.insert(at + 1, " ");
+  return label.append("###").append(id);
+}
 
 void colored_text(const ImVec4& color, std::string_view string) {
   ImGui::PushStyleColor(ImGuiCol_Text, color);
@@ -105,7 +122,8 @@ void colored_text(const ImVec4& color, std::string_view string) {
 bool switch_button(const char* label, bool on, bool is_panel) {
   if (on) {
     const ImVec4& accent = UiColors::kAccent;
-    const ImVec4 color = is_panel ? ImVec4(1, 1, 1, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
+    const ImVec4 color =
+        is_panel ? with_alpha(UiColors::kContrast, 0.18f) : ImVec4(accent.x, accent.y, accent.z, 0.55f);
     ImGui::PushStyleColor(ImGuiCol_Button, color);
     ImGui::PushStyleColor(ImGuiCol_ButtonHovered, color);
   }

@@ -6,7 +6,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::array<float, kDockSides> kFirstSizes = {260, 340, 190};  // by DockSide
+constexpr std::array<float, kDockSides> kFirstSizes = {260, 376, 190};  // by DockSide
 
 }  // namespace
 

@@ -248,7 +248,7 @@ bool CloudPanel::curve(Transfer& transfer, const Range& values) {
     draw.AddRectFilled({corner.x - 4 * scale, corner.y - 2 * scale},
                        {corner.x + extent.x + 4 * scale, corner.y + extent.y + 2 * scale}, IM_COL32(14, 15, 18, 225),
                        3 * scale);
-    draw.AddText(corner, ImGui::GetColorU32(UiColors::kText), here.c_str());
+    draw.AddText(corner, ImGui::GetColorU32(UiColors::kOnPicture), here.c_str());
   }
   const ImVec2 ramp = ImGui::GetCursorScreenPos();
   draw_ramp(draw, {canvas.lower.x, ramp.y}, {canvas.upper.x, ramp.y + kRampHeight * scale}, transfer);

@@ -1,5 +1,7 @@
 #include "app/interface/panels/log_panel.h"
 
+#include "app/base/text.h"
+#include "app/interface/base/text_field.h"
 #include "app/session/documents.h"
 
 #include <imgui.h>
@@ -73,6 +75,11 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
   ImGui::Checkbox(counted(session_log.warnings(), "warning").c_str(), &show_warnings_);
   ImGui::SameLine(0, 16 * scale);
   ImGui::Checkbox("notes", &show_notes_);
+  const float button = ImGui::CalcTextSize("Copy").x + 2 * ImGui::GetStyle().FramePadding.x;
+  ImGui::SameLine(0, 16 * scale);
+  (void)text_field(
+      "##search", "Search", searched_,
+      std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
   std::vector<const vrml::Diagnostic*> rows;
   for (const SessionLog::File& file : session_log.files())
@@ -80,10 +87,11 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors_
                          : diagnostic.severity == vrml::Severity::warning ? show_warnings_
                                                                           : show_notes_;
-      if (shown) rows.push_back(&diagnostic);
+      if (shown &&
+          (searched_.empty() || lower_case(diagnostic.text()).find(lower_case(searched_)) != std::string::npos))
+        rows.push_back(&diagnostic);
     }
-  const float button = ImGui::CalcTextSize("Copy").x + 2 * ImGui::GetStyle().FramePadding.x;
-  ImGui::SameLine(std::max(ImGui::GetCursorPosX(), ImGui::GetWindowContentRegionMax().x - button));
+  ImGui::SameLine();
   ImGui::BeginDisabled(rows.empty());
   if (ImGui::Button("Copy")) {
     std::string all;

@@ -2,6 +2,7 @@
 
 #include "app/interface/panels/panel.h"
 
+#include <string>
 #include <vector>
 
 namespace gs::app {
@@ -13,6 +14,7 @@ class LogPanel final : public Panel {
 
  private:
   static void rows_of(const PanelFrame& frame, const std::vector<const vrml::Diagnostic*>& rows);
+  std::string searched_;
   bool show_errors_ = true, show_warnings_ = true, show_notes_ = true;
 };
 

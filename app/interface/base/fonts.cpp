@@ -1,0 +1,251 @@
+#include "app/interface/base/fonts.h"
+
+#include "render/text/font_catalogue.h"
+#include "render/text/utf8.h"
+#include "vrml/mesh/text_shaper.h"
+
+#include <fribidi/fribidi.h>
+#include <ft2build.h>
+#include FT_FREETYPE_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+constexpr char32_t kFirstPrivate = 0xE000, kLastPrivate = 0xF8FF, kLastOfPlane = 0xFFFF;
+constexpr std::size_t kLongestLine = 4096;  // characters that are put in another order
+
+// Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
+constexpr const char* kFonts[] = {
+    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+    "/usr/share/fonts/TTF/DejaVuSans.ttf",
+    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+    "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+    "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
+};
+// What of it is drawn at first: Latin, Greek, Cyrillic, and signs of texts.
+constexpr ImWchar kRanges[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x2044, 0x2190, 0x21FF, 0};
+
+bool is_drawn_at_first(char32_t character) {
+  for (const ImWchar* range = kRanges; range[0] != 0; range += 2)
+    if (character >= range[0] && character <= range[1]) return true;
+  return false;
+}
+
+bool is_written_from_the_right(char32_t c) {
+  return (c >= 0x0590 && c <= 0x08FF) || (c >= 0xFB1D && c <= 0xFDFF) || (c >= 0xFE70 && c <= 0xFEFF);
+}
+
+void append_utf8(std::string& text, char32_t c) {
+  if (c < 0x80) {
+    text += static_cast<char>(c);
+  } else if (c < 0x800) {
+    text += static_cast<char>(0xC0 | (c >> 6));
+    text += static_cast<char>(0x80 | (c & 0x3F));
+  } else {
+    text += static_cast<char>(0xE0 | (c >> 12));
+    text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
+    text += static_cast<char>(0x80 | (c & 0x3F));
+  }
+}
+
+// As it is seen from left to right (Unicode Standard Annex 9), Arabic letters joined.
+std::u32string in_order_of_sight(const std::u32string& text) {
+  if (text.size() > kLongestLine || std::none_of(text.begin(), text.end(), is_written_from_the_right)) return text;
+  static_assert(sizeof(FriBidiChar) == sizeof(char32_t));
+  std::vector<FriBidiChar> logical(text.begin(), text.end()), visual(text.size() + 1);
+  FriBidiParType direction = FRIBIDI_PAR_ON;
+  const auto length = static_cast<FriBidiStrIndex>(text.size());
+  if (fribidi_log2vis(logical.data(), length, &direction, visual.data(), nullptr, nullptr, nullptr) == 0) return text;
+  std::u32string result;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (visual[i] != FRIBIDI_CHAR_FILL) result += static_cast<char32_t>(visual[i]);
+  return result;
+}
+
+/// A glyph in shades of grey, as large as it is on the screen.
+struct GlyphPicture {
+  int width = 0, height = 0;
+  float left = 0, top = 0, advance = 0;  // of the pen, the latter two from the base line, upwards
+  std::vector<unsigned char> coverage;
+};
+
+}  // namespace
+
+struct InterfaceFonts::Glyphs {
+  ImGuiContext* context = nullptr;
+  float pixels = 0, built_pixels = 0;
+  std::set<char32_t> wanted;               // besides what is drawn at first
+  std::size_t built = 0;                   // of these
+  std::map<char32_t, char32_t> stand_ins;  // of characters beyond the first plane, in the private area
+  std::map<char32_t, char32_t> stand_for;  // the other way round
+  FT_Library library = nullptr;
+  std::vector<render::FontFile> files;  // best first; made when one is wanted first
+  std::vector<FT_Face> faces;           // of these; null: not opened yet, or no font
+  std::vector<bool> tried;
+
+  ~Glyphs() {
+    for (const FT_Face face : faces)
+      if (face) FT_Done_Face(face);
+    if (library) FT_Done_FreeType(library);
+  }
+
+  FT_Face face_with(char32_t character) {
+    if (!library) {
+      if (FT_Init_FreeType(&library) != 0) {
+        library = nullptr;
+        return nullptr;
+      }
+      vrml::FontRequest request;
+      request.families = {"SANS"};
+      files = render::FontCatalogue().find(request);
+      faces.assign(files.size(), nullptr);
+      tried.assign(files.size(), false);
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (!tried[i]) {
+        tried[i] = true;
+        if (FT_New_Face(library, files[i].path.c_str(), files[i].index, &faces[i]) != 0) faces[i] = nullptr;
+      }
+      if (faces[i] && FT_Get_Char_Index(faces[i], character) != 0) return faces[i];
+    }
+    return nullptr;
+  }
+
+  std::optional<GlyphPicture> picture_of(char32_t character) {
+    const FT_Face face = face_with(character);
+    if (!face || FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(std::lround(pixels))) != 0) return std::nullopt;
+    if (FT_Load_Char(face, character, FT_LOAD_RENDER) != 0) return std::nullopt;
+    const FT_GlyphSlot slot = face->glyph;
+    const FT_Bitmap& bitmap = slot->bitmap;
+    if (bitmap.pixel_mode != FT_PIXEL_MODE_GRAY) return std::nullopt;
+    GlyphPicture picture;
+    picture.width = static_cast<int>(bitmap.width);
+    picture.height = static_cast<int>(bitmap.rows);
+    picture.left = static_cast<float>(slot->bitmap_left);
+    picture.top = static_cast<float>(slot->bitmap_top);
+    picture.advance = static_cast<float>(slot->advance.x) / 64;
+    for (int y = 0; y < picture.height; ++y) {
+      const unsigned char* row = bitmap.buffer + static_cast<std::ptrdiff_t>(y) * bitmap.pitch;
+      picture.coverage.insert(picture.coverage.end(), row, row + picture.width);
+    }
+    return picture;
+  }
+};
+
+InterfaceFonts::InterfaceFonts() : glyphs_(std::make_unique<Glyphs>()) {
+  glyphs_->context = ImGui::GetCurrentContext();
+  ImGui::GetIO().UserData = this;
+}
+
+InterfaceFonts::~InterfaceFonts() {
+  if (ImGui::GetCurrentContext() == glyphs_->context && glyphs_->context && ImGui::GetIO().UserData == this)
+    ImGui::GetIO().UserData = nullptr;
+}
+
+InterfaceFonts* InterfaceFonts::current() {
+  return ImGui::GetCurrentContext() ? static_cast<InterfaceFonts*>(ImGui::GetIO().UserData) : nullptr;
+}
+
+void InterfaceFonts::set_size(float pixels) { glyphs_->pixels = std::clamp(std::round(pixels), 6.0f, 120.0f); }
+
+bool InterfaceFonts::stale() const {
+  return glyphs_->pixels != glyphs_->built_pixels || glyphs_->wanted.size() != glyphs_->built;
+}
+
+void InterfaceFonts::build() {
+  Glyphs& glyphs = *glyphs_;
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  atlas.Clear();
+  ImFontConfig config;
+  config.OversampleH = 2;
+  ImFont* font = nullptr;
+  for (const char* path : kFonts) {
+    std::error_code error;
+    if (!font && std::filesystem::is_regular_file(path, error))
+      font = atlas.AddFontFromFileTTF(path, glyphs.pixels, &config, kRanges);
+  }
+  if (!font) {
+    config.SizePixels = std::round(glyphs.pixels * 0.9f);
+    font = atlas.AddFontDefault(&config);
+  }
+  struct Placed {
+    int rectangle;
+    GlyphPicture picture;
+    char32_t character;
+  };
+  std::vector<Placed> placed;
+  for (const char32_t character : glyphs.wanted) {
+    const auto original = glyphs.stand_for.find(character);
+    auto picture = glyphs.picture_of(original == glyphs.stand_for.end() ? character : original->second);
+    if (!picture || picture->width > 1000 || picture->height > 1000) continue;
+    const int rectangle =
+        atlas.AddCustomRectFontGlyph(font, static_cast<ImWchar>(character), std::max(1, picture->width),
+                                     std::max(1, picture->height), picture->advance);
+    placed.push_back({rectangle, std::move(*picture), character});
+  }
+  atlas.Build();
+  const float base_line = std::round(font->Ascent);
+  unsigned char* pixels = nullptr;
+  int width = 0, height = 0;
+  atlas.GetTexDataAsAlpha8(&pixels, &width, &height);
+  for (const Placed& one : placed) {
+    const ImFontAtlasCustomRect* place = atlas.GetCustomRectByIndex(one.rectangle);
+    for (int y = 0; y < one.picture.height; ++y)
+      std::memcpy(pixels + static_cast<std::ptrdiff_t>(place->Y + y) * width + place->X,
+                  one.picture.coverage.data() + static_cast<std::ptrdiff_t>(y) * one.picture.width,
+                  static_cast<std::size_t>(one.picture.width));
+    // Where it stands is known only now that the first font's base line is.
+    auto* glyph = const_cast<ImFontGlyph*>(font->FindGlyphNoFallback(static_cast<ImWchar>(one.character)));
+    if (!glyph) continue;
+    const float top = base_line - one.picture.top;
+    glyph->X0 = one.picture.left;
+    glyph->X1 = glyph->X0 + static_cast<float>(std::max(1, one.picture.width));
+    glyph->Y0 = top;
+    glyph->Y1 = top + static_cast<float>(std::max(1, one.picture.height));
+    if (one.picture.width == 0) glyph->Visible = 0;
+  }
+  glyphs.built = glyphs.wanted.size();
+  glyphs.built_pixels = glyphs.pixels;
+}
+
+void InterfaceFonts::note(char32_t character) {
+  if (character < 0x20 || character > kLastOfPlane || is_drawn_at_first(character)) return;
+  if (glyphs_->wanted.size() < kMostGlyphs) glyphs_->wanted.insert(character);
+}
+
+std::string InterfaceFonts::shown(std::string_view utf8) {
+  const bool plain = std::all_of(utf8.begin(), utf8.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+  if (plain) return std::string(utf8);
+  std::string result;
+  for (char32_t character : in_order_of_sight(render::characters_of(utf8))) {
+    if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // nobody knows what it means
+    if (character > kLastOfPlane) {
+      const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
+      const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));
+      if (is_new) glyphs_->stand_for[place->second] = character;
+      character = place->second;
+    }
+    note(character);
+    append_utf8(result, character);
+  }
+  return result;
+}
+
+std::string shown(std::string_view utf8) {
+  InterfaceFonts* fonts = InterfaceFonts::current();
+  return fonts ? fonts->shown(utf8) : std::string(utf8);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,200 @@
+#include "app/interface/ui_state.h"
+#include "app/session/documents.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+// The menu bar: every action of the table, and what the user has opened and kept.
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMostShown = 15;
+
+// A part of the row of menus.
+void begin_row(const char* name, float left, float width, float height, const ImVec2& padding, bool menus) {
+  ImGui::SetNextWindowPos({left, 0});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, padding);
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, UiColors::kBar);
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoFocusOnAppearing |
+                   (menus ? ImGuiWindowFlags_MenuBar : ImGuiWindowFlags_None));
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(4);
+}
+
+}  // namespace
+
+float UiOverlay::State::menu_bar_height() const { return ImGui::GetFontSize() + 2 * std::round(6 * scale); }
+
+bool UiOverlay::State::is_on(Action action, const UiModel& model) const {
+  switch (action) {
+    case Action::headlight:
+      return model.headlight;
+    case Action::mute:
+      return model.has_sounds && !model.muted;
+    case Action::link:
+      return model.linked;
+    case Action::statistics:
+      return statistics;
+    case Action::bookmark:
+      return model.bookmark.has_value();
+    case Action::examine:
+    case Action::fly:
+    case Action::walk:
+    case Action::pan:
+    case Action::look_at:
+      return model.has_world &&
+             static_cast<int>(model.mode) == 1 + static_cast<int>(action) - static_cast<int>(Action::examine);
+    default:
+      return panel_of(action) && dock.dock().is_open(*panel_of(action));
+  }
+}
+
+bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
+  switch (action) {
+    case Action::back:
+      return model.can_go_back;
+    case Action::forward:
+      return model.can_go_forward;
+    case Action::next_file:
+    case Action::previous_file:
+      return model.files.size() > 1;
+    case Action::next_viewpoint:
+    case Action::previous_viewpoint:
+      return model.viewpoints.size() > 1;
+    case Action::bookmark:
+      return !model.address.empty();
+    case Action::fit:
+      return model.has_world && model.mode != NavigationMode::none;
+    case Action::mute:
+    case Action::louder:
+    case Action::softer:
+      return model.has_sounds;
+    default:
+      break;
+  }
+  const ActionRow& row = row_of(action);
+  const int mode = 1 + static_cast<int>(action) - static_cast<int>(Action::examine);
+  if (action >= Action::examine && action <= Action::look_at)
+    return model.has_world && model.rules.allows(static_cast<NavigationMode>(mode));
+  return !row.of_world || model.has_world;
+}
+
+void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiActions& actions) {
+  // A panel goes by the name on its tab.
+  const auto panel = panel_of(row.action);
+  const std::string_view words = panel ? panel_rows()[*panel].title : row.help;
+  const ImVec2 place = ImGui::GetCursorScreenPos();
+  const float line = ImGui::GetTextLineHeight();
+  if (ImGui::MenuItem(("      " + label_of(words, row.help)).c_str(), keys_of(row).c_str(), is_on(row.action, model),
+                      is_possible(row.action, model)))
+    actions.run = row.action;
+  if (const auto icon = icon_of(row.action))
+    draw_icon(*ImGui::GetWindowDrawList(), *icon, {place.x, place.y + std::round(line * 0.02f)}, line,
+              ImGui::GetColorU32(UiColors::kQuiet));
+}
+
+void UiOverlay::State::recent_menu(const UiModel& model, UiActions& actions) {
+  if (!ImGui::BeginMenu("      Open recent", !model.recent.empty())) return;
+  for (std::size_t i = 0; i < std::min(model.recent.size(), kMostShown); ++i)
+    if (ImGui::MenuItem(label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i)).c_str()))
+      actions.open = model.recent[i];
+  ImGui::EndMenu();
+}
+
+void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
+  if (!ImGui::BeginMenu("Bookmarks")) return;
+  menu_item(row_of(Action::bookmark), model, actions);
+  if (!model.bookmarks.empty()) ImGui::Separator();
+  for (std::size_t i = 0; i < model.bookmarks.size(); ++i) {
+    const Bookmark& one = model.bookmarks[i];
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::MenuItem(("      " + label_of(shortened(one.title, 80), "bookmark")).c_str())) actions.open_bookmark = i;
+    tooltip(without_home(one.place) + (one.viewpoint.empty() ? "" : "\n" + one.viewpoint) + "\nRight click: remove");
+    if (ImGui::BeginPopupContextItem("##remove")) {
+      if (ImGui::MenuItem("Remove the bookmark")) actions.remove_bookmark = i;
+      ImGui::EndPopup();
+    }
+    ImGui::PopID();
+  }
+  ImGui::EndMenu();
+}
+
+void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
+  for (std::size_t i = 0; i < kMenus; ++i) {
+    const auto menu = static_cast<Menu>(i);
+    if (menu == Menu::help) bookmark_menu(model, actions);
+    if (!ImGui::BeginMenu(std::string(title_of(menu)).c_str())) continue;
+    for (const bool panels : {false, true}) {
+      bool parted = !panels;
+      for (const ActionRow& row : app::actions()) {
+        if (row.menu != menu || panel_of(row.action).has_value() != panels) continue;
+        if (!std::exchange(parted, true)) ImGui::Separator();
+        if (row.action == Action::quit) {
+          recent_menu(model, actions);
+          ImGui::Separator();
+        }
+        menu_item(row, model, actions);
+      }
+    }
+    ImGui::EndMenu();
+  }
+}
+
+void UiOverlay::State::menu_bar(const UiModel& model, UiActions& actions) {
+  const float width = ImGui::GetIO().DisplaySize.x, height = menu_bar_height();
+  const ImVec2 frame(8 * scale, std::round(6 * scale));
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, frame);
+  begin_row("##menus", 0, menus_width > 0 ? std::min(menus_width, width) : width, height, {4 * scale, 0}, true);
+  if (ImGui::BeginMenuBar()) {
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {8 * scale, std::round(4 * scale)});
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {10 * scale, 6 * scale});
+    menus(model, actions);
+    menus_width = std::round(ImGui::GetCursorPosX());
+    ImGui::PopStyleVar(2);
+    ImGui::EndMenuBar();
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+  if (menus_width <= 0 || menus_width >= width) return;
+  begin_row("##travel", menus_width, width - menus_width, height, {2 * scale, std::round(3 * scale)}, false);
+  places_of_travel(model, actions);
+  ImGui::End();
+}
+
+// Back, forward, again, and where one is.
+void UiOverlay::State::places_of_travel(const UiModel& model, UiActions& actions) {
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {7 * scale, std::round(3 * scale)});
+  const auto button = [&](Action action, Icon icon) {
+    ImGui::BeginDisabled(!is_possible(action, model));
+    if (icon_button(row_of(action).help, icon, "")) actions.run = action;
+    ImGui::EndDisabled();
+    tooltip(tooltip_of(action));
+    ImGui::SameLine(0, 1);
+  };
+  button(Action::back, Icon::back);
+  button(Action::forward, Icon::forward);
+  if (model.loading)
+    button(Action::close, Icon::stop);
+  else
+    button(Action::reload, Icon::reload);
+  ImGui::SameLine(0, 6 * scale);
+  const float star = icon_button_width("") + 10 * scale;
+  const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - star;
+  if (room > 60 * scale) {
+    address_bar(model, actions, room);
+    ImGui::SameLine(0, 2 * scale);
+    button(Action::bookmark, model.bookmark ? Icon::bookmarked : Icon::bookmark);
+  }
+  ImGui::PopStyleVar();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,85 @@
+#include "app/settings/user_folders.h"
+
+#include "app/base/text.h"
+#include "net/files/file.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <system_error>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+constexpr char kName[] = "/ghostspace";
+
+// Relative paths are to be ignored (XDG Base Directory Specification).
+std::string folder_of(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value && value[0] == '/' ? std::string(value) : std::string();
+}
+
+std::string base_of(const char* variable, const char* below_home) {
+  if (std::string folder = folder_of(variable); !folder.empty()) return folder;
+  const std::string home = folder_of("HOME");
+  return home.empty() ? home : home + below_home;
+}
+
+}  // namespace
+
+UserFolders user_folders(const std::string& settings_file) {
+  UserFolders folders;
+  const std::string config = base_of("XDG_CONFIG_HOME", "/.config"), state = base_of("XDG_STATE_HOME", "/.local/state");
+  if (!config.empty()) {
+    folders.settings_file = config + kName + "/settings.conf";
+    folders.bookmarks_file = config + kName + "/bookmarks.json";
+  }
+  if (!state.empty()) folders.state = state + kName;
+  if (!settings_file.empty()) folders.settings_file = settings_file;
+  return folders;
+}
+
+std::string with_home(std::string_view path) {
+  if (path.empty() || path[0] != '~' || (path.size() > 1 && path[1] != '/')) return std::string(path);
+  const std::string home = folder_of("HOME");
+  return home.empty() ? std::string(path) : home + std::string(path.substr(1));
+}
+
+std::string without_home(std::string_view path) {
+  const std::string home = folder_of("HOME");
+  if (home.size() < 2 || !path.starts_with(home) || (path.size() > home.size() && path[home.size()] != '/'))
+    return std::string(path);
+  return "~" + std::string(path.substr(home.size()));
+}
+
+std::optional<std::string> read_user_file(const std::string& path, std::string& problem) {
+  std::error_code error;
+  if (path.empty() || !fs::exists(path, error)) return std::nullopt;
+  const auto opened = net::map_file(path);
+  if (const auto* failed = std::get_if<net::FileError>(&opened)) {
+    problem = failed->message;
+    return std::nullopt;
+  }
+  const auto bytes = std::get<net::MappedFile>(opened).bytes();
+  if (bytes.size() > kMostBytes) {
+    problem = path + ": it is longer than " + readable_size(kMostBytes);
+    return std::nullopt;
+  }
+  return std::string(text_of(bytes));
+}
+
+std::optional<std::string> write_user_file(const std::string& path, std::string_view text) {
+  std::error_code error;
+  const fs::path folder = fs::path(path).parent_path();
+  if (!folder.empty() && fs::create_directories(folder, error) && !error)
+    fs::permissions(folder, fs::perms::owner_all, error);
+  const auto failed = net::write_file_atomically(path, std::as_bytes(std::span<const char>(text)));
+  return failed ? std::optional(failed->message) : std::nullopt;
+}
+
+void keep_bad_file(const std::string& path, std::string_view text) { (void)write_user_file(path + ".bad", text); }
+
+}  // namespace gs::app

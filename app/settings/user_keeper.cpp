@@ -1,0 +1,143 @@
+#include "app/settings/user_keeper.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
+
+namespace gs::app {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr char kMemoryFile[] = "/memory.json", kLogFile[] = "/log", kSessionStart[] = "session-",
+               kSessionEnd[] = ".json";
+constexpr std::size_t kMostSessions = 16;  // that are looked at
+
+// The process that a session file is of.
+std::optional<pid_t> process_of(const std::string& name) {
+  if (!name.starts_with(kSessionStart) || !name.ends_with(kSessionEnd)) return std::nullopt;
+  const std::size_t first = sizeof kSessionStart - 1, end = name.size() - (sizeof kSessionEnd - 1);
+  if (end <= first) return std::nullopt;
+  pid_t process = 0;
+  const auto [stop, error] = std::from_chars(name.data() + first, name.data() + end, process);
+  return error == std::errc() && stop == name.data() + end && process > 0 ? std::optional(process) : std::nullopt;
+}
+
+bool is_running(pid_t process) { return ::kill(process, 0) == 0 || errno == EPERM; }
+
+}  // namespace
+
+UserMemory remembered(const UserFolders& folders) {
+  std::string problem;
+  const auto text = folders.state.empty() ? std::nullopt : read_user_file(folders.state + kMemoryFile, problem);
+  return text ? read_memory(*text).value_or(UserMemory{}) : UserMemory{};
+}
+
+UserKeeper::UserKeeper(UserFolders folders) : folders_(std::move(folders)) {
+  if (!folders_.state.empty()) {
+    session_file_ = folders_.state + "/" + kSessionStart + std::to_string(::getpid()) + kSessionEnd;
+    log_ = LogFile(folders_.state + kLogFile);
+  }
+  read();
+}
+
+UserKeeper::~UserKeeper() {
+  std::error_code error;
+  if (session_) fs::remove(session_file_, error);
+}
+
+void UserKeeper::read() {
+  const auto contents = [this](const std::string& path) {
+    std::string problem;
+    auto text = read_user_file(path, problem);
+    if (!problem.empty()) problems_.push_back(problem);
+    return text;
+  };
+  if (const auto text = contents(folders_.settings_file)) {
+    ReadSettings found = read_settings(*text);
+    settings_ = found.settings;
+    for (const std::string& problem : found.problems) problems_.push_back(folders_.settings_file + ":" + problem);
+    if (!found.problems.empty()) keep_bad_file(folders_.settings_file, *text);
+  }
+  const auto spoilt = [this](const std::string& path, const std::string& text) {
+    problems_.push_back(path + ": error: this is not what GhostSpace has written; kept as " + path + ".bad");
+    keep_bad_file(path, text);
+  };
+  if (const auto text = contents(folders_.bookmarks_file)) {
+    if (auto found = read_bookmarks(*text))
+      bookmarks_ = std::move(*found);
+    else
+      spoilt(folders_.bookmarks_file, *text);
+  }
+  if (folders_.state.empty()) return;
+  const std::string memory_file = folders_.state + kMemoryFile;
+  if (const auto text = contents(memory_file)) {
+    if (auto found = read_memory(*text))
+      memory_ = std::move(*found);
+    else
+      spoilt(memory_file, *text);
+  }
+}
+
+void UserKeeper::write(const std::string& path, const std::string& text) {
+  if (path.empty()) return;
+  if (auto problem = write_user_file(path, text)) {
+    // Once: it would be the same each time.
+    if (std::find(problems_.begin(), problems_.end(), *problem) == problems_.end())
+      problems_.push_back(std::move(*problem));
+  }
+}
+
+void UserKeeper::set(const UserSettings& settings) {
+  if (std::exchange(settings_, settings) != settings) write(folders_.settings_file, settings_text(settings_));
+}
+
+void UserKeeper::set(const UserMemory& memory) {
+  if (std::exchange(memory_, memory) != memory && !folders_.state.empty())
+    write(folders_.state + kMemoryFile, memory_text(memory_));
+}
+
+void UserKeeper::set(const std::vector<Bookmark>& bookmarks) {
+  if (std::exchange(bookmarks_, bookmarks) != bookmarks) write(folders_.bookmarks_file, bookmarks_text(bookmarks_));
+}
+
+void UserKeeper::note_session(const SessionMemory& session) {
+  if (session_file_.empty() || session_ == session) return;
+  session_ = session;
+  write(session_file_, session_text(session));
+}
+
+SessionMemory UserKeeper::take_lost_sessions() {
+  SessionMemory lost;
+  if (folders_.state.empty()) return lost;
+  std::error_code error;
+  std::vector<fs::path> files;
+  fs::directory_iterator entry(folders_.state, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const auto process = process_of(entry->path().filename().string());
+    if (process && !is_running(*process) && files.size() < kMostSessions) files.push_back(entry->path());
+  }
+  for (const fs::path& file : files) {
+    std::string problem;
+    const auto text = read_user_file(file.string(), problem);
+    const auto session = text ? read_session(*text) : std::nullopt;
+    if (session)
+      for (const std::string& one : session->files)
+        if (std::find(lost.files.begin(), lost.files.end(), one) == lost.files.end()) lost.files.push_back(one);
+    fs::remove(file, error);
+  }
+  return lost;
+}
+
+std::vector<std::string> UserKeeper::take_problems() { return std::exchange(problems_, {}); }
+
+void UserKeeper::log(std::string_view line) {
+  if (settings_.writes_log) log_.add(line);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,134 @@
+#include "app/settings/user_memory.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostText = 8192, kMostBookmarks = 1000, kMostSessionFiles = 100, kMostPanels = 100;
+constexpr int kMostPixels = 32768;
+constexpr std::size_t kCameraNumbers = 7;
+
+std::string printed(const json& value) { return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n"; }
+
+json parsed(std::string_view text) { return json::parse(text.begin(), text.end(), nullptr, false); }
+
+const json& member(const json& object, const char* name) {
+  static const json kNothing;
+  const auto found = object.is_object() ? object.find(name) : object.end();
+  return object.is_object() && found != object.end() ? *found : kNothing;
+}
+
+std::string string_in(const json& object, const char* name) {
+  const json& value = member(object, name);
+  if (!value.is_string()) return {};
+  std::string text = value.get<std::string>();
+  // Nothing that is kept here has lines or ends inside.
+  return text.size() > kMostText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
+                                                                                                      : text;
+}
+
+bool flag_in(const json& object, const char* name) {
+  const json& value = member(object, name);
+  return value.is_boolean() && value.get<bool>();
+}
+
+double number_in_json(const json& value, double least, double most) {
+  if (!value.is_number()) return 0;
+  const double number = value.get<double>();
+  return std::isfinite(number) && number >= least && number <= most ? number : 0;
+}
+
+std::vector<std::string> strings_in(const json& list, std::size_t most) {
+  std::vector<std::string> result;
+  if (!list.is_array()) return result;
+  for (const json& one : list) {
+    const std::string text = string_in(json{{"text", one}}, "text");
+    if (result.size() < most && !text.empty() && std::find(result.begin(), result.end(), text) == result.end())
+      result.push_back(text);
+  }
+  return result;
+}
+
+}  // namespace
+
+void note_recent(UserMemory& memory, const std::string& place) {
+  if (place.empty() || place.size() > kMostText) return;
+  std::erase(memory.recent, place);
+  memory.recent.insert(memory.recent.begin(), place);
+  if (memory.recent.size() > UserMemory::kMostRecent) memory.recent.resize(UserMemory::kMostRecent);
+}
+
+std::string memory_text(const UserMemory& memory) {
+  json panels = json::array();
+  for (const PanelMemory& one : memory.panels)
+    panels.push_back({{"panel", one.panel}, {"side", one.side}, {"open", one.open}, {"front", one.front}});
+  return printed({{"recent", memory.recent},
+                  {"window", {{"width", memory.width}, {"height", memory.height}, {"maximized", memory.maximized}}},
+                  {"areas", memory.areas},
+                  {"panels", panels}});
+}
+
+std::optional<UserMemory> read_memory(std::string_view text) {
+  const json whole = parsed(text);
+  if (!whole.is_object()) return std::nullopt;
+  UserMemory memory;
+  memory.recent = strings_in(member(whole, "recent"), UserMemory::kMostRecent);
+  const json& window = member(whole, "window");
+  memory.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
+  memory.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
+  memory.maximized = flag_in(window, "maximized");
+  if (const json& areas = member(whole, "areas"); areas.is_array())
+    for (std::size_t i = 0; i < std::min(areas.size(), memory.areas.size()); ++i)
+      memory.areas[i] = number_in_json(areas[i], 1, kMostPixels);
+  if (const json& panels = member(whole, "panels"); panels.is_array())
+    for (const json& one : panels) {
+      PanelMemory panel{string_in(one, "panel"), string_in(one, "side"), flag_in(one, "open"), flag_in(one, "front")};
+      if (!panel.panel.empty() && memory.panels.size() < kMostPanels) memory.panels.push_back(std::move(panel));
+    }
+  return memory;
+}
+
+std::string bookmarks_text(const std::vector<Bookmark>& bookmarks) {
+  json list = json::array();
+  for (const Bookmark& one : bookmarks) {
+    json entry = {{"title", one.title}, {"place", one.place}};
+    if (!one.viewpoint.empty()) entry["viewpoint"] = one.viewpoint;
+    if (!one.camera.empty()) entry["camera"] = one.camera;
+    list.push_back(std::move(entry));
+  }
+  return printed({{"bookmarks", list}});
+}
+
+std::optional<std::vector<Bookmark>> read_bookmarks(std::string_view text) {
+  const json whole = parsed(text);
+  const json& list = member(whole, "bookmarks");
+  if (!list.is_array()) return std::nullopt;
+  std::vector<Bookmark> bookmarks;
+  for (const json& one : list) {
+    Bookmark bookmark{string_in(one, "place"), string_in(one, "viewpoint"), string_in(one, "title"), {}};
+    if (bookmark.place.empty() || bookmarks.size() >= kMostBookmarks) continue;
+    if (bookmark.title.empty()) bookmark.title = bookmark.place;
+    const json& camera = member(one, "camera");
+    if (camera.is_array() && camera.size() == kCameraNumbers &&
+        std::all_of(camera.begin(), camera.end(), [](const json& number) { return number.is_number(); }))
+      for (const json& number : camera) bookmark.camera.push_back(number.get<double>());
+    bookmarks.push_back(std::move(bookmark));
+  }
+  return bookmarks;
+}
+
+std::string session_text(const SessionMemory& session) { return printed({{"files", session.files}}); }
+
+std::optional<SessionMemory> read_session(std::string_view text) {
+  const json whole = parsed(text);
+  if (!whole.is_object()) return std::nullopt;
+  return SessionMemory{strings_in(member(whole, "files"), kMostSessionFiles)};
+}
+
+}  // namespace gs::app

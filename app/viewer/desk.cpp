@@ -1,0 +1,378 @@
+#include "app/viewer/desk.h"
+
+#include "app/base/console.h"
+#include "app/base/text.h"
+#include "app/viewer/hand_over.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr double kTextStep = 0.1;
+constexpr double kSameCamera = 1e-4;  // of the numbers of a bookmark's camera
+
+// Of a window: what the author calls the world, and where it is from.
+std::string title_of(const std::string& title, const std::string& file) {
+  constexpr std::size_t kMost = 100;  // bytes
+  if (title.empty() || title == file) return file;
+  return shortened(title, kMost) + " (" + file + ")";
+}
+
+std::vector<double> camera_numbers(const Pose& pose) {
+  const auto number = [](float value) { return static_cast<double>(value); };
+  return {pose.position.x,
+          pose.position.y,
+          pose.position.z,
+          number(pose.orientation.x),
+          number(pose.orientation.y),
+          number(pose.orientation.z),
+          number(pose.orientation.w)};
+}
+
+bool are_alike(const std::vector<double>& one, const std::vector<double>& other) {
+  return std::equal(one.begin(), one.end(), other.begin(), other.end(),
+                    [](double a, double b) { return std::abs(a - b) <= kSameCamera * (1 + std::abs(a)); });
+}
+
+// With the field of view of who looks now.
+std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose& before) {
+  constexpr std::size_t kNumbers = 7;
+  if (camera.size() != kNumbers) return std::nullopt;
+  for (const double number : camera)
+    if (!std::isfinite(number) || std::abs(number) > kFarthest) return std::nullopt;
+  Pose pose = before;
+  pose.position = {camera[0], camera[1], camera[2]};
+  const glm::dquat orientation(camera[6], camera[3], camera[4], camera[5]);
+  const double length = glm::length(orientation);
+  if (!(length > 1e-6)) return std::nullopt;
+  pose.orientation = glm::quat(orientation / length);
+  return pose;
+}
+
+SessionOptions with_settings(SessionOptions options, const UserSettings& settings) {
+  options.muted = options.muted || !settings.sound;
+  options.speed = settings.speed;
+  return options;
+}
+
+}  // namespace
+
+Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
+           const std::function<void()>& wake)
+    : keeper_(options.folders),
+      window_(window),
+      not_kept_(options.not_kept),
+      ui_(std::move(backend), options.scale, keeper_.settings()),
+      session_(with_settings(options.session, keeper_.settings()), std::move(load), wake),
+      dialog_(wake, options.dialogs) {
+  const UserMemory& memory = keeper_.memory();
+  ui_.arrange(memory.panels, memory.areas);
+  lost_ = keeper_.take_lost_sessions();
+  if (!keeper_.settings().offers_to_restore) lost_ = {};
+}
+
+Desk::~Desk() {
+  UserMemory memory = keeper_.memory();
+  memory.panels = ui_.panels();
+  memory.areas = ui_.areas();
+  keeper_.set(memory);
+}
+
+void Desk::note_window(int width, int height) {
+  UserMemory memory = keeper_.memory();
+  memory.width = width;
+  memory.height = height;
+  keeper_.set(memory);
+}
+
+std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& events) {
+  std::vector<SessionInput::Event> result;
+  for (const WindowEvent& event : events) {
+    if (event.kind == WindowEvent::Kind::key_down) {
+      const ActionRow* row = action_of(event);
+      const bool typed = ui_.wants_keys();
+      if (row && !(row->of_world && typed) && run(row->action)) continue;
+      if (typed && !(row && !row->of_world)) continue;
+    }
+    result.push_back({event, ui_.wants_pointer()});
+  }
+  return result;
+}
+
+// True where it is the interface's, the user's or the window's alone.
+bool Desk::run(Action action) {
+  UserSettings settings = keeper_.settings();
+  switch (action) {
+    case Action::open_file:
+      if (!settings.system_dialog || !dialog_.show()) ui_.show_open_dialog();
+      return true;
+    case Action::full_screen:
+      window_.toggle_full_screen();
+      return true;
+    case Action::quit:
+      window_.close();
+      return true;
+    case Action::larger_text:
+      settings.text_size += kTextStep;
+      break;
+    case Action::smaller_text:
+      settings.text_size -= kTextStep;
+      break;
+    case Action::normal_text:
+      settings.text_size = 1;
+      break;
+    case Action::theme:
+      settings.theme = settings.theme == Theme::dark ? Theme::light : Theme::dark;
+      break;
+    case Action::bookmark:
+      toggle_bookmark();
+      return true;
+    default:
+      return ui_.run(action);
+  }
+  const SettingRow& row = *find_setting("text-size");
+  settings.text_size = std::clamp(std::round(settings.text_size * 10) / 10, row.least, row.most);
+  change(settings);
+  return true;
+}
+
+void Desk::change(const UserSettings& settings) {
+  if (settings.speed != keeper_.settings().speed) session_.set_speed(settings.speed);
+  keeper_.set(settings);
+}
+
+void Desk::apply(const UiActions& actions) {
+  if (actions.settings) change(*actions.settings);
+  if (actions.open) {
+    opening_ = given_place(*actions.open).target;
+    session_.open_files({*actions.open});
+  }
+  if (actions.open_bookmark) open_bookmark(*actions.open_bookmark);
+  if (actions.remove_bookmark && *actions.remove_bookmark < keeper_.bookmarks().size()) {
+    std::vector<Bookmark> kept = keeper_.bookmarks();
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*actions.remove_bookmark));
+    keeper_.set(kept);
+  }
+  if (actions.restore) {
+    if (*actions.restore) session_.open_files(lost_.files);
+    lost_ = {};
+  }
+  if (actions.file) session_.select_file(*actions.file);
+  if (actions.layout) session_.choose_layout(*actions.layout);
+  if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);
+  if (actions.allow_folder) session_.answer_question(*actions.allow_folder);
+  if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
+  View* seen = session_.view();
+  if (!seen) return;
+  if (actions.viewpoint) {
+    const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
+    if (*actions.viewpoint < listed.size()) session_.bind_viewpoint(listed[*actions.viewpoint]);
+  }
+  if (actions.mode) session_.choose_mode(*actions.mode);
+  if (actions.look) seen->look = *actions.look;
+}
+
+// Bookmarks ---------------------------------------------------------------------------------------
+
+// Of what the active viewport shows: its Viewpoint, and where the viewer stands if he has moved from there.
+std::optional<Bookmark> Desk::bookmark_of_view() {
+  const Pane& pane = session_.panes().at(session_.panes().active());
+  const View* seen = pane.view();
+  if (!seen || pane.shown.empty()) return std::nullopt;
+  Bookmark bookmark;
+  bookmark.place = absolute_place(pane.shown);
+  const auto& viewpoints = seen->list->viewpoints;
+  if (seen->viewpoint && *seen->viewpoint < viewpoints.size())
+    bookmark.viewpoint = viewpoint_label(viewpoints[*seen->viewpoint], *seen->viewpoint);
+  if (!at_home(*seen)) bookmark.camera = camera_numbers(seen->navigation.pose);
+  const std::string file = file_label(pane.shown);
+  bookmark.title = title_of(seen->document->world.title, file);
+  if (!bookmark.viewpoint.empty()) bookmark.title += ": " + shortened(bookmark.viewpoint, 80);
+  return bookmark;
+}
+
+std::optional<std::size_t> Desk::find_bookmark() {
+  const auto here = bookmark_of_view();
+  if (!here) return std::nullopt;
+  const std::vector<Bookmark>& all = keeper_.bookmarks();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].place == here->place && all[i].viewpoint == here->viewpoint && are_alike(all[i].camera, here->camera))
+      return i;
+  return std::nullopt;
+}
+
+void Desk::toggle_bookmark() {
+  std::vector<Bookmark> kept = keeper_.bookmarks();
+  if (const auto present = find_bookmark()) {
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*present));
+    ui_.show_notice("Bookmark removed", false);
+  } else if (auto bookmark = bookmark_of_view()) {
+    ui_.show_notice("Bookmarked: " + bookmark->title, false);
+    kept.push_back(std::move(*bookmark));
+  }
+  keeper_.set(kept);
+}
+
+void Desk::open_bookmark(std::size_t index) {
+  if (index >= keeper_.bookmarks().size()) return;
+  const Bookmark bookmark = keeper_.bookmarks()[index];
+  const View* seen = session_.view();
+  // A file that is open already may have been given in other words.
+  std::string place = bookmark.place;
+  for (const DocumentList::Entry& entry : session_.panes().documents().entries())
+    if (absolute_place(entry.path) == place) place = entry.path;
+  session_.open_at(place, bookmark.viewpoint, pose_of_camera(bookmark.camera, seen ? seen->navigation.pose : Pose{}));
+}
+
+// What is told ------------------------------------------------------------------------------------
+
+bool Desk::tell(const Frame& frame) {
+  bool any = false;
+  for (const std::string& line : keeper_.take_problems()) {
+    complain("ghostspace: %s", line.c_str());
+    keeper_.log(line);
+    ui_.show_notice(line, true);
+    any = true;
+  }
+  if (frame.files_chosen) ui_.clear_notices();
+  const auto chosen = [this](const std::string& path) { return path == opening_; };
+  if (std::any_of(frame.arrived.begin(), frame.arrived.end(), chosen)) ui_.open_ended({});
+  for (const Frame::Failure& failure : frame.failed)
+    if (chosen(failure.path)) ui_.open_ended(failure.reason);
+  for (const std::string& line : session_.log().take_untold()) {
+    complain("%s", line.c_str());
+    keeper_.log(line);
+  }
+  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem);
+  for (const std::string& page : frame.web_pages) {
+    const bool opened = open_in_browser(page);
+    ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);
+  }
+  if (frame.show_log) ui_.show_log();
+  if (!frame.arrived.empty()) remember(frame.arrived);
+  if (frame.news || frame.files_chosen) note_session();
+  return any || !frame.notices.empty() || !frame.web_pages.empty() || frame.show_log;
+}
+
+void Desk::remember(const std::vector<std::string>& arrived) {
+  UserMemory memory = keeper_.memory();
+  for (const std::string& path : arrived)
+    if (const std::string place = absolute_place(path);
+        path != not_kept_ && (memory.recent.empty() || memory.recent.front() != place))
+      note_recent(memory, place);
+  keeper_.set(memory);
+}
+
+void Desk::note_session() {
+  SessionMemory session;
+  for (const DocumentList::Entry& entry : session_.panes().documents().entries())
+    if (entry.path != not_kept_) session.files.push_back(absolute_place(entry.path));
+  keeper_.note_session(session);
+}
+
+bool Desk::take_chosen_files() {
+  const auto answer = dialog_.take();
+  if (!answer) return false;
+  if (answer->failed) ui_.show_open_dialog();
+  if (!answer->files.empty()) session_.open_files(answer->files);
+  return true;
+}
+
+std::string Desk::title() {
+  const View* seen = session_.view();
+  if (!seen) return "GhostSpace";
+  const OpenedWorld& world = seen->document->world;
+  return title_of(world.title, file_label(world.path)) + " - GhostSpace";
+}
+
+// What is shown -----------------------------------------------------------------------------------
+
+// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
+std::string Desk::progress_of(const std::string& path) const {
+  std::string text = file_label(path);
+  for (const LoadingState& state : session_.progress_of(path)) {
+    if (state.received == 0) continue;
+    text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
+    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
+  }
+  return text;
+}
+
+void Desk::describe_viewports(UiModel& model, const Frame& frame) const {
+  const Panes& panes = session_.panes();
+  for (const Frame::Picture& picture : frame.pictures) {
+    const Pane& pane = panes.at(picture.pane);
+    UiViewport viewport;
+    viewport.place = picture.place;
+    if (pane.view()) viewport.label = file_label(pane.shown);
+    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
+    viewport.active = picture.pane == panes.active();
+    model.viewports.push_back(std::move(viewport));
+  }
+  model.layout = panes.layout();
+  model.linked = session_.linked();
+}
+
+UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
+  UiModel model;
+  const Panes& panes = session_.panes();
+  for (const DocumentList::Entry& entry : panes.documents().entries()) {
+    model.files.push_back(file_label(entry.path));
+    model.paths.push_back(entry.path);
+  }
+  model.file = panes.selected();
+  describe_viewports(model, frame);
+  if (const FolderQuestions::Question* question = session_.question())
+    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
+  const Pane& pane = panes.at(panes.active());
+  describe_user(model, pane);
+  model.statistics = pane.statistics;
+  model.frame_ms = measures.frame_ms;
+  model.frames_a_second = measures.frames_a_second;
+  model.gl_renderer = measures.gl_renderer;
+  model.log = &session_.log();
+  model.travel_anchor = pane.input.travel_anchor();
+  model.pointer = pane.input.pointer();
+  const View* seen = pane.view();
+  if (!seen) return model;
+  model.has_world = true;
+  const auto& viewpoints = seen->list->viewpoints;
+  for (const std::size_t index : listed_viewpoints(viewpoints)) {
+    if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
+    model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
+  }
+  const Session::Pointed pointed = session_.pointed();
+  model.over_sensor = pointed.sensor;
+  model.link = pointed.description;
+  model.mode = seen->navigation.mode;
+  model.rules = seen->rules;
+  model.speed = seen->navigation.speed;
+  model.headlight = seen->headlight;
+  model.has_sounds = !seen->list->sounds.empty();
+  model.muted = session_.sounds().muted();
+  model.look = seen->look;
+  model.has_surface_clouds = seen->document->has_surface_clouds;
+  model.has_volumes = seen->document->has_volumes;
+  model.bounds = seen->list->bounds;
+  model.looking = seen->navigation.pose.forward();
+  for (const render::SplatItem& item : seen->list->splats)
+    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
+  return model;
+}
+
+void Desk::describe_user(UiModel& model, const Pane& pane) {
+  model.settings = keeper_.settings();
+  model.recent = keeper_.memory().recent;
+  model.bookmarks = keeper_.bookmarks();
+  model.to_restore = lost_.files.size();
+  model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
+  model.bookmark = find_bookmark();
+  model.can_go_back = session_.can_travel(-1);
+  model.can_go_forward = session_.can_travel(1);
+  model.loading = session_.panes().loading(session_.panes().active());
+}
+
+}  // namespace gs::app

@@ -1,0 +1,137 @@
+#include "app/viewer/file_dialog.h"
+
+#include "net/base/descriptor.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMostOutput = std::size_t{1} << 20;
+constexpr int kChosenNone = 1;  // exit status of all of them when the user cancels
+
+bool has_desktop() {
+  for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
+    if (const char* value = std::getenv(variable); value && *value) return true;
+  return false;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    if (end > at) lines.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::span<const DialogProgram> dialog_programs() {
+  static const std::vector<DialogProgram> kPrograms = {
+      {"zenity", {"--file-selection", "--multiple", "--separator=\n", "--title=Open"}},
+      {"kdialog", {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "."}},
+      {"qarma", {"--file-selection", "--multiple", "--separator=\n", "--title=Open"}},
+  };
+  return kPrograms;
+}
+
+struct FileDialog::Running {
+  pid_t child = 0;
+  net::Descriptor output;
+  std::mutex mutex;
+  std::optional<Answer> answer;  // guarded
+  std::thread reader;            // behind what it uses
+};
+
+FileDialog::FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs)
+    : wake_(std::move(wake)), programs_(programs) {}
+
+FileDialog::~FileDialog() {
+  if (!running_) return;
+  {
+    const std::lock_guard lock(running_->mutex);
+    if (!running_->answer) (void)::kill(running_->child, SIGKILL);
+  }
+  running_->reader.join();
+}
+
+bool FileDialog::show() {
+  if (running_) return true;
+  if (!has_desktop()) return false;
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0) return false;
+  auto running = std::make_unique<Running>();
+  running->output = net::Descriptor(ends[0]);
+  const net::Descriptor input(ends[1]);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input.get(), STDOUT_FILENO);
+  bool started = false;
+  for (const DialogProgram& program : programs_) {
+    std::vector<char*> words{const_cast<char*>(program.name.c_str())};
+    for (const std::string& argument : program.arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    words.push_back(nullptr);
+    started = ::posix_spawnp(&running->child, program.name.c_str(), &actions, nullptr, words.data(), environ) == 0;
+    if (started) break;
+  }
+  posix_spawn_file_actions_destroy(&actions);
+  if (!started) return false;
+  running_ = std::move(running);
+  // `input` closes with this scope, so that the child's end is the only one.
+  running_->reader = std::thread([run = running_.get(), wake = wake_] {
+    std::string text;
+    char buffer[4096];
+    for (;;) {
+      const ssize_t count = ::read(run->output.get(), buffer, sizeof buffer);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
+      if (text.size() < kMostOutput) text.append(buffer, static_cast<std::size_t>(count));
+    }
+    siginfo_t about{};
+    while (::waitid(P_PID, static_cast<id_t>(run->child), &about, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
+    }
+    Answer answer;
+    {
+      // Whoever kills the child does so before it is reaped: its number may be another's afterwards.
+      const std::lock_guard lock(run->mutex);
+      int status = 0;
+      (void)::waitpid(run->child, &status, 0);
+      const bool exited = WIFEXITED(status);
+      if (exited && WEXITSTATUS(status) == 0) answer.files = lines_of(text);
+      answer.failed = !exited || WEXITSTATUS(status) > kChosenNone;
+      run->answer = answer;
+    }
+    wake();
+  });
+  return true;
+}
+
+std::optional<FileDialog::Answer> FileDialog::take() {
+  if (!running_) return std::nullopt;
+  std::optional<Answer> answer;
+  {
+    const std::lock_guard lock(running_->mutex);
+    answer = std::move(running_->answer);
+    if (!answer) return std::nullopt;
+  }
+  running_->reader.join();
+  running_.reset();
+  return answer;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,303 @@
+#pragma once
+
+#include "app/viewer/desk.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <imgui.h>
+#include <glm/vec2.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+/// A user at the interface, without a window: he sees the words on the screen, points at them, and types. What he sees
+/// is read from what would be drawn, so that a word that is covered by nothing but in no list is not there for him.
+namespace gs::app::driver {
+
+/// Codes of keys, as GLFW numbers them.
+inline int code_of(Key key) {
+  static const std::map<Key, int> kCodes = {
+      {Key::escape, 256}, {Key::enter, 257},     {Key::tab, 258},     {Key::right, 262}, {Key::left, 263},
+      {Key::down, 264},   {Key::up, 265},        {Key::page_up, 266}, {Key::home, 268},  {Key::end, 269},
+      {Key::f1, 290},     {Key::f2, 291},        {Key::f3, 292},      {Key::f4, 293},    {Key::f5, 294},
+      {Key::f6, 295},     {Key::page_down, 267}, {Key::control, 341}, {Key::shift, 340}, {Key::alt, 342},
+      {Key::plus, 61},    {Key::minus, 45},      {Key::f11, 300},
+  };
+  const auto found = kCodes.find(key);
+  return found == kCodes.end() ? static_cast<int>(key) : found->second;
+}
+
+/// No window: a size, and frames of 1/60 s.
+class NoWindow final : public InterfaceBackend {
+ public:
+  explicit NoWindow(const glm::vec2& size) : size_(size) {}
+  void begin() override {
+    ImGuiIO& io = ImGui::GetIO();
+    const std::pair<ImGuiKey, int> keys[] = {
+        {ImGuiKey_Tab, 258},       {ImGuiKey_LeftArrow, 263}, {ImGuiKey_RightArrow, 262}, {ImGuiKey_UpArrow, 265},
+        {ImGuiKey_DownArrow, 264}, {ImGuiKey_Enter, 257},     {ImGuiKey_Escape, 256},     {ImGuiKey_Backspace, 259},
+        {ImGuiKey_Delete, 261},    {ImGuiKey_Home, 268},      {ImGuiKey_End, 269},        {ImGuiKey_A, 'A'},
+        {ImGuiKey_C, 'C'},         {ImGuiKey_V, 'V'},         {ImGuiKey_X, 'X'}};
+    for (const auto& [name, code] : keys) io.KeyMap[name] = code;
+  }
+  void begin_frame() override {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {size_.x, size_.y};
+    io.DeltaTime = 1 / 60.0f;
+  }
+  void fonts_changed() override {}
+  void draw() override {}
+
+ private:
+  glm::vec2 size_;
+};
+
+/// A character on the screen.
+struct SeenCharacter {
+  ImWchar character;
+  float left, right, top, bottom;
+};
+
+/// The characters that a frame would draw, in the order in which it draws them.
+inline std::vector<SeenCharacter> seen_characters() {
+  std::vector<SeenCharacter> seen;
+  const ImDrawData* data = ImGui::GetDrawData();
+  if (!data) return seen;
+  const auto number = [](float place) {
+    return static_cast<std::int64_t>(std::llround(static_cast<double>(place) * 65536));
+  };
+  using Corner = std::tuple<std::int64_t, std::int64_t, std::int64_t, std::int64_t>;
+  std::map<Corner, ImWchar> glyphs;
+  for (const ImFontGlyph& glyph : ImGui::GetFont()->Glyphs)
+    if (glyph.Visible)
+      glyphs.try_emplace({number(glyph.U0), number(glyph.V0), number(glyph.U1), number(glyph.V1)},
+                         static_cast<ImWchar>(glyph.Codepoint));
+  for (int i = 0; i < data->CmdListsCount; ++i) {
+    const ImDrawList& list = *data->CmdLists[i];
+    for (const ImDrawCmd& command : list.CmdBuffer) {
+      if (command.UserCallback) continue;
+      // A glyph is two triangles on four vertices, which follow each other.
+      for (unsigned at = 0; at + 6 <= command.ElemCount;) {
+        const ImDrawIdx* index = &list.IdxBuffer[static_cast<int>(command.IdxOffset + at)];
+        const auto first = static_cast<int>(index[0] + command.VtxOffset);
+        const bool quad = index[1] == index[0] + 1 && index[2] == index[0] + 2 && index[3] == index[0] &&
+                          index[4] == index[0] + 2 && index[5] == index[0] + 3;
+        if (!quad) {
+          at += 3;
+          continue;
+        }
+        const ImDrawVert &a = list.VtxBuffer[first], &c = list.VtxBuffer[first + 2];
+        const auto found = glyphs.find({number(a.uv.x), number(a.uv.y), number(c.uv.x), number(c.uv.y)});
+        const ImVec4& clip = command.ClipRect;
+        const float x = (a.pos.x + c.pos.x) / 2, y = (a.pos.y + c.pos.y) / 2;
+        if (found != glyphs.end() && x >= clip.x && x < clip.z && y >= clip.y && y < clip.w)
+          seen.push_back({found->second, a.pos.x, c.pos.x, a.pos.y, c.pos.y});
+        at += 6;
+      }
+    }
+  }
+  return seen;
+}
+
+class Driver final : public DeskWindow {
+ public:
+  explicit Driver(DeskOptions options = {}, const glm::ivec2& size = {1000, 700}, LoadOptions load = {})
+      : size_(size), desk_(std::move(options), std::move(load), std::make_unique<NoWindow>(size), *this, [] {}) {
+    settle();
+  }
+
+  Desk& desk() { return desk_; }
+  Session& session() { return desk_.session(); }
+  const Frame& frame() const { return frame_; }
+  /// What was asked for in the frames since this was called last; the newest of each kind.
+  const UiActions& actions() const { return actions_; }
+  bool closed() const { return closed_; }
+  int full_screens() const { return full_screens_; }
+  Viewport picture() { return desk_.ui().picture_area(size_); }
+  /// The model is changed by this before it is shown, for what no session of a test has.
+  void set_model(std::function<void(UiModel&)> change) { change_model_ = std::move(change); }
+
+  /// A world that lives, in the active viewport.
+  void show_world(const std::string& body, const std::string& path = "test.wrl") {
+    OpenedWorld world = world_of(body);
+    world.path = path;
+    auto document = hold_world(std::move(world));
+    begin_world(*document, time_);
+    session().show(std::move(document));
+    settle();
+  }
+
+  /// One round of the window's loop.
+  void step(std::vector<WindowEvent> events = {}) {
+    for (WindowEvent& event : events) {
+      event.time = time_;
+      if (event.kind != WindowEvent::Kind::character) event.pointer = pointer_;
+    }
+    time_ += 1 / 60.0;
+    SessionInput input;
+    input.area = picture();
+    desk_.ui().begin_frame(time_, events);
+    input.events = desk_.take(events);
+    (void)desk_.take_chosen_files();
+    frame_ = session().step(time_, input);
+    (void)desk_.tell(frame_);
+    UiModel model = desk_.model(frame_, {});
+    if (change_model_) change_model_(model);
+    const UiActions actions = desk_.ui().build(model);
+    desk_.ui().draw();
+    desk_.apply(actions);
+    if (actions.run) actions_.run = actions.run;
+    if (actions.open) actions_.open = actions.open;
+    if (actions.file) actions_.file = actions.file;
+    if (actions.viewpoint) actions_.viewpoint = actions.viewpoint;
+    if (actions.mode) actions_.mode = actions.mode;
+    if (actions.look) actions_.look = actions.look;
+  }
+  /// Until the interface rests.
+  void settle() {
+    for (int i = 0; i < 4 || desk_.ui().has_input_left(); ++i) step();
+  }
+  /// Lets so much time go by.
+  void wait(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 60); ++i) step();
+  }
+
+  /// All words on the screen, in the order in which they are drawn; those of a line are parted by blanks.
+  std::string screen() const {
+    std::string text;
+    for (const auto& [word, place] : words()) text += (text.empty() ? "" : " ") + word;
+    return text;
+  }
+  /// Where a text is on the screen, of what is in front the first: its middle.
+  std::optional<glm::vec2> find(std::string_view text) const {
+    const std::string wanted = without_blanks(text);
+    const std::vector<SeenCharacter> seen = seen_characters();
+    std::string all;
+    for (const SeenCharacter& one : seen) all += one.character < 0x80 ? static_cast<char>(one.character) : '?';
+    std::optional<glm::vec2> result;
+    for (std::size_t at = all.find(wanted); at != std::string::npos; at = all.find(wanted, at + 1)) {
+      const SeenCharacter &first = seen[at], &last = seen[at + wanted.size() - 1];
+      if (std::abs(first.top - last.top) > last.bottom - last.top + 8) continue;  // on two lines
+      // The last that is drawn is in front: lists and menus lie over what was there.
+      result = glm::vec2((first.left + last.right) / 2, (first.top + last.bottom) / 2);
+    }
+    return result;
+  }
+  bool sees(std::string_view text) const { return find(text).has_value(); }
+
+  void point(const glm::vec2& place) {
+    pointer_ = place;
+    step({event(WindowEvent::Kind::pointer)});
+    step();
+  }
+  void click(const glm::vec2& place, MouseButton button = MouseButton::left) {
+    point(place);
+    step({event(WindowEvent::Kind::button_down, button)});
+    step({event(WindowEvent::Kind::button_up, button)});
+    settle();
+  }
+  /// What is called so on the screen.
+  void click(std::string_view text, MouseButton button = MouseButton::left) {
+    INFO("\"" << text << "\" on the screen: " << screen());
+    const auto place = find(text);
+    REQUIRE(place);
+    click(*place, button);
+  }
+  void drag(const glm::vec2& from, const glm::vec2& to) {
+    point(from);
+    step({event(WindowEvent::Kind::button_down)});
+    for (int i = 1; i <= 4; ++i) {
+      pointer_ = from + (to - from) * (static_cast<float>(i) / 4);
+      step({event(WindowEvent::Kind::pointer)});
+    }
+    step({event(WindowEvent::Kind::button_up)});
+    settle();
+  }
+  /// A key with what is held, pressed and released.
+  void press(Key key, bool control = false, bool shift = false, bool alt = false) {
+    std::vector<WindowEvent> events;
+    const std::pair<Key, bool> held[] = {{Key::control, control}, {Key::shift, shift}, {Key::alt, alt}};
+    for (const auto& [one, is_held] : held)
+      if (is_held) events.push_back(key_event(WindowEvent::Kind::key_down, one, control, shift, alt));
+    events.push_back(key_event(WindowEvent::Kind::key_down, key, control, shift, alt));
+    events.push_back(key_event(WindowEvent::Kind::key_up, key, control, shift, alt));
+    for (const auto& [one, is_held] : held)
+      if (is_held) events.push_back(key_event(WindowEvent::Kind::key_up, one, false, false, false));
+    step(events);
+    settle();
+  }
+  void type(std::string_view text) {
+    std::vector<WindowEvent> events;
+    for (const char c : text) {
+      const char upper = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+      events.push_back(key_event(WindowEvent::Kind::key_down, letter_key(upper), false, false, false));
+      WindowEvent character = event(WindowEvent::Kind::character);
+      character.code = c;
+      events.push_back(character);
+      events.push_back(key_event(WindowEvent::Kind::key_up, letter_key(upper), false, false, false));
+    }
+    step(events);
+    settle();
+  }
+
+  void toggle_full_screen() override { ++full_screens_; }
+  void close() override { closed_ = true; }
+
+ private:
+  static std::string without_blanks(std::string_view text) {
+    std::string result;
+    for (const char c : text)
+      if (c != ' ') result += c;
+    return result;
+  }
+  static std::vector<std::pair<std::string, glm::vec2>> words() {
+    std::vector<std::pair<std::string, glm::vec2>> result;
+    const SeenCharacter* before = nullptr;
+    const std::vector<SeenCharacter> seen = seen_characters();
+    for (const SeenCharacter& one : seen) {
+      const bool goes_on = before && one.left >= before->left && one.left - before->right < 3 &&
+                           std::abs((one.top + one.bottom) - (before->top + before->bottom)) < 24;
+      if (!goes_on) result.push_back({"", {one.left, one.top}});
+      result.back().first += one.character < 0x80 ? static_cast<char>(one.character) : '?';
+      before = &one;
+    }
+    return result;
+  }
+  static WindowEvent event(WindowEvent::Kind kind, MouseButton button = MouseButton::left) {
+    WindowEvent result;
+    result.kind = kind;
+    result.button = button;
+    return result;
+  }
+  static WindowEvent key_event(WindowEvent::Kind kind, Key key, bool control, bool shift, bool alt) {
+    WindowEvent result = event(kind);
+    result.key = key;
+    result.code = code_of(key);
+    result.control = control;
+    result.shift = shift;
+    result.alt = alt;
+    return result;
+  }
+
+  glm::ivec2 size_;
+  glm::vec2 pointer_{-1, -1};
+  double time_ = 1000;
+  bool closed_ = false;
+  int full_screens_ = 0;
+  std::function<void(UiModel&)> change_model_;
+  UiActions actions_;
+  Frame frame_;
+  Desk desk_;
+};
+
+}  // namespace gs::app::driver

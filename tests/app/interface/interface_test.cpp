@@ -1,0 +1,272 @@
+#include "app/interface/panels/panels.h"
+#include "app/viewer/hand_over.h"
+#include "tests/app/interface/driver.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <thread>
+
+// The interface as a user has it: what he clicks, types and drags, and what comes of it.
+namespace gs::app::interface_test {
+
+using driver::Driver;
+
+constexpr char kTwoViewpoints[] =
+    "NavigationInfo { type [ \"FLY\" \"ANY\" ] } DEF A Viewpoint { description \"Entrance\" } DEF B Viewpoint { "
+    "description \"Roof\" position 0 20 10 } "
+    "Shape { geometry Box { } }";
+
+TEST_CASE("Every action of the table stands in a menu with its key, and is done from there") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  for (std::size_t i = 0; i < kMenus; ++i) {
+    const auto menu = static_cast<Menu>(i);
+    user.click(title_of(menu));
+    for (const ActionRow& row : actions()) {
+      if (row.menu != menu) continue;
+      const auto panel = panel_of(row.action);
+      INFO(row.help << " in " << user.screen());
+      CHECK(user.sees(panel ? panel_rows()[*panel].title : row.help));
+      if (row.key != Key::unknown) CHECK(user.sees(keys_of(row)));
+    }
+    user.press(Key::escape);
+  }
+  user.click("Navigate");
+  user.click("Next viewpoint");
+  CHECK(user.session().view()->viewpoint == 1);
+  user.click("Window");
+  user.click("Full screen");
+  CHECK(user.full_screens() == 1);
+  user.click("File");
+  user.click("Quit");
+  CHECK(user.closed());
+}
+
+TEST_CASE("The palette finds actions, viewpoints and panels by a part of their names") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  user.press(letter_key('P'), true, true);
+  user.type("roof");
+  CHECK(user.sees("Viewpoint: Roof"));
+  CHECK_FALSE(user.sees("Full screen"));
+  user.press(Key::enter);
+  CHECK(user.session().view()->viewpoint == 1);
+  CHECK_FALSE(user.sees("Viewpoint: Roof"));
+  // Arrows go through what fits; the keys are not the world's meanwhile.
+  const glm::dvec3 before = user.session().view()->navigation.pose.position;
+  user.press(letter_key('P'), true, true);
+  user.type("viewpoint:");
+  user.press(Key::down);
+  user.press(Key::up);
+  user.press(Key::enter);
+  user.wait(1);
+  CHECK(user.session().view()->viewpoint == 0);
+  CHECK(user.session().view()->navigation.pose.position != before);
+  user.press(letter_key('P'), true, true);
+  user.type("panel log");
+  user.press(Key::enter);
+  CHECK(user.sees("0 errors"));
+  user.press(letter_key('P'), true, true);
+  user.type("nothing is called so");
+  CHECK(user.sees("Nothing is called so."));
+  user.press(Key::escape);
+  CHECK_FALSE(user.sees("Nothing is called so."));
+}
+
+TEST_CASE("A panel takes its room from the picture, and gives it back") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  const Viewport whole = user.picture();
+  user.press(Key::f3);
+  CHECK(user.sees("0 errors"));
+  const Viewport beside = user.picture();
+  CHECK(beside.height < whole.height);
+  CHECK(beside.top == whole.top);
+  // What the session draws in is what the panels leave.
+  CHECK(user.frame().pictures.front().place.height == beside.height);
+  // Its divider is dragged.
+  const auto edge = static_cast<float>(beside.top + beside.height) + 2;
+  user.drag({500, edge}, {500, edge - 100});
+  CHECK(user.picture().height == Approx(beside.height - 100).margin(2));
+  user.press(Key::f4);
+  CHECK(user.sees("Transfer function"));
+  CHECK(user.picture().width < whole.width);
+  user.press(Key::f3);
+  user.press(Key::f4);
+  CHECK(user.picture().height == whole.height);
+  CHECK(user.picture().width == whole.width);
+}
+
+TEST_CASE("Text and buttons grow with Ctrl+plus, and the colours change, at once and for good") {
+  ScratchFolder scratch;
+  DeskOptions options;
+  options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
+  const auto bar = [](Driver& user) { return user.picture().top; };
+  int larger = 0;
+  {
+    Driver user(options);
+    const int before = bar(user);
+    user.press(Key::plus, true);
+    user.press(Key::plus, true);
+    larger = bar(user);
+    CHECK(larger > before);
+    user.press(letter_key('P'), true, true);
+    user.type("light colours");
+    user.press(Key::enter);
+    CHECK(user.desk().kept().settings().theme == Theme::light);
+  }
+  {
+    Driver user(options);
+    CHECK(bar(user) == larger);
+    CHECK(user.desk().kept().settings().theme == Theme::light);
+    user.press(letter_key('0'), true);
+    CHECK(bar(user) < larger);
+  }
+}
+
+TEST_CASE("Names of any script are shown by glyphs of the system's fonts") {
+  Driver user;
+  user.show_world(
+      "Viewpoint { description \"\xE4\xBD\xA0\xE5\xA5\xBD \xCE\x91\xCE\xB8\xCE\xAE\xCE\xBD\xCE\xB1\" } Shape { }");
+  user.step();
+  const ImFont& font = *ImGui::GetFont();
+  CHECK(font.FindGlyphNoFallback(0x0391));  // Greek stands in the first font
+  // Where the system has a font with Chinese, its glyphs are made when they are needed.
+  const bool has_chinese = font.FindGlyphNoFallback(0x4F60) != nullptr;
+  if (has_chinese) CHECK(font.FindGlyphNoFallback(0x597D));
+  CHECK_FALSE(font.FindGlyphNoFallback(0x4F61));  // nobody has asked for that
+}
+
+TEST_CASE("Back and forward lead through what a viewport has shown, and to where the viewer stood") {
+  Driver user;
+  user.show_world(kTwoViewpoints, "first.wrl");
+  user.session().bind_viewpoint(1);
+  user.wait(1);
+  const glm::dvec3 roof = user.session().view()->navigation.pose.position;
+  user.show_world("Shape { geometry Sphere { } }", "second.wrl");
+  CHECK(user.session().panes().at(0).shown == "second.wrl");
+  user.press(Key::left, false, false, true);
+  CHECK(user.session().panes().at(0).shown == "first.wrl");
+  CHECK(user.session().view()->navigation.pose.position == roof);
+  CHECK_FALSE(user.session().can_travel(-1));
+  user.press(Key::right, false, false, true);
+  CHECK(user.session().panes().at(0).shown == "second.wrl");
+  CHECK_FALSE(user.session().can_travel(1));
+  user.press(Key::left, false, false, true);
+  user.show_world("Shape { geometry Cone { } }", "third.wrl");
+  CHECK_FALSE(user.session().can_travel(1));  // who goes elsewhere leaves what was ahead
+}
+
+TEST_CASE("A bookmark keeps the file and where one stood, and leads back there") {
+  ScratchFolder scratch;
+  DeskOptions options;
+  options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
+  Driver user(options);
+  user.show_world(kTwoViewpoints);
+  user.session().view()->navigation.pose.position = {1, 2, 3};
+  user.press(letter_key('D'), true);
+  REQUIRE(user.desk().kept().bookmarks().size() == 1);
+  CHECK(user.desk().kept().bookmarks()[0].place == absolute_place("test.wrl"));
+  CHECK(user.desk().kept().bookmarks()[0].viewpoint == "Entrance");
+  user.session().view()->navigation.pose.position = {9, 9, 9};
+  user.step();
+  user.click("Bookmarks");
+  user.click("test.wrl: Entrance");
+  user.wait(0.2);
+  CHECK(user.session().view()->navigation.pose.position == glm::dvec3(1, 2, 3));
+  user.press(letter_key('D'), true);  // this view is bookmarked: not any more
+  CHECK(user.desk().kept().bookmarks().empty());
+  const auto kept = read_bookmarks(scratch.read("bookmarks.json"));
+  REQUIRE(kept);
+  CHECK(kept->empty());
+}
+
+TEST_CASE("The address bar goes on with what is typed, and opens it") {
+  ScratchFolder scratch;
+  scratch.write("worlds/castle.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  scratch.write("worlds/notes.txt", "nothing to be opened");
+  Driver user;
+  user.press(letter_key('L'), true);
+  user.type(scratch.path("wor"));
+  CHECK(user.sees("worlds/"));
+  user.press(Key::tab);
+  user.type("ca");
+  CHECK(user.sees("castle.wrl"));
+  CHECK_FALSE(user.sees("notes.txt"));
+  user.press(Key::down);
+  user.press(Key::enter);
+  REQUIRE(user.actions().open);
+  CHECK(*user.actions().open == scratch.path("worlds/castle.wrl"));
+}
+
+TEST_CASE("The Open dialog filters as one types") {
+  ScratchFolder scratch;
+  scratch.write("castle.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  scratch.write("tower.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  Driver user;
+  user.press(letter_key('O'), true);
+  user.type(scratch.path(""));
+  CHECK(user.sees("castle.wrl"));
+  CHECK(user.sees("tower.wrl"));
+  user.type("ower");
+  CHECK(user.sees("tower.wrl"));
+  CHECK_FALSE(user.sees("castle.wrl"));
+  user.press(Key::enter);  // a part of the name has found it
+  REQUIRE(user.actions().open);
+  CHECK(*user.actions().open == scratch.path("tower.wrl"));
+}
+
+TEST_CASE("The Open dialog stays when a file cannot be opened, and what is typed next is another try") {
+  Driver user;
+  user.press(letter_key('O'), true);
+  user.type("/nowhere/at/all.wrl");
+  user.press(Key::enter);
+  bool failed = false;
+  for (int i = 0; i < 5000 && !failed; ++i) {
+    user.step();
+    failed = !user.frame().failed.empty();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  REQUIRE(failed);
+  user.settle();
+  CHECK(user.sees("All files"));
+  user.type("x");
+  CHECK(user.sees("/nowhere/at/all.wrlx"));
+  user.press(Key::escape);
+  CHECK_FALSE(user.sees("All files"));
+}
+
+TEST_CASE("What a window showed that ended by itself is offered once, in one line") {
+  Driver user;
+  bool asked = true;
+  user.set_model([&](UiModel& model) { model.to_restore = asked ? 2 : 0; });
+  user.settle();
+  const int top = user.picture().top;
+  CHECK(user.sees("Open the 2 files that it showed?"));
+  asked = false;
+  user.settle();
+  CHECK(user.picture().top < top);  // its room is the picture's again
+}
+
+TEST_CASE("Preferences are the table of settings") {
+  Driver user;
+  user.press(letter_key(','), true);
+  for (const SettingRow& row : setting_rows()) {
+    INFO(row.label << " in " << user.screen());
+    CHECK(user.sees(row.label));
+  }
+  const auto choices = user.find("dark light");
+  REQUIRE(choices);
+  user.click(*choices + glm::vec2(25, 0));
+  CHECK(user.desk().kept().settings().theme == Theme::light);
+  user.click("As they were at first");
+  CHECK(user.desk().kept().settings() == UserSettings{});
+  user.press(Key::escape);
+  CHECK_FALSE(user.sees("As they were at first"));
+}
+
+}  // namespace gs::app::interface_test

@@ -1,0 +1,77 @@
+#include "app/settings/user_memory.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace gs::app::user_memory_test {
+
+TEST_CASE("What is remembered is written and read again") {
+  UserMemory memory;
+  for (int i = 0; i < 60; ++i) note_recent(memory, "/worlds/" + std::to_string(i) + ".wrl");
+  note_recent(memory, "/worlds/30.wrl");
+  CHECK(memory.recent.size() == UserMemory::kMostRecent);
+  CHECK(memory.recent[0] == "/worlds/30.wrl");
+  CHECK(memory.recent[1] == "/worlds/59.wrl");
+  memory.width = 1280;
+  memory.height = 800;
+  memory.areas = {200, 300.5, 0};
+  memory.panels = {{"log", "bottom", true, true}, {"transfer-function", "left", false, false}};
+  const auto back = read_memory(memory_text(memory));
+  REQUIRE(back);
+  CHECK(*back == memory);
+}
+
+TEST_CASE("Bookmarks are written and read again") {
+  const std::vector<Bookmark> bookmarks = {{"/a.wrl", "Roof", "A: Roof", {}},
+                                           {"http://example.org/b.wrl", "", "B", {1, 2, 3, 0, 0, 0, 1}}};
+  const auto back = read_bookmarks(bookmarks_text(bookmarks));
+  REQUIRE(back);
+  CHECK(*back == bookmarks);
+}
+
+TEST_CASE("A window's files are written and read again") {
+  const SessionMemory session{{"/a.wrl", "/b.qnv"}};
+  CHECK(read_session(session_text(session)) == session);
+}
+
+TEST_CASE("Of a file that is spoilt what can be used is used") {
+  CHECK_FALSE(read_memory("no JSON"));
+  CHECK_FALSE(read_memory("[1, 2]"));
+  CHECK_FALSE(read_bookmarks("{\"bookmarks\": 7}"));
+  const auto memory = read_memory(
+      "{\"recent\": [1, \"/a.wrl\", \"\", \"/a.wrl\", \"two\\nlines\", null], \"window\": {\"width\": -5, \"height\": "
+      "1e99, \"maximized\": 3}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
+      "true}, {}]}");
+  REQUIRE(memory);
+  CHECK(memory->recent == std::vector<std::string>{"/a.wrl"});
+  CHECK(memory->width == 0);
+  CHECK(memory->height == 0);
+  CHECK_FALSE(memory->maximized);
+  CHECK(memory->areas == std::array<double, 3>{0, 0, 250});
+  REQUIRE(memory->panels.size() == 1);
+  CHECK(memory->panels[0].open);
+  const auto bookmarks =
+      read_bookmarks("{\"bookmarks\": [{\"place\": \"\"}, {\"place\": \"/a\", \"camera\": [1]}, 4]}");
+  REQUIRE(bookmarks);
+  REQUIRE(bookmarks->size() == 1);
+  CHECK(bookmarks->front().title == "/a");
+  CHECK(bookmarks->front().camera.empty());
+}
+
+TEST_CASE("No bytes of what is remembered do harm") {
+  UserMemory memory;
+  note_recent(memory, "/worlds/\xFF\xFE.wrl");  // no UTF-8
+  const std::string text = memory_text(memory);
+  for (std::size_t i = 0; i < text.size(); i += 3) {
+    std::string spoilt = text;
+    spoilt[i] = static_cast<char>(i * 31);
+    (void)read_memory(spoilt);
+    (void)read_bookmarks(spoilt);
+    (void)read_session(text.substr(0, i));
+  }
+  CHECK_FALSE(read_memory(std::string(200'000, '[')));
+}
+
+}  // namespace gs::app::user_memory_test

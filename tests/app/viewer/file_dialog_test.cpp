@@ -1,0 +1,72 @@
+#include "app/viewer/file_dialog.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <semaphore>
+#include <string>
+#include <vector>
+
+namespace gs::app::file_dialog_test {
+namespace {
+
+using Files = std::vector<std::string>;
+
+/// While it is there, there is a desktop.
+struct Desktop {
+  Desktop() {
+    if (const char* value = std::getenv("DISPLAY")) before = value;
+    ::setenv("DISPLAY", ":of-a-test", 1);
+  }
+  ~Desktop() {
+    if (before.empty())
+      ::unsetenv("DISPLAY");
+    else
+      ::setenv("DISPLAY", before.c_str(), 1);
+  }
+  Desktop(const Desktop&) = delete;
+  Desktop& operator=(const Desktop&) = delete;
+  std::string before;
+};
+
+FileDialog::Answer answer_of(const std::string& script) {
+  const std::vector<DialogProgram> programs = {{"/nowhere/at/all", {}}, {"/bin/sh", {"-c", script}}};
+  std::binary_semaphore woken{0};
+  FileDialog dialog([&] { woken.release(); }, programs);
+  REQUIRE(dialog.show());
+  CHECK(dialog.show());  // it is shown already
+  woken.acquire();
+  const auto answer = dialog.take();
+  REQUIRE(answer);
+  CHECK_FALSE(dialog.is_shown());
+  return *answer;
+}
+
+}  // namespace
+
+TEST_CASE("The desktop's dialog gives the files that were chosen, a line each") {
+  const Desktop desktop;
+  CHECK(answer_of("echo '/a.wrl'; echo '/b c.wrl'").files == Files{"/a.wrl", "/b c.wrl"});
+  const auto none = answer_of("exit 1");  // the user chose none
+  CHECK(none.files.empty());
+  CHECK_FALSE(none.failed);
+  const auto broken = answer_of("echo /a.wrl; exit 5");
+  CHECK(broken.files.empty());
+  CHECK(broken.failed);
+  CHECK(answer_of("kill -9 $$").failed);
+}
+
+TEST_CASE("A window that closes takes the dialog with it, and without one there is none") {
+  const Desktop desktop;
+  const std::vector<DialogProgram> patient = {{"/bin/sh", {"-c", "exec sleep 1000"}}};
+  {
+    FileDialog dialog([] {}, patient);
+    REQUIRE(dialog.show());
+    CHECK_FALSE(dialog.take());
+  }
+  FileDialog nothing([] {}, {});
+  CHECK_FALSE(nothing.show());
+  CHECK_FALSE(nothing.take());
+}
+
+}  // namespace gs::app::file_dialog_test
