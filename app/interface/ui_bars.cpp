@@ -62,11 +62,11 @@ struct ModeIcon {
   NavigationMode mode;
   Icon icon;
 };
-constexpr ModeIcon kModes[] = {{NavigationMode::examine, Icon::examine},
-                               {NavigationMode::fly, Icon::fly},
-                               {NavigationMode::walk, Icon::walk},
-                               {NavigationMode::pan, Icon::pan},
-                               {NavigationMode::look_at, Icon::look_at}};
+constexpr ModeIcon kModeIcons[] = {{NavigationMode::examine, Icon::examine},
+                                   {NavigationMode::fly, Icon::fly},
+                                   {NavigationMode::walk, Icon::walk},
+                                   {NavigationMode::pan, Icon::pan},
+                                   {NavigationMode::look_at, Icon::look_at}};
 
 /// How much of the tool bar there is room for. Each row leaves out more than the one before.
 struct BarPlan {
@@ -93,7 +93,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   if (model.files.size() > 1 && plan.files > 0) width += gap + plan.files * scale;
   if (plan.viewpoints > 0)
     width += plan.viewpoints * scale + (plan.arrows ? 2 * ImGui::GetFrameHeight() + 2 : 0) + group;
-  for (const ModeIcon& one : kModes) width += button(row_of(one.mode).label, plan.mode_words);
+  for (const ModeIcon& one : kModeIcons) width += button(row_of(one.mode).label, plan.mode_words);
   width += group + button("Reset", plan.words) + button("Fit", plan.words) + group + button("Headlight", plan.words);
   if (model.has_sounds) width += button("Sound", plan.words);
   if (plan.panels && (model.has_surface_clouds || model.has_volumes)) width += group + button("Transfer", plan.words);
@@ -137,8 +137,8 @@ void UiOverlay::State::tool(Action action, Icon icon, bool with_word, const UiMo
 
 void UiOverlay::State::mode_buttons(const UiModel& model, UiActions& actions, bool words) {
   ImGui::BeginDisabled(!model.has_world);
-  for (const ModeIcon& one : kModes) {
-    if (one.mode != kModes[0].mode) ImGui::SameLine(0, 1);
+  for (const ModeIcon& one : kModeIcons) {
+    if (one.mode != kModeIcons[0].mode) ImGui::SameLine(0, 1);
     const NavigationModeRow& row = row_of(one.mode);
     ImGui::BeginDisabled(!model.rules.allows(one.mode));
     if (icon_button(row.label, one.icon, words ? row.label : std::string_view(),
