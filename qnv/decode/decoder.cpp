@@ -151,7 +151,7 @@ Cloud StreamDecoder::cloud() const {
 }
 
 Cloud StreamDecoder::cloud_to_draw() {
-  if (!header() || header()->payload != Payload::displaced) return cloud();
+  if (!header() || header()->payload != Payload::displaced || exact_.whole()) return cloud();
   Cloud cloud;
   cloud.description = header()->description;
   cloud.color = header()->color;

@@ -59,7 +59,7 @@ class StreamDecoder {
   /// which the first ones cover all of it evenly.
   [[nodiscard]] Cloud cloud() const;
   /// The same for who draws it: a displaced surface has patches in place of arrays, of which only those are worked out
-  /// that have changed since the last call.
+  /// that have changed since the last call. The mesh at its end has arrays.
   [[nodiscard]] Cloud cloud_to_draw();
 
  private:

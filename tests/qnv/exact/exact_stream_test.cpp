@@ -192,6 +192,18 @@ TEST_CASE("every prefix of an exact stream is a surface, and none a broken mesh"
   }
 }
 
+TEST_CASE("what is drawn of an exact stream is the refined surface, then the mesh") {
+  const Sample& s = samples()[0];
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));
+  CHECK(decoder.cloud_to_draw().patches);
+  REQUIRE(decoder.push(std::span(s.stream).subspan(header_bytes(s.stream))));
+  const Cloud drawn = decoder.cloud_to_draw();
+  CHECK(!drawn.patches);
+  CHECK(same(drawn, decoder.cloud()));
+  CHECK(drawn.triangles.size() == 3 * s.source.triangles.size());
+}
+
 TEST_CASE("pieces of a tail may come in any order, twice, and before all else") {
   const Sample& s = samples()[2];
   auto chunks = chunks_of(s.stream);
