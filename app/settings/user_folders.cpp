@@ -17,14 +17,14 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 constexpr char kName[] = "/ghostspace";
 
 // Relative paths are to be ignored (XDG Base Directory Specification).
-std::string folder_of(const char* variable) {
+std::string folder_in(const char* variable) {
   const char* value = std::getenv(variable);
   return value && value[0] == '/' ? std::string(value) : std::string();
 }
 
-std::string base_of(const char* variable, const char* below_home) {
-  if (std::string folder = folder_of(variable); !folder.empty()) return folder;
-  const std::string home = folder_of("HOME");
+std::string base_folder(const char* variable, const char* below_home) {
+  if (std::string folder = folder_in(variable); !folder.empty()) return folder;
+  const std::string home = folder_in("HOME");
   return home.empty() ? home : home + below_home;
 }
 
@@ -32,7 +32,8 @@ std::string base_of(const char* variable, const char* below_home) {
 
 UserFolders user_folders(const std::string& settings_file) {
   UserFolders folders;
-  const std::string config = base_of("XDG_CONFIG_HOME", "/.config"), state = base_of("XDG_STATE_HOME", "/.local/state");
+  const std::string config = base_folder("XDG_CONFIG_HOME", "/.config"),
+                    state = base_folder("XDG_STATE_HOME", "/.local/state");
   if (!config.empty()) {
     folders.settings_file = config + kName + "/settings.conf";
     folders.bookmarks_file = config + kName + "/bookmarks.json";
@@ -44,12 +45,12 @@ UserFolders user_folders(const std::string& settings_file) {
 
 std::string with_home(std::string_view path) {
   if (path.empty() || path[0] != '~' || (path.size() > 1 && path[1] != '/')) return std::string(path);
-  const std::string home = folder_of("HOME");
+  const std::string home = folder_in("HOME");
   return home.empty() ? std::string(path) : home + std::string(path.substr(1));
 }
 
 std::string without_home(std::string_view path) {
-  const std::string home = folder_of("HOME");
+  const std::string home = folder_in("HOME");
   if (home.size() < 2 || !path.starts_with(home) || (path.size() > home.size() && path[home.size()] != '/'))
     return std::string(path);
   return "~" + std::string(path.substr(home.size()));

@@ -69,7 +69,7 @@ std::string memory_text(const UserMemory& memory) {
   for (const PanelMemory& one : memory.panels)
     panels.push_back({{"panel", one.panel}, {"side", one.side}, {"open", one.open}, {"front", one.front}});
   return printed({{"recent", memory.recent},
-                  {"window", {{"width", memory.width}, {"height", memory.height}, {"maximized", memory.maximized}}},
+                  {"window", {{"width", memory.width}, {"height", memory.height}}},
                   {"areas", memory.areas},
                   {"panels", panels}});
 }
@@ -82,7 +82,6 @@ std::optional<UserMemory> read_memory(std::string_view text) {
   const json& window = member(whole, "window");
   memory.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
   memory.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
-  memory.maximized = flag_in(window, "maximized");
   if (const json& areas = member(whole, "areas"); areas.is_array())
     for (std::size_t i = 0; i < std::min(areas.size(), memory.areas.size()); ++i)
       memory.areas[i] = number_in_json(areas[i], 1, kMostPixels);

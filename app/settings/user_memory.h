@@ -34,7 +34,6 @@ struct UserMemory {
 
   std::vector<std::string> recent;  // paths and URLs, the newest first
   int width = 0, height = 0;        // of the window; 0: not known
-  bool maximized = false;
   std::array<double, 3> areas{};    // of the dock: left, right, bottom; 0: not known
   std::vector<PanelMemory> panels;  // in the order of their tabs
 

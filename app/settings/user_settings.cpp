@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-std::optional<double> number_of(std::string_view text) {
+std::optional<double> read_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
@@ -34,7 +34,7 @@ std::string text_of_number(double value) {
   return error == std::errc() ? std::string(buffer, end) : std::string("0");
 }
 
-double number_in(std::string_view text) { return number_of(text).value_or(0); }
+double number_in(std::string_view text) { return read_number(text).value_or(0); }
 std::string on_off(bool value) { return value ? "on" : "off"; }
 
 constexpr auto kFlag = SettingRow::Kind::flag, kNumber = SettingRow::Kind::number, kChoice = SettingRow::Kind::choice;
@@ -98,7 +98,7 @@ const SettingRow* find_setting(std::string_view name) {
 std::string standard_of(const SettingRow& row) { return row.get(UserSettings{}); }
 
 std::optional<std::string> set_setting(UserSettings& settings, const SettingRow& row, std::string_view text) {
-  const std::optional<double> number = row.kind == kNumber ? number_of(text) : std::nullopt;
+  const std::optional<double> number = row.kind == kNumber ? read_number(text) : std::nullopt;
   const bool good =
       row.kind == kNumber
           ? number && *number >= row.least && *number <= row.most && (!row.whole || *number == std::floor(*number))

@@ -47,7 +47,7 @@ bool is_written_from_the_right(char32_t c) {
   return (c >= 0x0590 && c <= 0x08FF) || (c >= 0xFB1D && c <= 0xFDFF) || (c >= 0xFE70 && c <= 0xFEFF);
 }
 
-void append_utf8(std::string& text, char32_t c) {
+void add_character(std::string& text, char32_t c) {
   if (c < 0x80) {
     text += static_cast<char>(c);
   } else if (c < 0x800) {
@@ -238,7 +238,7 @@ std::string InterfaceFonts::shown(std::string_view utf8) {
       character = place->second;
     }
     note(character);
-    append_utf8(result, character);
+    add_character(result, character);
   }
   return result;
 }

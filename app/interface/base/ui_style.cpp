@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTooltipDelay = 0.5;  // seconds
 
-ImVec4 grey(float value) { return {value, value, value, 1}; }
+ImVec4 shade(float value) { return {value, value, value, 1}; }
 
 void set_colors(Theme theme) {
   const bool dark = theme == Theme::dark;
@@ -22,7 +22,7 @@ void set_colors(Theme theme) {
   UiColors::kError = dark ? ImVec4(0.96f, 0.42f, 0.40f, 1) : ImVec4(0.75f, 0.13f, 0.12f, 1);
   UiColors::kWarning = dark ? ImVec4(0.95f, 0.76f, 0.34f, 1) : ImVec4(0.60f, 0.40f, 0.02f, 1);
   UiColors::kNote = dark ? ImVec4(0.52f, 0.72f, 0.95f, 1) : ImVec4(0.10f, 0.36f, 0.66f, 1);
-  UiColors::kContrast = grey(dark ? 1.0f : 0.0f);
+  UiColors::kContrast = shade(dark ? 1.0f : 0.0f);
 }
 
 }  // namespace

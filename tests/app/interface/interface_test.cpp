@@ -161,6 +161,25 @@ TEST_CASE("Back and forward lead through what a viewport has shown, and to where
   CHECK_FALSE(user.session().can_travel(1));  // who goes elsewhere leaves what was ahead
 }
 
+TEST_CASE("Who has followed an Anchor goes back to where he came from") {
+  Driver user;
+  user.show_world(
+      "NavigationInfo { type [ \"FLY\" \"ANY\" ] } Viewpoint { } DEF B Viewpoint { position 0 0 30 } "
+      "Anchor { url \"#B\" children Shape { geometry Box { size 4 4 4 } } }");
+  const auto depth = [&] { return user.session().view()->navigation.pose.position.z; };
+  CHECK(depth() == 10);  // VRML97 6.53: the standard's place
+  const Viewport picture = user.picture();
+  user.click(glm::vec2(picture.left + picture.width / 2, picture.top + picture.height / 2));
+  user.wait(1);
+  CHECK(depth() == Approx(30));
+  user.press(Key::left, false, false, true);
+  user.wait(1);
+  CHECK(depth() == Approx(10));
+  user.press(Key::right, false, false, true);
+  user.wait(1);
+  CHECK(depth() == Approx(30));
+}
+
 TEST_CASE("A bookmark keeps the file and where one stood, and leads back there") {
   ScratchFolder scratch;
   DeskOptions options;

@@ -42,13 +42,12 @@ TEST_CASE("Of a file that is spoilt what can be used is used") {
   CHECK_FALSE(read_bookmarks("{\"bookmarks\": 7}"));
   const auto memory = read_memory(
       "{\"recent\": [1, \"/a.wrl\", \"\", \"/a.wrl\", \"two\\nlines\", null], \"window\": {\"width\": -5, \"height\": "
-      "1e99, \"maximized\": 3}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
+      "1e99}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
       "true}, {}]}");
   REQUIRE(memory);
   CHECK(memory->recent == std::vector<std::string>{"/a.wrl"});
   CHECK(memory->width == 0);
   CHECK(memory->height == 0);
-  CHECK_FALSE(memory->maximized);
   CHECK(memory->areas == std::array<double, 3>{0, 0, 250});
   REQUIRE(memory->panels.size() == 1);
   CHECK(memory->panels[0].open);
