@@ -64,5 +64,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1, libopenal1, libavcodec59, libavformat59, libswscale6, libfluidsynth3, \
 timgm6mb-soundfont, shared-mime-info, desktop-file-utils, xdg-utils, ca-certificates")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "spacenavd, libspnav0")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "spacenavd, libspnav0, zenity | kdialog")
 include(CPack)
