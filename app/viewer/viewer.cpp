@@ -71,7 +71,7 @@ std::optional<std::string> Viewer::start_control() {
   control_->control().set_painter([this](const View& view, int width, int height) {
     return paint(*renderer_, options_, view, {width, height});
   });
-  session_.set_guest(&control_->control());
+  session_.add_guest(control_->control());
   return std::nullopt;
 }
 
