@@ -60,7 +60,8 @@ class UiOverlay {
 
   /// Does what is the interface's alone. False: the action is none of that kind.
   bool run(Action action);
-  void show_log();
+  /// Opens the panel of an action, or brings it to the front.
+  void show_panel(Action toggle);
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
   void clear_notices();

@@ -62,7 +62,9 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       ui_(make_window_backend(window_->handle()), window_->content_scale()),
       session_(session_options(options), load, &Window::wake),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
-      frames_wanted_(kSettlingFrames) {}
+      frames_wanted_(kSettlingFrames) {
+  session_.add_guest(inspection_);
+}
 
 std::optional<std::string> Viewer::start_control() {
   auto started = ControlService::start(options_.control, &Window::wake);
@@ -93,6 +95,7 @@ void Viewer::run() {
     }
     frame_ = session_.step(world_time(), input);
     tell(frame_);
+    if (inspection_.busy() || inspection_.take_news(now)) frames_wanted_ = std::max(frames_wanted_, 1);
     if (!in_sight) continue;
     // Where pictures of the worlds take long, what is read, opened or typed shows before them.
     const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
@@ -107,6 +110,7 @@ void Viewer::run() {
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
+    inspection_.prepare(session_, frame_.pictures, now);
     apply(ui_.build(model()));
     ui_.draw();
     window_->present();
@@ -131,6 +135,7 @@ void Viewer::wait_idle() {
   const std::optional<double> change = ui_.next_change();
   double wait = frame_.loading ? kLoadingWait : kIdleWait;
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
+  if (const auto next = inspection_.next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
   window_->wait(interface_first ? *change : wait);
   if (interface_first) frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown
@@ -151,7 +156,7 @@ void Viewer::tell(const Frame& frame) {
     const bool opened = open_in_browser(page);
     ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);
   }
-  if (frame.show_log) ui_.show_log();
+  if (frame.show_log) ui_.show_panel(Action::log);
   if (!frame.notices.empty() || !frame.web_pages.empty() || frame.show_log) frames_wanted_ = kSettlingFrames;
   show_title();
 }

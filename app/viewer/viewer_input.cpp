@@ -1,6 +1,11 @@
 #include "app/viewer/viewer_window.h"
 
 namespace gs::app {
+namespace {
+
+bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
+
+}  // namespace
 
 std::vector<SessionInput::Event> Viewer::take(const std::vector<WindowEvent>& events) {
   std::vector<SessionInput::Event> result;
@@ -10,10 +15,24 @@ std::vector<SessionInput::Event> Viewer::take(const std::vector<WindowEvent>& ev
       const bool typed = ui_.wants_keys();
       if (row && !(row->of_world && typed) && run(row->action)) continue;
       if (typed && !(row && !row->of_world)) continue;
+      if (inspection_.takes_arrows() && is_arrow(event.key)) continue;
     }
+    if (picks(event)) continue;
     result.push_back({event, ui_.wants_pointer()});
   }
   return result;
+}
+
+// True when it was a click that chooses a node of the world (Alt+click, or behind Action::pick).
+bool Viewer::picks(const WindowEvent& event) {
+  if (event.kind != WindowEvent::Kind::button_down || event.button != MouseButton::left || ui_.wants_pointer() ||
+      !(event.alt || inspection_.picking()))
+    return false;
+  if (inspection_.pick(session_, event.pointer))
+    ui_.show_panel(Action::scene_tree);
+  else
+    ui_.show_notice("There is nothing to choose", false);
+  return true;
 }
 
 // True where it is the interface's, or the window's, alone.
@@ -21,6 +40,14 @@ bool Viewer::run(Action action) {
   switch (action) {
     case Action::full_screen:
       window_->toggle_full_screen();
+      return true;
+    case Action::pick:
+      inspection_.set_picking(!inspection_.picking());
+      if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
+      return true;
+    case Action::close:
+      if (!inspection_.picking()) return ui_.run(action);
+      inspection_.set_picking(false);
       return true;
     case Action::quit:
       window_->close();

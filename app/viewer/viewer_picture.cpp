@@ -123,6 +123,7 @@ UiModel Viewer::model() {
   model.frames_a_second = frames_a_second_;
   model.gl_renderer = renderer_->gl_renderer();
   model.log = &session_.log();
+  model.inspection = &inspection_;
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/inspect/inspection.h"
 #include "app/interface/ui_overlay.h"
 #include "app/session/session.h"
 #include "app/view/actions.h"
@@ -25,6 +26,7 @@ class Viewer {
          std::unique_ptr<render::Renderer> renderer);
   /// Who asks may control it from now on. What is wrong, if anything.
   [[nodiscard]] std::optional<std::string> start_control();
+  ~Viewer() { session_.remove_guest(inspection_); }
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
@@ -41,6 +43,7 @@ class Viewer {
   /// What of the events is the session's; does what is the interface's own.
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
   bool run(Action action);
+  bool picks(const WindowEvent& event);
 
   [[nodiscard]] UiModel model();
   void describe_viewports(UiModel& model) const;
@@ -54,6 +57,7 @@ class Viewer {
   std::unique_ptr<render::Renderer> renderer_;
   UiOverlay ui_;
   Session session_;
+  Inspection inspection_;                    // of the session, a guest of it
   std::unique_ptr<ControlService> control_;  // null: nobody may control it
   std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
