@@ -71,11 +71,11 @@ struct Controlled {
     document = hold_world(std::move(world));
     begin_world(*document, now);
     session.show(document);
-    session.set_guest(&control);
+    session.add_guest(control);
     input.area = Viewport{0, 0, 1024, 768};
     step();
   }
-  ~Controlled() { session.set_guest(nullptr); }
+  ~Controlled() { session.remove_guest(control); }
   void step() { (void)session.step(now += 1.0 / 60, input); }
 
   double now = 1000;

@@ -110,7 +110,7 @@ Control::~Control() {
   for (auto& [number, client] : clients_) leave_world(client);
   for (const auto& world : worlds_)
     if (const auto document = world->document.lock(); document && document->living)
-      document->living->execution().observe({});
+      document->living->execution().observe({}, this);
 }
 
 // A step ------------------------------------------------------------------------------------------
@@ -333,9 +333,9 @@ void Control::observe(ControlledWorld& world) {
   const auto document = world.document.lock();
   if (!document || !document->living) return;
   if (world.watched.empty()) {
-    document->living->execution().observe({});
+    document->living->execution().observe({}, this);
   } else {
-    document->living->execution().observe([this, &world](const vrml::SentEvent& event) { note(world, event); });
+    document->living->execution().observe([this, &world](const vrml::SentEvent& event) { note(world, event); }, this);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "app/interface/ui_overlay.h"
 
+#include "app/interface/panels/inspect_panels.h"
 #include "app/interface/ui_state.h"
 
 #include <imgui.h>
@@ -87,6 +88,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.palette_dialog(model, actions);
   state.question_panel(model, actions);
   state.viewport_marks(model);
+  if (model.inspection) draw_marks(*model.inspection);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())
@@ -178,8 +180,8 @@ void UiOverlay::show_open_dialog() {
   state.help = false;
 }
 
-void UiOverlay::show_log() {
-  if (const auto log = panel_of(Action::log)) state_->dock.dock().open(*log);
+void UiOverlay::show_panel(Action toggle) {
+  if (const auto panel = panel_of(toggle)) state_->dock.dock().open(*panel);
 }
 
 void UiOverlay::show_notice(std::string text, bool is_error) {

@@ -67,11 +67,12 @@ class UiOverlay {
   bool run(Action action);
   /// Its own, for those whose desktop has none.
   void show_open_dialog();
-  void show_log();
   /// Where the panels are, and how large the areas of the dock (left, right, bottom); to be kept, and taken up again.
   [[nodiscard]] std::vector<PanelMemory> panels() const;
   [[nodiscard]] std::array<double, kDockSides> areas() const;
   void arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas);
+  /// Opens the panel of an action, or brings it to the front.
+  void show_panel(Action toggle);
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
   void clear_notices();

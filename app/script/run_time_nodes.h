@@ -2,8 +2,10 @@
 
 #include "app/script/script_runner.h"
 #include "vrml/events/execution.h"
+#include "vrml/events/node_names.h"
 #include "vrml/syntax/parser.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -29,5 +31,10 @@ bool send_made(vrml::Execution& execution, const ScriptRequest& request, const v
 [[nodiscard]] std::variant<vrml::Route, std::string> route_between(const vrml::SceneGraph& scene, vrml::NodeId from,
                                                                    const std::string& event_out, vrml::NodeId to,
                                                                    const std::string& event_in);
+
+/// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null
+/// where the text is no such value.
+[[nodiscard]] std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type,
+                                                         vrml::NodeNames& names);
 
 }  // namespace gs::app

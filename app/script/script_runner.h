@@ -69,6 +69,15 @@ class ScriptRunner : public vrml::ScriptHost {
   /// The same in front of the Script itself: it does not ask.
   virtual void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                        const std::string& url) = 0;
+  /// What a line has come to: the text of its value, or what is wrong with it.
+  struct Evaluation {
+    std::string text;
+    bool failed = false;
+  };
+  /// Runs a line in the name of a Script, with all that its program knows and within the limits of all programs, which
+  /// do not count it as a fault. What it assigns goes on with Execution::end_update; to be called behind begin_update.
+  [[nodiscard]] virtual Evaluation evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
+                                            const std::string& line) = 0;
   [[nodiscard]] virtual std::vector<ScriptMessage> take_messages() = 0;
   /// Is given each message at once, in place of take_messages.
   virtual void observe(std::function<void(const ScriptMessage&)> observer) = 0;

@@ -80,16 +80,20 @@ Program* World::program_of(vrml::EventNode node) const {
   return found == programs_.end() ? nullptr : found->second.get();
 }
 
+std::string World::modern_text_of(const Program& program, std::string_view text) {
+  std::vector<std::string> values;
+  for (const auto& interface : execution_.schema_of_node(program.node).interfaces)
+    if (interface.declaration->access != vrml::AccessType::eventIn && is_object(interface.declaration->type))
+      values.push_back(interface.declaration->name);
+  return modern_text(text, values);
+}
+
 // The places are those of the text in its file, so that messages say where.
 bool World::load(Program& program, std::string_view text, const std::string& file, vrml::SourceLocation place) {
   JSContext* const context = engine_.context();
   bool good = false;
   run(program, [&] {
-    std::vector<std::string> values;
-    for (const auto& interface : execution_.schema_of_node(program.node).interfaces)
-      if (interface.declaration->access != vrml::AccessType::eventIn && is_object(interface.declaration->type))
-        values.push_back(interface.declaration->name);
-    const std::string modern = modern_text(text, values);
+    const std::string modern = modern_text_of(program, text);
     JS::RootedScript script(context, compile_mended(context, modern, file, place));
     JS::RootedValue ignored(context);
     if (!script) return false;

@@ -83,6 +83,8 @@ class World final : public ScriptRunner {
              const std::string& url) override;
   void provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
                const std::string& url) override;
+  [[nodiscard]] Evaluation evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
+                                    const std::string& line) override;
   [[nodiscard]] std::vector<ScriptMessage> take_messages() override { return std::exchange(messages_, {}); }
   void observe(std::function<void(const ScriptMessage&)> observer) override { observer_ = std::move(observer); }
   [[nodiscard]] std::vector<ScriptRequest> take_requests() override { return std::exchange(requests_, {}); }
@@ -137,6 +139,8 @@ class World final : public ScriptRunner {
   /// Tries what has not been tried of its urls.
   bool go_on(vrml::EventNode node);
   bool load(Program& program, std::string_view text, const std::string& file, vrml::SourceLocation place);
+  /// A program's text as the engine takes it, with the names of its own fields.
+  [[nodiscard]] std::string modern_text_of(const Program& program, std::string_view text);
   bool make_global(Program& program);
   /// Has the engine do something in the program's name; then sends what it has assigned.
   template <class Do>

@@ -145,6 +145,30 @@ vrml::RunTimeNodes LivingWorld::create(vrml::SceneGraph& scene, const std::strin
   return made;
 }
 
+ScriptRunner::Evaluation LivingWorld::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
+                                               const std::string& line) {
+  const vrml::SceneGraph* of = &scene;
+  if (!script) {
+    of = world_.scene.get();
+    if (!of->contains(console_)) {
+      vrml::Diagnostics diagnostics;
+      const vrml::RunTimeNodes made =
+          create(*world_.scene, "console", "Script { directOutput TRUE url \"javascript: ;\" }", diagnostics, nullptr);
+      if (made.roots.empty()) return {"there is no memory for a program", true};
+      console_ = made.roots.front();
+      execution_.hold(*of, console_);
+    }
+    script = console_;
+  }
+  execution_.begin_update();
+  execution_.end_update();  // Scripts that have come begin
+  if (!scripts_) return {"no programs run in this world", true};
+  execution_.begin_update();
+  ScriptRunner::Evaluation result = scripts_->evaluate(*of, script, line);
+  execution_.end_update();
+  return result;
+}
+
 void LivingWorld::tell_message(ScriptMessage message) {
   if (script_observer_) return script_observer_(message);
   if (script_messages_.size() < kMostMessages) script_messages_.push_back(std::move(message));

@@ -54,6 +54,11 @@ class LivingWorld {
   /// Makes nodes of a text, see make_nodes; Scripts among them run from the next event on.
   [[nodiscard]] vrml::RunTimeNodes create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
                                           vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by);
+  /// Runs a line as a part of the program of a Script, see ScriptRunner::evaluate, with all that follows from it; of a
+  /// null node, as a program of its own, which knows what Scripts know of the browser (VRML97 4.12.10) and what lines
+  /// before have made. From `start` on.
+  [[nodiscard]] ScriptRunner::Evaluation evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
+                                                  const std::string& line);
   /// A file's nodes are to be sent to an eventIn (createVrmlFromURL): see ScriptRequest::Kind::create_from_url.
   void create_from_url(ScriptRequest request) { ask_for_text(std::move(request)); }
   /// What programs may ask about the browser: as of the last step; its speed and frame rate, where there are Scripts or
@@ -151,6 +156,7 @@ class LivingWorld {
   std::weak_ptr<LivingScene> shared_;
   std::vector<ScriptMessage> script_messages_;  // of what no program has said
   bool measures_viewer_ = false;
+  vrml::NodeId console_;  // the Script that lines of nobody's are part of
 };
 
 }  // namespace gs::app

@@ -51,7 +51,7 @@ Frame Session::step(double now, const SessionInput& input) {
     if (std::exchange(pointer_moved_, false)) point_again();
   }
   was_moving_ = moving();
-  if (guest_) guest_->step_is_over();
+  for (SessionGuest* const guest : guests_) guest->step_is_over();
   Frame frame = std::exchange(frame_, {});
   const std::vector<std::size_t> sight = panes_.visible();
   const std::vector<Viewport> rectangles = places();
@@ -154,9 +154,10 @@ bool Session::let_live(bool look) {
 }
 
 bool Session::let_guest_act(bool look) {
-  if (!guest_ || !guest_->act(*this)) return false;
+  bool any = false;
+  for (SessionGuest* const guest : guests_) any = guest->act(*this) || any;
+  if (!any) return false;
   acted_ = true;
-  bool any = true;
   if (look)
     for (const std::size_t i : panes_.visible())
       if (View* seen = panes_.at(i).view(); seen && seen->document->living) any = follow_world(*seen) || any;

@@ -91,7 +91,7 @@ struct Frame {
   bool show_log = false;
 };
 
-/// Who does something in a session beside the user, in each step: see Session::set_guest.
+/// Who does something in a session beside the user, in each step: see Session::add_guest.
 class SessionGuest {
  public:
   virtual ~SessionGuest() = default;
@@ -122,8 +122,9 @@ class Session {
   /// Takes in what has arrived and what the user has done, and lets time go on to `now`, in seconds since 1970. Times
   /// never go back.
   Frame step(double now, const SessionInput& input);
-  /// Who acts in each step from now on; null: nobody. It must outlive this, or be taken away before.
-  void set_guest(SessionGuest* guest) { guest_ = guest; }
+  /// Who acts in each step from now on, behind those who came before. It must outlive this, or be taken away before.
+  void add_guest(SessionGuest& guest) { guests_.push_back(&guest); }
+  void remove_guest(SessionGuest& guest) { std::erase(guests_, &guest); }
   /// What programs and guests want of the session, in the name of a world that it shows (VRML97 4.12.10).
   void serve(const Document& document, const ScriptRequest& request);
   /// After a picture was drawn: asks for what it lacked of streams.
@@ -165,6 +166,15 @@ class Session {
   void drag_sensor(const glm::dvec2& pixels);
   /// Lets go of what press_sensor has pressed.
   void release_sensor();
+  /// What a viewport in sight shows at a framebuffer pixel.
+  struct Picked {
+    std::size_t pane = 0;
+    std::vector<vrml::PathStep> path;  // from the root of its world to the Shape
+  };
+  /// Nothing: there is nothing to be met, or the pixel is no viewport's.
+  [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
+  /// Flies the active viewport's viewer to where all of this is in sight.
+  void fly_to(const vrml::Bounds& bounds);
   /// Takes the viewer of the active viewport there, at once.
   void move_viewer_to(const glm::dvec3& place);
 
@@ -172,6 +182,16 @@ class Session {
   /// What is said of the files of the session.
   [[nodiscard]] SessionLog& log() { return log_; }
   [[nodiscard]] const SessionLog& log() const { return log_; }
+  /// The files and streams of the worlds that are open, or being read.
+  struct Loads {
+    std::string path;                    // of the world
+    std::shared_ptr<Document> document;  // null: it is being read
+    std::shared_ptr<LoadLedger> ledger;
+  };
+  /// Those of worlds that could not be opened last, too.
+  [[nodiscard]] std::vector<Loads> loads() const;
+  /// Reads a world again, in the viewports that show it.
+  void read_again(const std::string& path) { panes_.reload(path); }
   /// How far the readings of a file are.
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
   /// Of the active viewport; null: nothing is shown there.
@@ -289,8 +309,9 @@ class Session {
   std::unique_ptr<SoundDevice> device_;  // null: nobody wants to hear anything; behind sounds_, which it plays
   std::vector<Reader> readers_;
   std::vector<std::shared_ptr<WorldReader>> retired_;  // whom nobody waits for; they end as soon as they can
-  SessionGuest* guest_ = nullptr;
-  bool acted_ = false;                                     // the guest has, since time went on in the worlds
+  std::vector<Loads> failed_loads_;
+  std::vector<SessionGuest*> guests_;
+  bool acted_ = false;                                     // a guest has, since time went on in the worlds
   std::array<TravelHistory, kMostViewports> histories_;    // of the viewports
   std::map<std::size_t, TravelHistory::Visit> returning_;  // where viewers stand once their files are there
 };

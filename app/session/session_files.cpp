@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMostReaders = 2;  // files that are read at a time
 constexpr double kBetweenPriorities = 0.5;
+constexpr std::size_t kMostFailed = 16;  // worlds whose loads are remembered
 
 }  // namespace
 
@@ -24,6 +25,7 @@ void Session::load_next() {
     std::optional<DocumentList::Reading> reading = panes_.begin_loading();
     if (!reading) return;
     frame_.news = true;
+    std::erase_if(failed_loads_, [&](const Loads& one) { return one.path == reading->path; });
     auto reader = std::make_shared<WorldReader>(reading->path, load_, wake_);
     readers_.push_back({std::move(*reading), std::move(reader), {}});
   }
@@ -65,6 +67,8 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
     return false;
   }
   if (!news.document->world.scene) {
+    failed_loads_.push_back({from.reading.path, nullptr, from.reader->ledger()});
+    if (failed_loads_.size() > kMostFailed) failed_loads_.erase(failed_loads_.begin());
     show_failed(from.reading.number, from.reading.path, news.document->world.diagnostics);
     return true;
   }
@@ -177,6 +181,15 @@ std::vector<LoadingState> Session::progress_of(const std::string& path) const {
   if (const auto document = panes_.documents().document(path); document && states.empty())
     states.push_back(document->arriving);
   return states;
+}
+
+std::vector<Session::Loads> Session::loads() const {
+  std::vector<Loads> result = failed_loads_;
+  for (const DocumentList::Entry& entry : panes_.documents().entries())
+    if (entry.document && entry.document->reader)
+      result.push_back({entry.path, entry.document, entry.document->reader->ledger()});
+  for (const Reader& one : readers_) result.push_back({one.reading.path, nullptr, one.reader->ledger()});
+  return result;
 }
 
 void Session::cancel_loading(std::size_t place) {

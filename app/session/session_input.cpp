@@ -245,12 +245,16 @@ void Session::step_viewpoint(int direction) {
 }
 
 void Session::fit() {
+  if (const View* seen = view()) fly_to(seen->list->bounds);
+}
+
+void Session::fly_to(const vrml::Bounds& bounds) {
   View* seen = view();
-  if (!seen || seen->list->bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
+  if (!seen || bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
   const Viewport place = place_of(panes_.active());
   Navigation& navigation = seen->navigation;
-  navigation = travel_to(navigation, pose_that_fits(navigation.pose, seen->list->bounds, place.size()));
-  navigation.center = seen->list->bounds.center();
+  navigation = travel_to(navigation, pose_that_fits(navigation.pose, bounds, place.size()));
+  navigation.center = bounds.center();
   leader_ = panes_.active();
 }
 

@@ -81,6 +81,22 @@ bool Session::point_with(const WindowEvent& event, std::size_t pane) {
   return sensor_has_pointer_;
 }
 
+std::optional<Session::Picked> Session::pick_at(const glm::vec2& pixel) {
+  const std::vector<std::size_t> sight = panes_.visible();
+  const std::vector<Viewport> rectangles = places();
+  for (std::size_t i = 0; i < sight.size(); ++i) {
+    if (!rectangles[i].contains(pixel)) continue;
+    View* seen = panes_.at(sight[i]).view();
+    if (!seen) return std::nullopt;
+    const glm::vec2 size = rectangles[i].size();
+    const Ray ray = ray_through(seen->navigation.pose, rectangles[i].inside(pixel), size);
+    const std::optional<Hit> hit = picker_.pick(*seen->list, ray, pick_options(*seen, size));
+    if (!hit) return std::nullopt;
+    return Picked{sight[i], path_of(*seen->list, *hit)};
+  }
+  return std::nullopt;
+}
+
 // Sensors by themselves -------------------------------------------------------------------------------
 
 bool Session::point_at_sensor(bool down) {

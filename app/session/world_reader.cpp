@@ -82,6 +82,7 @@ void WorldReader::tell(News news) {
 
 void WorldReader::run(const std::string& path, LoadOptions options) {
   options.cancelled = &cancelled_;
+  options.ledger = ledger_;
   WorldLoading loading(path, options);
   {
     const std::lock_guard lock(mutex_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/session/documents.h"
+#include "app/streams/load_ledger.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 
@@ -54,6 +55,8 @@ class WorldReader {
   /// The thread has ended, so that the destructor does not wait.
   [[nodiscard]] bool ended() const { return stage_ == Stage::ended; }
   [[nodiscard]] News take();
+  /// Its files and streams. Never null.
+  [[nodiscard]] const std::shared_ptr<LoadLedger>& ledger() const { return ledger_; }
 
  private:
   void run(const std::string& path, LoadOptions options);
@@ -63,6 +66,7 @@ class WorldReader {
   void exchange_priorities(WorldLoading& loading);
 
   std::function<void()> wake_;
+  const std::shared_ptr<LoadLedger> ledger_ = std::make_shared<LoadLedger>();
   std::atomic<bool> cancelled_ = false;  // LoadOptions::cancelled
   enum class Stage : std::uint8_t { running, retired, ended };
   std::atomic<Stage> stage_ = Stage::running;

@@ -1,5 +1,6 @@
 #include "app/simulation/simulation.h"
 
+#include "app/script/run_time_nodes.h"
 #include "app/streams/stream_feed.h"
 #include "app/view/navigation.h"
 #include "app/world/world_loading.h"
@@ -12,43 +13,6 @@
 #include <utility>
 
 namespace gs::app {
-namespace {
-
-std::optional<vrml::FieldValue> read_nodes(const std::string& text, vrml::FieldType type, vrml::NodeNames& names) {
-  vrml::MFNode nodes;
-  std::size_t open = 0, close = 0;
-  constexpr std::string_view kBetween = " \t\r\n,";
-  for (std::size_t i = 0; i < text.size();) {
-    if (text[i] == '[' || text[i] == ']' || kBetween.find(text[i]) != std::string_view::npos) {
-      open += text[i] == '[' ? 1 : 0;
-      close += text[i] == ']' ? 1 : 0;
-      ++i;
-      continue;
-    }
-    const std::size_t end = std::min(text.size(), text.find_first_of(" \t\r\n,[]", i));
-    const std::string name = text.substr(i, end - i);
-    const vrml::NodeId node = name == "NULL" ? vrml::NodeId{} : names.find(name);
-    if (!node && name != "NULL") return std::nullopt;
-    nodes.push_back(node);
-    i = end;
-  }
-  if (type == vrml::FieldType::MFNode)
-    return open <= 1 && open == close ? std::optional<vrml::FieldValue>(std::move(nodes)) : std::nullopt;
-  return nodes.size() == 1 && open + close == 0 ? std::optional<vrml::FieldValue>(nodes[0]) : std::nullopt;
-}
-
-}  // namespace
-
-std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type, vrml::NodeNames& names) {
-  if (vrml::holds_nodes(type)) return read_nodes(text, type, names);
-  vrml::NodeType holder;
-  // As a field of a PROTO; a bracket or comment too many would end that.
-  if (!vrml::parse_interface("field " + std::string(vrml::name_of(type)) + " value " + text, holder))
-    return std::nullopt;
-  if (holder.interfaces.size() != 1 || holder.interfaces[0].type != type) return std::nullopt;
-  return std::move(holder.interfaces[0].initial);
-}
-
 namespace {
 
 SessionOptions simulated() {

@@ -113,9 +113,4 @@ class Simulation {
   std::int64_t heard_ = 0;  // pairs
 };
 
-/// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null
-/// where the text is no such value.
-[[nodiscard]] std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type,
-                                                         vrml::NodeNames& names);
-
 }  // namespace gs::app

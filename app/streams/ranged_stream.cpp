@@ -23,6 +23,7 @@ constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // of vectors; 
 
 RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place)
     : loader_(loader), feed_(std::move(feed)), place_(std::move(place)) {
+  place_.ledger->follow(place_.row, feed_.get(), true);
   if (place_.total - place_.directory > kMostDirectory)
     give_up("its directory is too long");
   else
@@ -66,6 +67,10 @@ bool RangedStream::ask_for_more() {
 }
 
 bool RangedStream::take(net::LoadEvent& event) {
+  const bool of_this = (front_request_ && event.id == *front_request_) ||
+                       (directory_request_ && event.id == *directory_request_) || open_.contains(event.id.value);
+  if (const auto* data = std::get_if<net::LoadData>(&event.what); data && of_this)
+    place_.ledger->receive(place_.row, data->bytes.size(), {});
   if (front_request_ && event.id == *front_request_) {
     if (const auto* data = std::get_if<net::LoadData>(&event.what)) feed_->push(data->bytes);
     if (!std::holds_alternative<net::LoadHead>(event.what) && !std::holds_alternative<net::LoadData>(event.what))
@@ -129,13 +134,23 @@ void RangedStream::stop_front() {
 }
 
 void RangedStream::give_up(const std::string& why) {
+  stop();
+  place_.ledger->end(place_.row, LoadStage::failed, why);
+  feed_->fail("no finer vectors of " + place_.url + " can be read: " + why);
+}
+
+void RangedStream::cancel() {
+  stop();
+  place_.ledger->end(place_.row, LoadStage::cancelled);
+}
+
+void RangedStream::stop() {
   over_ = true;
   for (const auto& [id, batch] : open_) loader_.cancel({id});
   if (directory_request_) loader_.cancel(*directory_request_);
   stop_front();
   open_.clear();
   directory_request_.reset();
-  feed_->fail("no finer vectors of " + place_.url + " can be read: " + why);
 }
 
 }  // namespace gs::app

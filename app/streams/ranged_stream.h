@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/streams/load_ledger.h"
 #include "app/streams/stream_feed.h"
 #include "net/load/loader.h"
 
@@ -25,6 +26,8 @@ class RangedStream {
     std::uint64_t front = 0;      // bytes that the stream has already
     std::uint64_t directory = 0;  // its offset
     std::uint64_t total = 0;
+    std::shared_ptr<LoadLedger> ledger;  // that is told how far it is, as this row; never null
+    std::uint64_t row = 0;
   };
   RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place);
 
@@ -32,6 +35,9 @@ class RangedStream {
   bool ask_for_more();
   /// Takes an event of one of its requests; false: it is of another's.
   bool take(net::LoadEvent& event);
+  [[nodiscard]] std::uint64_t row() const { return place_.row; }
+  /// Nobody wants more of it.
+  void cancel();
   /// Nothing more can be read.
   [[nodiscard]] bool over() const { return over_; }
 
@@ -45,6 +51,7 @@ class RangedStream {
   void take_data(Batch& batch, const net::LoadData& data);
   void stop_front();
   void give_up(const std::string& why);
+  void stop();
 
   net::Loader& loader_;
   std::shared_ptr<StreamFeed> feed_;

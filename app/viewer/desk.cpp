@@ -58,6 +58,8 @@ SessionOptions with_settings(SessionOptions options, const UserSettings& setting
   return options;
 }
 
+bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
+
 }  // namespace
 
 Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
@@ -68,6 +70,7 @@ Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBacke
       ui_(std::move(backend), options.scale, keeper_.settings()),
       session_(with_settings(options.session, keeper_.settings()), std::move(load), wake),
       dialog_(wake, options.dialogs) {
+  session_.add_guest(inspection_);
   const UserMemory& memory = keeper_.memory();
   ui_.arrange(memory.panels, memory.areas);
   lost_ = keeper_.take_lost_sessions();
@@ -75,6 +78,7 @@ Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBacke
 }
 
 Desk::~Desk() {
+  session_.remove_guest(inspection_);
   UserMemory memory = keeper_.memory();
   memory.panels = ui_.panels();
   memory.areas = ui_.areas();
@@ -96,10 +100,24 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
       const bool typed = ui_.wants_keys();
       if (row && !(row->of_world && typed) && run(row->action)) continue;
       if (typed && !(row && !row->of_world)) continue;
+      if (inspection_.takes_arrows() && is_arrow(event.key)) continue;
     }
+    if (picks(event)) continue;
     result.push_back({event, ui_.wants_pointer()});
   }
   return result;
+}
+
+// True when it was a click that chooses a node of the world (Alt+click, or behind Action::pick).
+bool Desk::picks(const WindowEvent& event) {
+  if (event.kind != WindowEvent::Kind::button_down || event.button != MouseButton::left || ui_.wants_pointer() ||
+      !(event.alt || inspection_.picking()))
+    return false;
+  if (inspection_.pick(session_, event.pointer))
+    ui_.show_panel(Action::scene_tree);
+  else
+    ui_.show_notice("There is nothing to choose", false);
+  return true;
 }
 
 // True where it is the interface's, the user's or the window's alone.
@@ -114,6 +132,14 @@ bool Desk::run(Action action) {
       return true;
     case Action::quit:
       window_.close();
+      return true;
+    case Action::pick:
+      inspection_.set_picking(!inspection_.picking());
+      if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
+      return true;
+    case Action::close:
+      if (!inspection_.picking()) return ui_.run(action);
+      inspection_.set_picking(false);
       return true;
     case Action::larger_text:
       settings.text_size += kTextStep;
@@ -251,7 +277,7 @@ bool Desk::tell(const Frame& frame) {
     const bool opened = open_in_browser(page);
     ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);
   }
-  if (frame.show_log) ui_.show_log();
+  if (frame.show_log) ui_.show_panel(Action::log);
   if (!frame.arrived.empty()) remember(frame.arrived);
   if (frame.news || frame.files_chosen) note_session();
   return any || !frame.notices.empty() || !frame.web_pages.empty() || frame.show_log;
@@ -334,6 +360,7 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.frames_a_second = measures.frames_a_second;
   model.gl_renderer = measures.gl_renderer;
   model.log = &session_.log();
+  model.inspection = &inspection_;
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/inspect/inspection.h"
 #include "app/interface/ui_overlay.h"
 #include "app/session/session.h"
 #include "app/settings/user_keeper.h"
@@ -49,6 +50,7 @@ class Desk {
 
   [[nodiscard]] Session& session() { return session_; }
   [[nodiscard]] UiOverlay& ui() { return ui_; }
+  [[nodiscard]] Inspection& inspection() { return inspection_; }
   [[nodiscard]] const UserKeeper& kept() const { return keeper_; }
 
   /// What of the events is the session's, behind UiOverlay::begin_frame; does what is the interface's own.
@@ -68,6 +70,7 @@ class Desk {
 
  private:
   bool run(Action action);
+  bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
   [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
   [[nodiscard]] std::optional<std::size_t> find_bookmark();
@@ -84,6 +87,7 @@ class Desk {
   std::string not_kept_;
   UiOverlay ui_;
   Session session_;
+  Inspection inspection_;  // a guest of the session
   FileDialog dialog_;
   SessionMemory lost_;   // of windows that ended by themselves, until the user has answered
   std::string opening_;  // what was chosen in the Open dialog last

@@ -118,7 +118,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
         if (!opened->renderer) return opened->problem;
         return paint(*opened->renderer, options, view, {width, height});
       });
-  session.set_guest(&control);
+  session.add_guest(control);
   SessionInput input;
   input.area = Viewport{0, 0, options.width, options.height};
   while (!told_to_end && !control.wants_to_end()) {
@@ -134,7 +134,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
     if (frame.next_life) wait = std::min(wait, *frame.next_life - world_time());
     if (!control.wants_to_end()) bell.wait(wait);
   }
-  session.set_guest(nullptr);
+  session.remove_guest(control);
   return error.empty() ? 0 : 1;
 }
 

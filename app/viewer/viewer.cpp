@@ -85,7 +85,7 @@ std::optional<std::string> Viewer::start_control() {
   control_->control().set_painter([this](const View& view, int width, int height) {
     return paint(*renderer_, options_, view, {width, height});
   });
-  session_.set_guest(&control_->control());
+  session_.add_guest(control_->control());
   return std::nullopt;
 }
 
@@ -108,6 +108,7 @@ void Viewer::run() {
     }
     frame_ = session_.step(world_time(), input);
     tell(frame_);
+    if (desk_.inspection().busy() || desk_.inspection().take_news(now)) frames_wanted_ = std::max(frames_wanted_, 1);
     if (!in_sight) continue;
     // Where pictures of the worlds take long, what is read, opened or typed shows before them.
     const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
@@ -122,6 +123,7 @@ void Viewer::run() {
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
+    desk_.inspection().prepare(session_, frame_.pictures, now);
     desk_.apply(ui_.build(desk_.model(frame_, measures_)));
     ui_.draw();
     window_->present();
@@ -148,6 +150,7 @@ void Viewer::wait_idle() {
   const std::optional<double> change = ui_.next_change();
   double wait = frame_.loading ? kLoadingWait : kIdleWait;
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
+  if (const auto next = desk_.inspection().next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
   window_->wait(interface_first ? *change : wait);
   if (interface_first) frames_wanted_ = std::max(frames_wanted_, 2);  // what appears is measured first, then shown

@@ -103,6 +103,7 @@ class Fetch {
   Stage stage = Stage::seeking;
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
+  std::uint64_t row = 0;  // of the LoadLedger
 
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
 };

@@ -34,6 +34,7 @@ struct WorldLoading::State::Cells {
   std::string server;
   Fetch* fetch = nullptr;            // null: it is not waited for
   std::shared_ptr<StreamFeed> feed;  // of the views that see to the rest
+  std::uint64_t row = 0;             // of the ledger
 };
 
 // False: not for this text.
@@ -56,6 +57,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
   auto one = std::make_shared<Cells>();
   one->fetch = &fetch;
   one->server = url.authority;
+  one->row = fetch.row;
   CellStreamOptions settings;
   settings.rate = options.rate;
   settings.loss = options.loss;
@@ -85,10 +87,12 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
     at->feed = at->fetch->handler->follow();
     if (!at->feed) return;
     at->stream->follow(at->feed);
+    ledger->follow(at->row, at->feed.get(), true);
     at->fetch->handler->tell_progress(1);  // views see to the rest
     ended.push_back(std::exchange(at->fetch, nullptr));
   };
   sink.piece = [this, at](const net::CellEvent& event) {
+    ledger->receive(at->row, event.bytes.size(), {});
     if (at->feed) {
       received += event.bytes.size();
       at->feed->add_loose(event.name.chunk, event.bytes);
@@ -101,6 +105,7 @@ void WorldLoading::State::open_cells(Fetch& fetch, const net::Url& url) {
   };
   sink.ended = [this, at](const std::optional<std::string>& problem) {
     if (at->feed && problem) at->feed->fail("no finer vectors come: " + *problem);
+    if (at->feed) ledger->end(at->row, problem ? LoadStage::failed : LoadStage::whole, problem.value_or(""));
     if (!at->fetch) return;
     if (!at->stream->answered()) silent_servers.insert(at->server);
     Fetch& ending = *std::exchange(at->fetch, nullptr);
@@ -131,7 +136,10 @@ bool WorldLoading::State::step_cells() {
   // What comes may lead to more of them.
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::shared_ptr<Cells> one = cells[i];
-    any = one->stream->step() || any;
+    if (!one->stream->step()) continue;
+    any = true;
+    const net::CellClientStatistics counted = one->stream->statistics();
+    ledger->count_datagrams(one->row, counted.datagrams, counted.lost);
   }
   std::erase_if(cells, [this](const auto& one) {
     const bool over = one->stream->over() || (!one->fetch && !one->feed);
@@ -145,6 +153,15 @@ void WorldLoading::State::stop_cells(const Fetch* fetch) {
   std::erase(waiting_cells, fetch);
   for (const auto& one : cells)
     if (one->fetch == fetch) one->fetch = nullptr;
+}
+
+// Of one that views see to.
+void WorldLoading::State::cancel_cells(std::uint64_t row) {
+  for (const auto& one : cells)
+    if (one->row == row && !one->fetch && one->feed) {
+      one->feed = nullptr;
+      ledger->end(row, LoadStage::cancelled);
+    }
 }
 
 net::CellClientStatistics WorldLoading::State::cell_statistics() const {

@@ -18,6 +18,8 @@ class MemoryNetwork;
 
 namespace gs::app {
 
+class LoadLedger;
+
 struct LoadOptions {
   std::uint64_t max_bytes = std::numeric_limits<std::uint64_t>::max();  // of the file: the rest never arrives
   vrml::Limits limits;                                                  // what the world may cost
@@ -33,6 +35,7 @@ struct LoadOptions {
   std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are
   std::string cache_folder;  // for what comes over the network; empty: none
   render::PhaseClock* phases = nullptr;        // of who measures how long texts take to parse; null: nobody does
+  std::shared_ptr<LoadLedger> ledger;          // of who wants to see how far files and streams are; null: nobody
   std::shared_ptr<net::MemoryNetwork> memory;  // for tests: what memory: URLs name
 };
 

@@ -37,6 +37,7 @@ std::string title_of(const vrml::SceneGraph& scene) {
 
 WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
     : options(given),
+      ledger(given.ledger ? given.ledger : std::make_shared<LoadLedger>()),
       limit(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                std::chrono::duration<double>(std::clamp(given.timeout_seconds, 0.0, 1e6))),
             given.cancelled),
@@ -46,9 +47,10 @@ WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
   world.title = file_name(asked);
 }
 
-WorldLoading::State::~State() = default;
+WorldLoading::State::~State() { ledger->set_wake({}); }
 
 void WorldLoading::State::start() {
+  ledger->set_wake([waker = waker] { waker->wake(); });
   const net::Url asked = net::parse_url(world.path);
   root = std::make_shared<SceneHandler>(*this, SceneHandler::Role::root, nullptr);
   auto first = std::make_unique<Fetch>();
@@ -75,6 +77,7 @@ void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) 
   phase = ++files > budget->limits().files ? Phase::too_many_files : Phase::loading;
   if (phase == Phase::too_many_files) return;
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
+  wanted->row = ledger->begin({}, {}, wanted->node);
   fetches.push_back(std::move(wanted));
   begin_next_candidate(*fetches.back());
 }
@@ -82,6 +85,7 @@ void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) 
 void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
   while (fetch.next < fetch.candidates.size()) {
     const net::Url& url = fetch.candidates[fetch.next++];
+    ledger->seek(fetch.row, net::url_for_messages(url.text()), url.scheme.empty() ? "file" : url.scheme);
     if (const auto refused = policy.refuse(fetch.from, url)) {
       fail_candidate(fetch, refused->message, refused->folder);
       continue;
@@ -107,6 +111,7 @@ void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
     return ask(fetch, std::move(ranges));
   }
   ended.push_back(&fetch);
+  ledger->end(fetch.row, LoadStage::failed, fetch.first_problem);
   fetch.handler->told = fetch.told;
   fetch.handler->missing(fetch.first_problem);
 }
@@ -171,6 +176,7 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
   if (taken_away) fetch.file.reset();
   received += size;
   fetch.received = size;
+  ledger->receive(fetch.row, size, size);
   fetch.rest = {};
   return true;
 }
@@ -207,7 +213,13 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
   fetch.received += bytes.size();
   received += bytes.size();
   fetch.handler->cut = fetch.cut;
+  ledger->receive(fetch.row, bytes.size(), fetch.total);
+  const bool before = std::exchange(changed, false);
+  const std::size_t streams_before = world.feeds.size();
   if (!bytes.empty()) fetch.handler->receive(bytes);
+  if (changed) ledger->show(fetch.row);
+  changed = changed || before;
+  if (world.feeds.size() > streams_before) ledger->follow(fetch.row, world.feeds.back().get(), false);
   if (fetch.total && *fetch.total > 0)
     fetch.handler->tell_progress(static_cast<double>(std::min(fetch.received, *fetch.total)) /
                                  static_cast<double>(*fetch.total));
@@ -216,8 +228,11 @@ void WorldLoading::State::deliver(Fetch& fetch, std::span<const std::byte> bytes
 void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>& problem) {
   ended.push_back(&fetch);
   fetch.handler->cut = fetch.cut;
-  if (fetch.stage == Fetch::Stage::refused) return;
+  if (fetch.stage == Fetch::Stage::refused) return ledger->end(fetch.row, LoadStage::failed, "it is of no use here");
+  const bool before = std::exchange(changed, false);
   fetch.handler->end(problem);
+  if (changed) ledger->show(fetch.row);
+  changed = changed || before;
   if (const auto useless = fetch.handler->wants_next()) {
     ended.pop_back();
     fetch.stage = Fetch::Stage::seeking;
@@ -230,6 +245,7 @@ void WorldLoading::State::finish(Fetch& fetch, const std::optional<std::string>&
     fail_candidate(fetch, *useless);
     return begin_next_candidate(fetch);
   }
+  ledger->end(fetch.row, problem ? LoadStage::failed : LoadStage::whole, problem.value_or(""));
   if (!problem) fetch.handler->tell_progress(1);
 }
 
@@ -248,13 +264,40 @@ void WorldLoading::State::stop(const std::string& why) {
     stop_cells(&fetch);
     if (fetch.stage == Fetch::Stage::receiving) fetch.handler->end(std::nullopt);
     if (fetch.handler == root && !root->refused()) root->content = SceneHandler::Content::cut_short;
+    ledger->end(fetch.row, cancelled ? LoadStage::cancelled : LoadStage::failed, cancelled ? "" : why);
   }
   ended.clear();
   fetches.clear();
 }
 
+void WorldLoading::State::cancel_rows() {
+  for (const std::uint64_t row : ledger->take_cancelled()) {
+    for (const auto& stream : streams)
+      if (stream->row() == row) stream->cancel();
+    cancel_cells(row);
+    const auto fetch = std::find_if(fetches.begin(), fetches.end(), [&](const auto& one) { return one->row == row; });
+    if (fetch != fetches.end() && std::find(ended.begin(), ended.end(), fetch->get()) == ended.end()) cancel(**fetch);
+  }
+}
+
+// What has come of it is kept.
+void WorldLoading::State::cancel(Fetch& fetch) {
+  std::erase(local, &fetch);
+  stop_cells(&fetch);
+  if (by_request.erase(fetch.request.value) > 0) loader->cancel(fetch.request);
+  ended.push_back(&fetch);
+  ledger->end(fetch.row, LoadStage::cancelled);
+  fetch.handler->cut = true;
+  if (fetch.stage == Fetch::Stage::receiving)
+    fetch.handler->end(std::nullopt);
+  else if (fetch.stage == Fetch::Stage::seeking)
+    fetch.handler->missing("reading it was cancelled");
+  if (fetch.handler == root && !root->refused()) root->content = SceneHandler::Content::cut_short;
+}
+
 bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   bool busy = false;
+  cancel_rows();
   // First, so that however short the time is, something shows.
   if (!local.empty()) {
     local_step();

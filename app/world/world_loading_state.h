@@ -3,6 +3,7 @@
 #include "app/base/load_limit.h"
 #include "app/base/world_budget.h"
 #include "app/streams/cell_stream.h"
+#include "app/streams/load_ledger.h"
 #include "app/world/arrivals.h"
 #include "app/world/content_handler.h"
 #include "app/world/world_loading.h"
@@ -63,6 +64,8 @@ struct WorldLoading::State {
   void deliver(Fetch& fetch, std::span<const std::byte> bytes);
   void finish(Fetch& fetch, const std::optional<std::string>& problem);
   void stop(const std::string& why);
+  void cancel_rows();
+  void cancel(Fetch& fetch);
   void fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder = {});
   bool refuse_folder(const std::string& folder, const std::string& reference);
   void report(vrml::Severity severity, const std::string& file, vrml::SourceLocation at, std::string message) {
@@ -90,12 +93,14 @@ struct WorldLoading::State {
   void open_cells(Fetch& fetch, const net::Url& url);
   bool step_cells();
   void stop_cells(const Fetch* fetch);
+  void cancel_cells(std::uint64_t row);
   [[nodiscard]] net::CellClientStatistics cell_statistics() const;
 
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
   BytesResult read_now(const std::string& url, const net::Origin& from);
 
   LoadOptions options;
+  std::shared_ptr<LoadLedger> ledger;
   net::ReferencePolicy policy;
   LoadLimit limit;
   WorldBudget budget;

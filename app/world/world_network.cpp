@@ -143,6 +143,8 @@ void WorldLoading::State::take_rest(Fetch& fetch) {
   place.validator = fetch.validator;
   place.front = fetch.received;
   place.total = *fetch.total;
+  place.ledger = ledger;
+  place.row = fetch.row;
   if (fetch.handler->seek(std::move(place))) {
     ended.push_back(&fetch);
     fetch.handler->tell_progress(1);  // views see to the rest

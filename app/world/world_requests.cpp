@@ -27,6 +27,7 @@ void WorldLoading::State::withdraw(const SceneHandler& handler) {
   for (const auto& one : fetches)
     if (const SceneHandler* of = one->handler->makes_nodes_of(); of && of->is_inside(handler)) {
       std::erase(local, one.get());
+      ledger->end(one->row, LoadStage::cancelled, "another url was set");
       stop_cells(one.get());
       if (by_request.erase(one->request.value) > 0) loader->cancel(one->request);
       if (std::find(ended.begin(), ended.end(), one.get()) == ended.end()) ended.push_back(one.get());

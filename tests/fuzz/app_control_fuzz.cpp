@@ -54,7 +54,7 @@ bool run_control_messages(std::span<const std::byte> bytes) {
   document->living->set_script_settings({0.1, true});
   begin_world(*document, 1000);
   session.show(document);
-  session.set_guest(&control);
+  session.add_guest(control);
   SessionInput input;
   input.area = Viewport{0, 0, 64, 64};
   double now = 1000;
@@ -70,7 +70,7 @@ bool run_control_messages(std::span<const std::byte> bytes) {
     now += 0.1;
     while (!lines.news.empty()) (void)session.step(now, input);
   }
-  session.set_guest(nullptr);
+  session.remove_guest(control);
   return lines.answered;
 }
 

@@ -96,6 +96,15 @@ class Execution {
   bool add_route(SceneGraph& scene, const Route& route);
   /// False where there is none.
   bool remove_route(SceneGraph& scene, const Route& route);
+  /// A ROUTE as events follow it, and the scene of its nodes.
+  struct PlacedRoute {
+    const SceneGraph* scene = nullptr;
+    Route route;
+  };
+  /// All that there are, of files, PROTO instances, Inlines and programs, in the order in which they were made.
+  [[nodiscard]] std::vector<PlacedRoute> placed_routes() const;
+  /// Another number whenever there are other ROUTEs than before.
+  [[nodiscard]] std::uint64_t routes_revision() const { return routes_revision_; }
 
   // Nodes made at run time (read_into) are removed when nothing holds them: no field or SFNode or MFNode eventOut of a
   // node that is held, and nobody by `hold`. Nodes of the world's files are held; a PROTO instance and the nodes of its
@@ -130,8 +139,12 @@ class Execution {
   [[nodiscard]] double now() const { return now_; }
   /// When a step has something to do next: at once while nodes run. Nothing: only events from outside go on.
   [[nodiscard]] std::optional<double> next_time() const;
-  /// Sees each event when it is delivered, also where no ROUTE leads on. Not for work on this object.
-  void observe(Observer observer) { observer_ = std::move(observer); }
+  /// Sees each event when it is delivered, also where no ROUTE leads on. Not for work on this object, nor for changes
+  /// of who sees them. One for each `who`; an empty one: `who` sees none any more.
+  void observe(Observer observer, const void* who = nullptr) {
+    std::erase_if(observers_, [&](const auto& one) { return one.first == who; });
+    if (observer) observers_.emplace_back(who, std::move(observer));
+  }
   /// The nodes that changed since the last call, each once. Valid until the next step.
   [[nodiscard]] std::span<const NodeChange> take_changes();
   /// The bound node of a bindable type (4.6.10); a null scene: there is none.
@@ -399,7 +412,7 @@ class Execution {
   Share share_;
   std::size_t afforded_ = 0;
   std::string problem_;
-  Observer observer_;
+  std::vector<std::pair<const void*, Observer>> observers_;
   double now_ = 0, previous_ = 0;
   std::uint64_t stamp_ = 1;
   std::size_t work_ = 0;
@@ -422,6 +435,7 @@ class Execution {
   std::uint32_t replaced_ = 0;
   std::deque<FieldValue> out_values_;
   std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections by slots from and to
+  std::uint64_t routes_revision_ = 0;
   std::unordered_map<const NodeType*, std::unique_ptr<EventSchema>> schemas_;
   std::deque<SceneState> scenes_;
   std::unordered_map<const SceneGraph*, std::size_t> scene_places_;

@@ -238,6 +238,7 @@ void Execution::disconnect(std::uint32_t place) {
   if (removed.next_in != 0) connections_[removed.next_in].previous_in = removed.previous_in;
   if (removed.way == Way::route) {
     routes_.erase(key_of(removed.from, nodes_[removed.to].first_slot + removed.event_in));
+    ++routes_revision_;
     afforded_ -= kRouteEntry;
   }
   removed.way = Way::removed;
@@ -278,7 +279,25 @@ bool Execution::add_route(SceneGraph& scene, const Route& route) {
     return false;
   }
   routes_.emplace(key_of(ends.from, ends.to), made);
+  ++routes_revision_;
   return true;
+}
+
+std::vector<Execution::PlacedRoute> Execution::placed_routes() const {
+  std::vector<std::uint32_t> places;
+  places.reserve(routes_.size());
+  for (const auto& [key, place] : routes_) places.push_back(place);
+  std::sort(places.begin(), places.end());
+  std::vector<PlacedRoute> result;
+  result.reserve(places.size());
+  for (const std::uint32_t place : places) {
+    const Connection& one = connections_[place];
+    const Member &from = nodes_[one.source], &to = nodes_[one.to];
+    result.push_back({from.scene,
+                      {from.id, to.id, from.schema->interfaces[one.from - from.first_slot].declaration,
+                       to.schema->interfaces[one.event_in].declaration}});
+  }
+  return result;
 }
 
 bool Execution::remove_route(SceneGraph& scene, const Route& route) {

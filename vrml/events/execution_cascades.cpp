@@ -70,7 +70,7 @@ void Execution::queue(EventNode node, std::uint32_t interface) {
   Slot& slot = slots_[nodes_[node].first_slot + interface];
   if (slot.sent == stamp_) return;
   slot.sent = stamp_;
-  if (slot.first != 0 || observer_) queue_.push_back({node, interface, 0});
+  if (slot.first != 0 || !observers_.empty()) queue_.push_back({node, interface, 0});
 }
 
 void Execution::drain() {
@@ -108,7 +108,7 @@ void Execution::deliver(Sent sent) {
   const Member& at = nodes_[sent.node];
   const EventSchema::Interface& interface = at.schema->interfaces[sent.interface];
   const FieldValue& value = stored(at, interface);
-  if (observer_) observer_({now_, at.scene, at.id, interface.declaration, &value});
+  for (const auto& [who, observer] : observers_) observer({now_, at.scene, at.id, interface.declaration, &value});
   walk(slots_[at.first_slot + sent.interface].first, value);
 }
 

@@ -24,19 +24,19 @@ struct FieldHeader {
   std::optional<std::size_t> end;  // where the data begins
 };
 
-struct FieldType {
+struct AvsFieldType {
   StoredType type = StoredType::u8;
   bool big_endian = false;
 };
 
-std::optional<FieldType> avs_field_type_of(std::string_view name) {
+std::optional<AvsFieldType> avs_field_type_of(std::string_view name) {
   const bool xdr = name.starts_with("xdr_");
   if (xdr) name.remove_prefix(4);
-  if (name == "byte") return FieldType{StoredType::u8, false};
-  if (name == "short") return FieldType{StoredType::i16, xdr};
-  if (name == "integer" || name == "int") return FieldType{StoredType::i32, xdr};
-  if (name == "float") return FieldType{StoredType::f32, xdr};
-  if (name == "double") return FieldType{StoredType::f64, xdr};
+  if (name == "byte") return AvsFieldType{StoredType::u8, false};
+  if (name == "short") return AvsFieldType{StoredType::i16, xdr};
+  if (name == "integer" || name == "int") return AvsFieldType{StoredType::i32, xdr};
+  if (name == "float") return AvsFieldType{StoredType::f32, xdr};
+  if (name == "double") return AvsFieldType{StoredType::f64, xdr};
   return std::nullopt;
 }
 
@@ -142,7 +142,8 @@ bool place(const FieldHeader& header, const Extent& extent, qnv::VolumeLayout& l
   return true;
 }
 
-std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const FieldHeader& header, FieldType type) {
+std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const FieldHeader& header,
+                                                  AvsFieldType type) {
   StoredVoxels voxels;
   voxels.type = type.type;
   voxels.big_endian = type.big_endian;
@@ -174,7 +175,7 @@ VolumeResult open_avs_field(const VolumeFile& file) {
   const FieldHeader header = read_avs_field_header(file.content.bytes, layout);
   if (header.field != "uniform" && header.field != "rectilinear")
     return "the field is '" + header.field.substr(0, 80) + "'; expected uniform or rectilinear";
-  const std::optional<FieldType> type = avs_field_type_of(header.data);
+  const std::optional<AvsFieldType> type = avs_field_type_of(header.data);
   if (!type)
     return "data is '" + header.data.substr(0, 80) +
            "'; expected byte, short, integer, float or double, or xdr_ and these";

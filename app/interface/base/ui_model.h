@@ -21,6 +21,8 @@
 
 namespace gs::app {
 
+class Inspection;
+
 /// A viewport in sight.
 struct UiViewport {
   Viewport place;
@@ -78,6 +80,7 @@ struct UiModel {
   double frame_ms = 0, frames_a_second = 0;
   std::string gl_renderer;
   const SessionLog* log = nullptr;
+  Inspection* inspection = nullptr;  // into the world, where the user looks; what he wants of it goes there
 
   bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
   std::string link;                        // what it leads to; may be empty

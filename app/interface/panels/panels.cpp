@@ -1,6 +1,7 @@
 #include "app/interface/panels/panels.h"
 
 #include "app/interface/panels/cloud_panel.h"
+#include "app/interface/panels/inspect_panels.h"
 #include "app/interface/panels/log_panel.h"
 
 #include <algorithm>
@@ -10,6 +11,11 @@ namespace {
 
 constexpr PanelRow kPanels[] = {
     {"transfer-function", "Transfer function", DockSide::right, Action::clouds, make_panel<CloudPanel>},
+    {"scene-tree", "Scene tree", DockSide::left, Action::scene_tree, make_panel<ScenePanel>},
+    {"inspector", "Inspector", DockSide::right, Action::inspector, make_panel<InspectorPanel>},
+    {"routes", "Routes", DockSide::bottom, Action::routes, make_panel<RoutesPanel>},
+    {"script-console", "Script console", DockSide::bottom, Action::script_console, make_panel<ConsolePanel>},
+    {"streams", "Streams", DockSide::bottom, Action::streams, make_panel<StreamsPanel>},
     {"log", "Log", DockSide::bottom, Action::log, make_panel<LogPanel>},
 };
 

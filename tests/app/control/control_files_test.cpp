@@ -26,10 +26,10 @@ struct Site {
     SessionOptions options;
     options.files = {"memory://a/world.wrl"};
     session = std::make_unique<Session>(options, load, [] {});
-    session->set_guest(&control);
+    session->add_guest(control);
   }
   ~Site() {
-    if (session) session->set_guest(nullptr);
+    if (session) session->remove_guest(control);
   }
   void say(const Json& call) { channel.news.push_back({1, false, call.dump()}); }
   /// Steps until the client is sent something of which `wanted` is true; null: that never came.

@@ -45,15 +45,15 @@ class World {
       : session({{}, {}, {}, true}, {}, [] {}),
         control(
             channel, [this] { ++wakes; }, most_of_step) {
-    session.set_guest(&control);
+    session.add_guest(control);
     input.area = Viewport{0, 0, 200, 100};
     open(body);
   }
   World() : session({{}, {}, {}, true}, {}, [] {}), control(channel, [this] { ++wakes; }) {
-    session.set_guest(&control);
+    session.add_guest(control);
     input.area = Viewport{0, 0, 200, 100};
   }
-  ~World() { session.set_guest(nullptr); }
+  ~World() { session.remove_guest(control); }
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 

@@ -1,0 +1,78 @@
+#include "app/inspect/selection_marks.h"
+
+#include "render/scene/collector.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace gs::app {
+
+vrml::Bounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
+  // PROTO instances are drawn as the nodes that they stand for.
+  std::vector<NodeAt> drawn;
+  for (const NodeAt& node : nodes)
+    drawn.push_back(
+        {node.scene, node && node.scene->contains(node.id) ? node.scene->resolve(node.id) : vrml::NodeId{}});
+  const auto rank_of = [&](const render::Place& place) {
+    return static_cast<std::size_t>(std::find(drawn.begin(), drawn.end(), NodeAt{place.scene, place.node}) -
+                                    drawn.begin());
+  };
+  std::size_t best = drawn.size();
+  for (const render::Place& place : list.places) best = std::min(best, rank_of(place));
+  vrml::Bounds bounds;
+  if (best == drawn.size()) return bounds;
+  std::vector<bool> inside(list.places.size());
+  for (std::size_t i = 0; i < list.places.size(); ++i) {
+    const render::Place& place = list.places[i];
+    inside[i] = (place.parent < i && inside[place.parent]) || rank_of(place) == best;
+  }
+  const auto add = [&](const vrml::Bounds& one) { bounds.add(one); };
+  for (const render::DrawItem& item : list.items)
+    if (item.place < inside.size() && inside[item.place] && item.mesh && item.seen)
+      add(render::world_bounds(item.mesh->bounds, item.world_from_node));
+  for (const render::SplatItem& splat : list.splats)
+    if (splat.place < inside.size() && inside[splat.place] && splat.cloud) {
+      const qnv::Box& box = splat.cloud->description.box;
+      add(render::world_bounds({box.lower, box.upper}, splat.world_from_node));
+    }
+  return bounds;
+}
+
+std::vector<PixelLine> edges_of(const vrml::Bounds& box, const Pose& pose, const Viewport& viewport) {
+  std::vector<PixelLine> lines;
+  if (box.empty()) return lines;
+  const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));
+  std::array<glm::dvec3, 8> corners;
+  double size = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    const glm::dvec3 corner((i & 1) != 0 ? box.upper.x : box.lower.x, (i & 2) != 0 ? box.upper.y : box.lower.y,
+                            (i & 4) != 0 ? box.upper.z : box.lower.z);
+    corners[i] = viewer_from_world * (corner - pose.position);
+    size = std::max(size, glm::length(corners[i]));
+  }
+  // The smaller side of the picture has the field of view.
+  const double pixels =
+      std::max(1, std::min(viewport.width, viewport.height)) / (2 * std::tan(double{pose.field_of_view} / 2));
+  const double near = std::max(1e-4 * size, 1e-9);
+  const auto pixel_of = [&](const glm::dvec3& point) {
+    return glm::vec2(viewport.left + viewport.width * 0.5 - point.x / point.z * pixels,
+                     viewport.top + viewport.height * 0.5 + point.y / point.z * pixels);
+  };
+  for (unsigned i = 0; i < 8; ++i)
+    for (const unsigned side : {1U, 2U, 4U}) {
+      if ((i & side) != 0) continue;
+      glm::dvec3 a = corners[i], b = corners[i | side];
+      if (a.z > -near && b.z > -near) continue;
+      if (a.z > -near) a += (b - a) * ((-near - a.z) / (b.z - a.z));
+      if (b.z > -near) b += (a - b) * ((-near - b.z) / (a.z - b.z));
+      lines.emplace_back(pixel_of(a), pixel_of(b));
+    }
+  return lines;
+}
+
+}  // namespace gs::app

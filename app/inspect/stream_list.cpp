@@ -1,0 +1,115 @@
+#include "app/inspect/stream_list.h"
+
+#include "app/streams/stream_feed.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace gs::app {
+namespace {
+
+std::string count_text(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// Of a stream that grows.
+std::string detail_of(const Document& document, const LoadRow& load) {
+  for (const auto& feed : document.world.feeds) {
+    if (feed.get() != load.feed || !feed->stream()) continue;
+    const qnv::LodStream& stream = *feed->stream();
+    std::string text =
+        count_text(stream.clusters(), "part") + " here, " + count_text(stream.cached_discs(), "vector") + " shown";
+    const std::size_t wanted = stream.wanted_by_all().size();
+    if (load.by_view && !load.ended)
+      text += wanted > 0 ? ", " + count_text(wanted, "part") + " wanted" : ", fine enough";
+    return text;
+  }
+  return {};
+}
+
+}  // namespace
+
+bool RateHistory::note(std::uint64_t bytes, double now) {
+  if (!bytes_) {
+    bytes_ = bytes;
+    at_ = now;
+    return false;
+  }
+  const double seconds = now - at_;
+  if (seconds < kSeconds) return false;
+  // Another reading begins at nothing.
+  const std::uint64_t more = bytes >= *bytes_ ? bytes - *bytes_ : bytes;
+  const auto rate = static_cast<float>(static_cast<double>(more) * 8 / seconds);
+  // Who has not looked for a while sees what has come on an average.
+  const auto times = static_cast<std::size_t>(std::min(seconds / kSeconds, static_cast<double>(kSamples)));
+  for (std::size_t i = 0; i < times; ++i) rates_[count_++ % kSamples] = rate;
+  bytes_ = bytes;
+  at_ = now;
+  return true;
+}
+
+double RateHistory::rate() const {
+  constexpr std::size_t kLast = static_cast<std::size_t>(1 / kSeconds);
+  const std::size_t count = std::min({count_, kLast, kSamples});
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += rates_[(count_ - 1 - i) % kSamples];
+  return count == 0 ? 0 : sum / static_cast<double>(count);
+}
+
+std::vector<float> RateHistory::samples() const {
+  const std::size_t count = std::min(count_, kSamples);
+  std::vector<float> result(count);
+  for (std::size_t i = 0; i < count; ++i) result[i] = rates_[(count_ - count + i) % kSamples];
+  return result;
+}
+
+void StreamList::clear() {
+  rows_.clear();
+  histories_.clear();
+  next_.reset();
+}
+
+void StreamList::refresh(const Session& session, double now) {
+  if (next_ && now < *next_) return;
+  next_ = now + RateHistory::kSeconds;
+  rows_.clear();
+  std::map<Key, RateHistory> kept;
+  for (const Session::Loads& loads : session.loads())
+    for (LoadRow& load : loads.ledger->rows()) {
+      Row row;
+      const Key key{loads.ledger.get(), load.number};
+      RateHistory& history = kept.emplace(key, std::move(histories_[key])).first->second;
+      (void)history.note(load.received, now);
+      row.rate = load.ended ? 0 : history.rate();
+      row.rates = history.samples();
+      if (load.feed && loads.document) row.detail = detail_of(*loads.document, load);
+      row.load = std::move(load);
+      row.world = loads.path;
+      row.ledger = loads.ledger;
+      row.document = loads.document;
+      rows_.push_back(std::move(row));
+    }
+  histories_ = std::move(kept);
+  std::stable_partition(rows_.begin(), rows_.end(), [](const Row& row) { return !row.ended(); });
+}
+
+std::size_t StreamList::arriving() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows_.begin(), rows_.end(), [](const Row& row) { return !row.ended(); }));
+}
+
+std::string readable_rate(double bits) {
+  const char* const units[] = {"bit/s", "kbit/s", "Mbit/s", "Gbit/s"};
+  std::size_t unit = 0;
+  for (; bits >= 1000 && unit + 1 < std::size(units); ++unit) bits /= 1000;
+  char text[48];
+  std::snprintf(text, sizeof text, unit == 0 || bits >= 100 ? "%.0f %s" : "%.1f %s", bits, units[unit]);
+  return text;
+}
+
+std::optional<double> loss_of(const LoadRow& row) {
+  const std::uint64_t sent = row.datagrams + row.lost;
+  return sent == 0 ? std::nullopt : std::optional(static_cast<double>(row.lost) / static_cast<double>(sent));
+}
+
+}  // namespace gs::app

@@ -1,0 +1,181 @@
+#include "app/interface/panels/inspect_panels.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kName = 80;  // bytes that are shown
+
+int as_count(std::size_t count) {
+  return static_cast<int>(std::min<std::size_t>(count, std::numeric_limits<int>::max() - 1));
+}
+
+}  // namespace
+
+void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
+  if (!model.inspection) return;
+  Inspection& inspection = *model.inspection;
+  inspection.drawn().tree = true;
+  if (!inspection.world()) {
+    if (!model.has_world) colored_text(UiColors::kQuiet, "There is no world here.");
+    return;
+  }
+  search_row(frame, inspection, actions);
+  rows(frame, inspection);
+}
+
+void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiActions& actions) {
+  const SceneIndex& index = inspection.index();
+  const float buttons = 3 * ImGui::GetFrameHeight() + ImGui::CalcTextSize("Pick").x + 30 * frame.scale;
+  ImGui::SetNextItemWidth(std::max(60 * frame.scale, ImGui::GetContentRegionAvail().x - buttons));
+  const bool entered = ImGui::InputTextWithHint("##find", "DEF name or type", sought_.data(), sought_.size(),
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  frame.tooltips.show("Finds nodes by parts of their DEF names and types. Enter: the next one");
+  if (std::string_view(sought_.data()) != index.sought() && lower_case(sought_.data()) != index.sought())
+    inspection.find(sought_.data());
+  if (entered) {
+    inspection.find_next(false);
+    ImGui::SetKeyboardFocusHere(-1);
+  }
+  ImGui::SameLine(0, 4 * frame.scale);
+  ImGui::BeginDisabled(index.matches() == 0);
+  if (ImGui::ArrowButton("##before", ImGuiDir_Up)) inspection.find_next(true);
+  frame.tooltips.show("The one before");
+  ImGui::SameLine(0, 4 * frame.scale);
+  if (ImGui::ArrowButton("##next", ImGuiDir_Down)) inspection.find_next(false);
+  frame.tooltips.show("The next one");
+  ImGui::EndDisabled();
+  ImGui::SameLine(0, 4 * frame.scale);
+  if (switch_button("Pick", inspection.picking())) actions.run = Action::pick;
+  frame.tooltips.show(tooltip_of(Action::pick));
+  if (index.sought().empty()) return;
+  const bool known = index.complete() && index.searched();
+  std::string found = std::to_string(index.matches()) + (index.matches() == SceneIndex::kMostMatches ? " or more" : "");
+  if (inspection.match()) found = std::to_string(*inspection.match() + 1) + " of " + found;
+  colored_text(
+      index.matches() == 0 && known ? UiColors::kWarning : UiColors::kQuiet,
+      index.matches() == 0 ? (known ? "Nothing is called so" : "Looking...") : found + (known ? "" : " so far"));
+}
+
+void ScenePanel::rows(const PanelFrame& frame, Inspection& inspection) {
+  SceneOutline& outline = inspection.outline();
+  const std::optional<std::size_t> revealed = inspection.take_revealed();
+  if (revealed) line_ = revealed;
+  ImGui::BeginChild("##rows", {0, 0}, false, ImGuiWindowFlags_HorizontalScrollbar);
+  if (revealed) {
+    const float height = ImGui::GetTextLineHeightWithSpacing();
+    ImGui::SetScrollY(std::max(0.0f, static_cast<float>(*revealed) * height - ImGui::GetWindowHeight() / 2));
+  }
+  if (outline.size() == 0) colored_text(UiColors::kQuiet, "The world holds no nodes.");
+  std::optional<std::size_t> toggled;
+  ImGuiListClipper clipper;
+  clipper.Begin(as_count(outline.size()), ImGui::GetTextLineHeightWithSpacing());
+  while (clipper.Step())
+    for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
+      if (line(frame, inspection, static_cast<std::size_t>(i))) toggled = static_cast<std::size_t>(i);
+  if (toggled) outline.set_open(*toggled, !outline.row(*toggled).open);
+  if (ImGui::IsWindowFocused()) {
+    inspection.drawn().arrows = true;
+    keys(inspection);
+  }
+  ImGui::EndChild();
+}
+
+// True when it is to be opened or closed.
+bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size_t index) {
+  const OutlineRow row = inspection.outline().row(index);
+  ImGui::PushID(static_cast<int>(index));
+  const float indent = static_cast<float>(row.depth) * 14 * frame.scale;
+  if (indent > 0) ImGui::Indent(indent);
+  const bool chosen = row.node && row.node == inspection.selected();
+  ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_OpenOnArrow | ImGuiTreeNodeFlags_SpanAvailWidth |
+                             ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_AllowItemOverlap;
+  if (!row.can_open) flags |= ImGuiTreeNodeFlags_Leaf;
+  if (chosen) flags |= ImGuiTreeNodeFlags_Selected;
+  const float left = ImGui::GetCursorPosX();
+  ImGui::SetNextItemOpen(row.open);
+  ImGui::TreeNodeEx("##line", flags);
+  const bool toggled = ImGui::IsItemToggledOpen();
+  if (ImGui::IsItemClicked() && !toggled) {
+    inspection.select(row.node, false);
+    line_ = index;
+  }
+  if (chosen && ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+    (void)inspection.fly_to_selected();
+  const bool hovered = ImGui::IsItemHovered();
+  ImGui::SameLine(left + ImGui::GetTreeNodeToLabelSpacing(), 0);
+  if (!row.field.empty()) {
+    colored_text(UiColors::kQuiet,
+                 shortened(row.field, kName) + (row.element ? "[" + std::to_string(*row.element) + "]" : "") + " ");
+    ImGui::SameLine(0, 0);
+  }
+  if (!row.node) {
+    colored_text(UiColors::kQuiet, "NULL");
+  } else {
+    const vrml::Node& node = row.node.scene->node(row.node.id);
+    if (row.use) {
+      colored_text(UiColors::kWarning, "USE ");
+      ImGui::SameLine(0, 0);
+    }
+    text(shortened(node.type->name, kName));
+    if (!node.name.empty()) {
+      ImGui::SameLine(0, 0);
+      colored_text(UiColors::kAccent, "  " + shortened(node.name, kName));
+    }
+    if (hovered && node.type->kind == vrml::NodeType::Kind::prototype) frame.tooltips.show("An instance of a PROTO");
+  }
+  if (indent > 0) ImGui::Unindent(indent);
+  ImGui::PopID();
+  return toggled;
+}
+
+// Arrows go from line to line, and open and close them.
+void ScenePanel::keys(Inspection& inspection) {
+  SceneOutline& outline = inspection.outline();
+  if (!line_ || *line_ >= outline.size()) return;
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); };
+  const OutlineRow row = outline.row(*line_);
+  std::optional<std::size_t> to;
+  if (pressed(ImGuiKey_DownArrow) && *line_ + 1 < outline.size()) to = *line_ + 1;
+  if (pressed(ImGuiKey_UpArrow) && *line_ > 0) to = *line_ - 1;
+  if (pressed(ImGuiKey_RightArrow)) {
+    if (row.can_open && !row.open)
+      outline.set_open(*line_, true);
+    else if (row.open)
+      to = *line_ + 1;
+  }
+  if (pressed(ImGuiKey_LeftArrow)) {
+    if (row.open)
+      outline.set_open(*line_, false);
+    else
+      to = outline.holder(*line_);
+  }
+  if (!to) return;
+  line_ = to;
+  inspection.select(outline.row(*to).node, false);
+  const float height = ImGui::GetTextLineHeightWithSpacing(), place = static_cast<float>(*to) * height;
+  if (place < ImGui::GetScrollY()) ImGui::SetScrollY(place);
+  if (place + height > ImGui::GetScrollY() + ImGui::GetWindowHeight())
+    ImGui::SetScrollY(place + height - ImGui::GetWindowHeight());
+}
+
+void draw_marks(const Inspection& inspection) {
+  const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+  const float x = 1 / std::max(scale.x, 0.01f), y = 1 / std::max(scale.y, 0.01f);
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImU32 color = ImGui::GetColorU32(UiColors::kAccent), shade = IM_COL32(0, 0, 0, 110);
+  for (const Inspection::Mark& mark : inspection.marks()) {
+    const auto left = static_cast<float>(mark.viewport.left) * x, top = static_cast<float>(mark.viewport.top) * y;
+    draw.PushClipRect({left, top}, {left + static_cast<float>(mark.viewport.width) * x,
+                                    top + static_cast<float>(mark.viewport.height) * y});
+    for (const auto& [ink, width] : {std::pair(shade, 3.0f), std::pair(color, 1.5f)})
+      for (const auto& [a, b] : mark.lines) draw.AddLine({a.x * x, a.y * y}, {b.x * x, b.y * y}, ink, width);
+    draw.PopClipRect();
+  }
+}
+
+}  // namespace gs::app

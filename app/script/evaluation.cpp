@@ -1,0 +1,67 @@
+#include "app/script/script_world.h"
+
+#include <js/CompilationAndEvaluation.h>
+#include <js/Exception.h>
+#include <js/RegExp.h>
+#include <jsfriendapi.h>
+
+#include <utility>
+
+// Lines that somebody types, as parts of programs.
+namespace gs::app::script {
+namespace {
+
+constexpr std::size_t kMostText = 2000;  // of a value
+
+// As programs write it: a text in quotes.
+bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text) {
+  if (value.isSymbol()) return text = "a symbol", true;
+  if (!text_of_value(context, value, text)) return false;
+  if (text.size() > kMostText) text = text.substr(0, kMostText) + "...";
+  if (value.isString()) text = '"' + text + '"';
+  return true;
+}
+
+}  // namespace
+
+ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script, const std::string& line) {
+  const auto no = [](std::string why) { return Evaluation{std::move(why), true}; };
+  const vrml::EventNode node = execution_.event_node(scene, script);
+  Program* const program = node == 0 ? nullptr : program_of(node);
+  if (!program) return no("this is no Script, or its program has not begun");
+  if (program->waits) return no("the program of this Script has not come yet");
+  if (program->off) return no("the program of this Script is not run any more, after three faults");
+  if (!program->runs || !program->global) return no("this Script has no program that runs");
+  JSContext* const context = engine_.context();
+  const vrml::Limits& limits = execution_.root().limits();
+  Evaluation result;
+  Program* const outer = std::exchange(running_, program);
+  if (!outer) clock_looks_ = 0;
+  {
+    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
+    const JSAutoRealm realm(context, program->global);
+    JS::RootedScript compiled(context, compile_mended(context, modern_text_of(*program, line), "console", {1, 1}));
+    JS::RootedValue value(context);
+    bool good = compiled && JS_ExecuteScript(context, compiled, &value);
+    if (good) js::RunJobs(context);
+    good = good && flush_changed(context) && text_of_result(context, value, result.text);
+    if (!good || turn.stop() != Stop::none) {
+      result.failed = true;
+      bool recursion = false;
+      const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
+      const std::optional<vrml::Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
+      result.text = turn.stop() == Stop::memory ? "it takes more memory than programs may have"
+                    : turn.stop() == Stop::time ? "it did not come to its end in time"
+                    : said                      ? said->text()
+                                                : "it failed";
+      JS_ClearPendingException(context);
+      if (!flush_changed(context)) JS_ClearPendingException(context);
+    }
+  }
+  send_all(*program);
+  running_ = outer;
+  engine_.rest();
+  return result;
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,105 @@
+#include "app/inspect/field_edits.h"
+
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <limits>
+#include <string>
+
+namespace gs::app::field_edits_test {
+
+struct Editor {
+  OpenedWorld world = world_of("DEF A Group {} DEF B Group {}");
+  vrml::NodeNames names{*world.scene};
+
+  // The value as it is, or what is wrong.
+  std::variant<vrml::FieldValue, std::string> edit(const char* type, const char* event_in, const std::string& text) {
+    const vrml::NodeType* const of = vrml::built_in_node_type(type);
+    REQUIRE(of);
+    const vrml::InterfaceDeclaration* const one = of->find_event_in(event_in);
+    REQUIRE(one);
+    return read_edit(*of, *one, text, names);
+  }
+  bool fine(const char* type, const char* event_in, const std::string& text) {
+    return std::holds_alternative<vrml::FieldValue>(edit(type, event_in, text));
+  }
+  std::string why(const char* type, const char* event_in, const std::string& text) {
+    const auto read = edit(type, event_in, text);
+    return std::holds_alternative<std::string>(read) ? std::get<std::string>(read) : "";
+  }
+};
+
+// VRML97 4.7.
+TEST_CASE("What an event can set is changed by it, and nothing else") {
+  const auto setter = [](const char* type, const char* field) {
+    const vrml::NodeType& of = *vrml::built_in_node_type(type);
+    const vrml::InterfaceDeclaration* const found = setter_of(of, *of.find(field));
+    return found ? found->name : "";
+  };
+  CHECK(setter("Transform", "translation") == "translation");
+  CHECK(setter("IndexedFaceSet", "coordIndex") == "set_coordIndex");
+  CHECK(setter("Group", "addChildren") == "addChildren");
+  CHECK(setter("Box", "size").empty());
+  CHECK(setter("TimeSensor", "isActive").empty());
+  const vrml::NodeType& box = *vrml::built_in_node_type("Box");
+  CHECK(why_not_set(*box.find("size")).find("no event sets it") != std::string::npos);
+}
+
+TEST_CASE("A text becomes a value of the field's type, or says why not") {
+  Editor editor;
+  CHECK(editor.edit("Transform", "translation", "1 2 3") ==
+        std::variant<vrml::FieldValue, std::string>(vrml::FieldValue(vrml::SFVec3f(1, 2, 3))));
+  CHECK(editor.why("Transform", "translation", "1 2") == "'1 2' is no SFVec3f");
+  CHECK(editor.why("Transform", "translation", "1 2 3 ] field SFInt32 x 1").find("is no SFVec3f") != std::string::npos);
+  CHECK(editor.fine("Text", "string", "[ \"a\", \"b\" ]"));
+  CHECK(editor.fine("Group", "children", "[ A B ]"));
+  CHECK(editor.why("Group", "children", "[ C ]").find("expected DEF names") != std::string::npos);
+  CHECK(editor.fine("Shape", "geometry", "NULL"));
+}
+
+// The ranges of VRML97 clause 6, as the interfaces print them.
+TEST_CASE("A value beyond the range of its field says what is expected") {
+  Editor editor;
+  CHECK(editor.fine("Material", "transparency", "1"));
+  CHECK(editor.why("Material", "transparency", "1.5") == "1.5 is out of range; expected at least 0 and at most 1");
+  CHECK(editor.why("Transform", "scale", "1 0 1") == "0 is out of range; expected more than 0");
+  CHECK(editor.fine("Viewpoint", "fieldOfView", "1"));
+  CHECK(editor.why("Viewpoint", "fieldOfView", "0") == "0 is out of range; expected more than 0");
+  CHECK(editor.why("SpotLight", "beamWidth", "0") == "0 is out of range; expected more than 0 and at most pi/2");
+  CHECK(editor.why("PointLight", "color", "1 2 0") == "2 is out of range; expected at least 0 and at most 1");
+  CHECK(editor.why("Color", "color", "[ 0 0 0, 0 -1 0 ]").starts_with("element 2: -1 is out of range"));
+  // Of a field x beside its eventIn set_x.
+  CHECK(editor.fine("IndexedFaceSet", "set_coordIndex", "[ 0, 1, 2, -1 ]"));
+  CHECK(editor.why("IndexedFaceSet", "set_coordIndex", "[ 0, -2 ]") ==
+        "element 2: -2 is out of range; expected at least -1");
+  // Of a rotation the second one is that of the angle; an axis has a direction (5.8).
+  CHECK(editor.fine("Transform", "rotation", "0 3 0 12"));
+  CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("no axis") != std::string::npos);
+  CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));
+}
+
+TEST_CASE("Numbers that are none, and values of other types, are refused") {
+  const vrml::NodeType& transform = *vrml::built_in_node_type("Transform");
+  const vrml::InterfaceDeclaration& translation = *transform.find("translation");
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN(), kFar = std::numeric_limits<float>::infinity();
+  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(0, kNone, 0)) == "expected numbers that are finite");
+  CHECK(why_not_valid(transform, translation, vrml::SFVec3f(kFar, 0, 0)) == "expected numbers that are finite");
+  CHECK(why_not_valid(transform, translation, vrml::SFFloat(1)) == "expected a value of type SFVec3f");
+  CHECK_FALSE(why_not_valid(transform, translation, vrml::SFVec3f(1, 2, 3)));
+}
+
+// Each range of the node table is understood, so that none is passed over.
+TEST_CASE("A default that the table prints is within the range that it prints") {
+  std::size_t ranges = 0;
+  for (const auto& type : vrml::built_in_node_types())
+    for (const vrml::InterfaceDeclaration& one : type->interfaces) {
+      if (one.slot < 0 || one.range.empty()) continue;
+      ++ranges;
+      INFO(type->name << "." << one.name << " " << one.range);
+      CHECK(why_not_valid(*type, one, one.initial).value_or("") == "");
+    }
+  CHECK(ranges > 100);
+}
+
+}  // namespace gs::app::field_edits_test

@@ -1,0 +1,127 @@
+#include "app/inspect/route_list.h"
+
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace gs::app::route_list_test {
+
+using Lines = std::vector<std::string>;
+
+struct Routed {
+  explicit Routed(const std::string& body) : world(world_of(body)), execution(*world.scene) {
+    execution.attach();
+    execution.start(1000);
+  }
+  [[nodiscard]] NodeAt node(std::string_view name) const {
+    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
+      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    return {};
+  }
+  Lines lines(const NodeAt& only = {}) {
+    routes.refresh(&execution, only);
+    Lines all;
+    for (const RouteList::Row& row : routes.rows()) all.push_back(RouteList::text_of(row));
+    return all;
+  }
+  void set(const char* name, const char* event, float value) {
+    const NodeAt at = node(name);
+    execution.begin_update();
+    CHECK(execution.post(*at.scene, at.id, *at.scene->node(at.id).type->find_event_in(event), value));
+    execution.end_update();
+  }
+
+  OpenedWorld world;
+  vrml::Execution execution;
+  RouteList routes;
+  EventWatch watch;
+};
+
+constexpr const char* kTwo =
+    "DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] } DEF M Material {} DEF L PointLight {} "
+    "ROUTE I.value_changed TO M.transparency ROUTE M.transparency TO L.intensity";
+
+TEST_CASE("ROUTEs are listed by names, in the order in which they were made, and filtered by a node") {
+  Routed world(kTwo);
+  CHECK(world.lines() == Lines{"I.value_changed -> M.transparency", "M.transparency -> L.intensity"});
+  CHECK(world.lines(world.node("L")) == Lines{"M.transparency -> L.intensity"});
+  CHECK(world.routes.all() == 2);
+  CHECK(world.lines(world.node("M")).size() == 2);
+}
+
+TEST_CASE("The list is made again only where there are other ROUTEs") {
+  Routed world(kTwo);
+  (void)world.lines();
+  const std::uint64_t made = world.routes.made();
+  world.set("I", "set_fraction", 0.5f);
+  (void)world.lines();
+  CHECK(world.routes.made() == made);
+  const NodeAt from = world.node("I"), to = world.node("L");
+  const vrml::Route route{from.id, to.id, from.scene->node(from.id).type->find_event_out("value_changed"),
+                          to.scene->node(to.id).type->find_event_in("radius")};
+  CHECK(world.execution.add_route(*world.world.scene, route));
+  CHECK(world.lines().back() == "I.value_changed -> L.radius");
+  CHECK(world.execution.remove_route(*world.world.scene, route));
+  CHECK(world.lines().size() == 2);
+}
+
+TEST_CASE("ROUTEs inside bodies of PROTO instances are listed, too") {
+  Routed world(
+      "PROTO P [] { Group { children [ DEF T TimeSensor {} DEF S ScalarInterpolator {} ] } "
+      "ROUTE T.fraction_changed TO S.set_fraction } P {} P {}");
+  CHECK(world.lines() == Lines{"T.fraction_changed -> S.set_fraction", "T.fraction_changed -> S.set_fraction"});
+}
+
+TEST_CASE("Events light their ROUTEs for half a second, and are counted a second") {
+  Routed world(kTwo);
+  (void)world.lines();
+  world.watch.watch(&world.execution);
+  const auto light = [&](std::size_t row) {
+    return RouteList::light_of(world.routes.rows()[row], world.watch, world.execution.now());
+  };
+  const auto a_second = [&](std::size_t row) {
+    const RouteList::Row& one = world.routes.rows()[row];
+    const EventWatch::Seen* const seen = world.watch.find(one.from, *one.event_out);
+    return seen ? seen->a_second : -1;
+  };
+  CHECK(light(0) == 0);
+  CHECK(a_second(0) == -1);
+  CHECK_FALSE(world.watch.take_news());
+  for (int i = 1; i <= 10; ++i) {
+    world.execution.step(1000 + 0.05 * i);
+    world.set("I", "set_fraction", 0.1f * static_cast<float>(i));
+  }
+  CHECK(world.watch.take_news());
+  CHECK(light(0) > 0.9f);
+  CHECK(light(1) > 0.9f);
+  world.execution.step(1000.75);
+  CHECK(light(0) == Approx(0.5).margin(0.01));
+  world.execution.step(1001);
+  (void)world.watch.take_news();
+  CHECK(a_second(0) == Approx(10));
+  CHECK(light(1) == Approx(0).margin(1e-6));
+  // A quiet second.
+  world.execution.step(1002);
+  (void)world.watch.take_news();
+  CHECK(a_second(0) == 0);
+}
+
+TEST_CASE("Who no longer watches is told nothing, and several may watch") {
+  Routed world(kTwo);
+  int others = 0;
+  world.execution.observe([&](const vrml::SentEvent&) { ++others; });
+  world.watch.watch(&world.execution);
+  world.set("I", "set_fraction", 0.5f);
+  CHECK(others == 3);
+  CHECK(world.watch.size() == 3);
+  world.watch.watch(nullptr);
+  CHECK(world.watch.size() == 0);
+  world.set("I", "set_fraction", 0.25f);
+  CHECK(others == 6);
+  CHECK(world.watch.size() == 0);
+}
+
+}  // namespace gs::app::route_list_test

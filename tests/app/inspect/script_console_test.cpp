@@ -1,0 +1,73 @@
+#include "app/inspect/console.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+namespace gs::app::script_console_test {
+
+std::vector<std::string> texts(const ScriptConsole& console) {
+  std::vector<std::string> all;
+  for (const ProgramLine& one : console.lines()) all.push_back(one.place + "|" + one.text);
+  return all;
+}
+using Texts = std::vector<std::string>;
+
+TEST_CASE("The console shows what the log says of programs, once, with its place") {
+  SessionLog log;
+  vrml::Diagnostics said;
+  said.add({vrml::Severity::note, "print", {}, "hello"});
+  said.add({vrml::Severity::warning, "/worlds/a.wrl", {3, 4}, "unknown field 'x'"});
+  said.add({vrml::Severity::error, "/worlds/a.wrl", {7, 12}, "Script Door: ReferenceError: y is not defined"});
+  log.note("a.wrl", said);
+  ScriptConsole console;
+  CHECK(console.take(log, "a.wrl"));
+  CHECK(texts(console) == Texts{"|hello", "a.wrl:7:12|Script Door: ReferenceError: y is not defined"});
+  CHECK(console.lines()[0].kind == ProgramLine::Kind::printed);
+  CHECK(console.lines()[1].kind == ProgramLine::Kind::problem);
+  CHECK_FALSE(console.take(log, "a.wrl"));
+  said.add({vrml::Severity::note, "print", {}, "again"});
+  log.note("a.wrl", said);
+  CHECK(console.take(log, "a.wrl"));
+  CHECK(texts(console).size() == 3);
+  // Another world.
+  CHECK(console.take(log, "b.wrl"));
+  CHECK(console.lines().empty());
+}
+
+TEST_CASE("What was entered comes back with the arrows, and the line that was begun as well") {
+  ScriptConsole console;
+  CHECK_FALSE(console.enter("  "));
+  CHECK_FALSE(console.recall(true, ""));
+  CHECK(console.enter("1 + 1"));
+  console.answer("2", false);
+  CHECK(console.enter("Browser"));
+  console.answer("no", true);
+  CHECK(texts(console) == Texts{"|1 + 1", "|2", "|Browser", "|no"});
+  CHECK(console.lines()[3].kind == ProgramLine::Kind::failure);
+  CHECK(console.recall(true, "beg") == "Browser");
+  CHECK(console.recall(true, "Browser") == "1 + 1");
+  CHECK_FALSE(console.recall(true, "1 + 1"));
+  CHECK(console.recall(false, "1 + 1") == "Browser");
+  CHECK(console.recall(false, "Browser") == "beg");
+  CHECK_FALSE(console.recall(false, "beg"));
+  // The same line again stands once.
+  CHECK(console.enter("1 + 1"));
+  CHECK(console.recall(true, "") == "1 + 1");
+  CHECK(console.recall(true, "") == "Browser");
+  CHECK_FALSE(console.recall(true, ""));
+}
+
+TEST_CASE("Lines and what was entered are bounded") {
+  ScriptConsole console;
+  for (std::size_t i = 0; i < 2 * ScriptConsole::kMostLines; ++i) console.answer(std::to_string(i), false);
+  CHECK(console.lines().size() <= ScriptConsole::kMostLines);
+  CHECK(console.lines().back().text == std::to_string(2 * ScriptConsole::kMostLines - 1));
+  for (std::size_t i = 0; i <= ScriptConsole::kMostEntered; ++i) (void)console.enter(std::to_string(i));
+  std::size_t entered = 0;
+  while (console.recall(true, "")) ++entered;
+  CHECK(entered == ScriptConsole::kMostEntered);
+}
+
+}  // namespace gs::app::script_console_test

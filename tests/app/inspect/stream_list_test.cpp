@@ -1,0 +1,92 @@
+#include "app/inspect/stream_list.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace gs::app::stream_list_test {
+
+TEST_CASE("A rate is what has come in a second, and its history has an end") {
+  RateHistory history;
+  CHECK(history.rate() == 0);
+  CHECK_FALSE(history.note(1000, 10));
+  CHECK_FALSE(history.note(5000, 10.1));  // too soon for a sample
+  CHECK(history.note(2000, 10.25));       // 1000 bytes in a quarter of a second
+  CHECK(history.rate() == Approx(32'000));
+  CHECK(history.note(2000, 10.5));
+  CHECK(history.rate() == Approx(16'000));
+  CHECK(history.samples().size() == 2);
+  // Who has not looked for a second sees it on an average.
+  CHECK(history.note(6000, 11.5));
+  CHECK(history.samples().size() == 6);
+  CHECK(history.rate() == Approx(32'000));
+  // Another reading begins at nothing.
+  CHECK(history.note(100, 11.75));
+  CHECK(history.samples().back() == Approx(3200));
+  for (int i = 0; i < 1000; ++i) (void)history.note(100, 12 + i * 0.25);
+  CHECK(history.samples().size() == RateHistory::kSamples);
+  CHECK(history.rate() == 0);
+}
+
+TEST_CASE("The ledger of loads tells how far each is, and forgets the oldest that has ended") {
+  LoadLedger ledger;
+  const std::uint64_t first = ledger.begin("http://host/a.qnv", "http", nullptr);
+  const std::uint64_t second = ledger.begin("b.wrl", "file", nullptr);
+  ledger.receive(first, 100, 400);
+  ledger.show(first);
+  ledger.receive(first, 300, {});
+  ledger.count_datagrams(first, 9, 1);
+  ledger.end(second, LoadStage::failed, "there is no such file");
+  ledger.end(second, LoadStage::whole);  // it has ended
+  std::vector<LoadRow> rows = ledger.rows();
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].stage == LoadStage::arriving);
+  CHECK(rows[0].received == 400);
+  CHECK(rows[0].total == 400U);
+  CHECK(rows[0].first_picture);
+  CHECK_FALSE(rows[0].ended);
+  CHECK(loss_of(rows[0]) == Approx(0.1));
+  CHECK(rows[1].stage == LoadStage::failed);
+  CHECK(rows[1].why == "there is no such file");
+  CHECK_FALSE(loss_of(rows[1]));
+  CHECK(name_of(rows[1].stage) == "failed");
+  for (std::size_t i = 0; i < LoadLedger::kMost; ++i) ledger.end(ledger.begin("x", "data", nullptr), LoadStage::whole);
+  rows = ledger.rows();
+  CHECK(rows.size() == LoadLedger::kMost);
+  CHECK(rows.front().number == first);  // it has not ended
+}
+
+TEST_CASE("A stream that views choose from is whole when all of it is there") {
+  LoadLedger ledger;
+  const std::uint64_t number = ledger.begin("a.qnv", "http", nullptr);
+  ledger.receive(number, 64, 128);
+  ledger.follow(number, nullptr, true);
+  CHECK(ledger.rows()[0].stage == LoadStage::arriving);
+  ledger.receive(number, 64, {});
+  CHECK(ledger.rows()[0].stage == LoadStage::whole);
+  CHECK(ledger.rows()[0].ended);
+}
+
+TEST_CASE("Who cancels a load wakes who reads it, but not where it has ended") {
+  LoadLedger ledger;
+  int woken = 0;
+  ledger.set_wake([&] { ++woken; });
+  const std::uint64_t number = ledger.begin("a.qnv", "http", nullptr);
+  ledger.cancel(number);
+  CHECK(woken == 1);
+  CHECK(ledger.take_cancelled() == std::vector<std::uint64_t>{number});
+  CHECK(ledger.take_cancelled().empty());
+  ledger.end(number, LoadStage::cancelled);
+  ledger.cancel(number);
+  CHECK(woken == 1);
+}
+
+TEST_CASE("Rates are told in the units of networks") {
+  CHECK(readable_rate(0) == "0 bit/s");
+  CHECK(readable_rate(999) == "999 bit/s");
+  CHECK(readable_rate(1500) == "1.5 kbit/s");
+  CHECK(readable_rate(250'000) == "250 kbit/s");
+  CHECK(readable_rate(12'300'000) == "12.3 Mbit/s");
+}
+
+}  // namespace gs::app::stream_list_test

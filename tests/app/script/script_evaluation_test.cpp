@@ -1,0 +1,86 @@
+#include "tests/app/script/scripts.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace gs::app::script_evaluation_test {
+
+using scripts::Lines;
+using scripts::World;
+
+// The value of a line, or "! " and what is wrong with it.
+std::string evaluate(World& world, const char* script, const std::string& line) {
+  world.execution().begin_update();
+  const ScriptRunner::Evaluation made = world.runner().evaluate(world.scene(), world.node(script), line);
+  world.execution().end_update();
+  return (made.failed ? "! " : "") + made.text;
+}
+
+TEST_CASE("A line is run as a part of a Script's program") {
+  World world(
+      "DEF S Script { field SFInt32 count 3 eventOut SFFloat out field MFString names [ \"a\" \"b\" ] directOutput "
+      "TRUE "
+      "url \"javascript: var own = 5; function twice(x) { return 2 * x; } function initialize() {}\" } "
+      "DEF M Material {} ROUTE S.out TO M.transparency");
+  world.start();
+  CHECK(evaluate(world, "S", "1 + 1") == "2");
+  CHECK(evaluate(world, "S", "twice(own) + count") == "13");
+  CHECK(evaluate(world, "S", "'a' + 'b'") == "\"ab\"");
+  CHECK(evaluate(world, "S", "names.length") == "2");
+  CHECK(evaluate(world, "S", "var more = 7") == "undefined");
+  CHECK(evaluate(world, "S", "more") == "7");
+  CHECK(evaluate(world, "S", "new SFVec3f(1, 2, 3)") == "1 2 3");
+  // VRML97 C.5.2: events go on when it is over.
+  world.events();
+  CHECK(evaluate(world, "S", "out = 0.5") == "0.5");
+  CHECK(world.events(".transparency").size() == 1);
+  CHECK(evaluate(world, "S", "print('hello')") == "undefined");
+  CHECK(world.printed() == Lines{"hello"});
+}
+
+TEST_CASE("What is wrong with a line is told, each time, and is no fault of the program") {
+  World world("DEF S Script { url \"javascript: function initialize() { print('here'); }\" }");
+  world.start();
+  for (int i = 0; i < 5; ++i) {
+    CHECK(evaluate(world, "S", "missing + 1").find("! console:1:1: error: ReferenceError: missing is not defined") ==
+          0);
+    CHECK(evaluate(world, "S", "1 +").find("SyntaxError") != std::string::npos);
+    CHECK(evaluate(world, "S", "throw 'mine'").starts_with("! "));
+    CHECK(evaluate(world, "S", "({toString: function() { throw 1; }})").starts_with("! "));
+  }
+  CHECK(world.problems().empty());
+  CHECK(evaluate(world, "S", "1") == "1");
+}
+
+TEST_CASE("A line has the time and the memory of programs") {
+  vrml::Limits limits;
+  limits.script_seconds = 0.05;
+  limits.script_heap = std::size_t{8} << 20;
+  World world("DEF S Script { url \"javascript: ;\" }", limits);
+  world.start();
+  CHECK(evaluate(world, "S", "while (true) ;") == "! it did not come to its end in time");
+  CHECK(evaluate(world, "S", "var a = []; while (true) a.push('x' + a.length)").starts_with("! it "));
+  CHECK(evaluate(world, "S", "2") == "2");
+}
+
+TEST_CASE("Where no program runs, it says so in a line") {
+  World world(
+      "DEF Java Script { url \"some.class\" } DEF Empty Script {} DEF Far Script { url \"far.js\" } DEF G Group {} "
+      "DEF Bad Script { url \"javascript: function initialize( {\" }");
+  world.start();
+  CHECK(evaluate(world, "Java", "1") == "! this Script has no program that runs");
+  CHECK(evaluate(world, "Empty", "1") == "! this Script has no program that runs");
+  CHECK(evaluate(world, "Far", "1") == "! the program of this Script has not come yet");
+  CHECK(evaluate(world, "Bad", "1") == "! this Script has no program that runs");
+  CHECK(evaluate(world, "G", "1") == "! this is no Script, or its program has not begun");
+}
+
+// vrmlscript: holds programs of the same language here (C.3.1).
+TEST_CASE("Old VRMLScript programs take lines as well") {
+  World world("DEF S Script { field SFFloat x 2 url \"vrmlscript: function initialize() {}\" }");
+  world.start();
+  CHECK(evaluate(world, "S", "x * 2") == "4");
+}
+
+}  // namespace gs::app::script_evaluation_test
