@@ -64,6 +64,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   if (state.open_panel) state.open_files_panel(actions);
   state.question_panel(model, actions);
   state.viewport_marks(model);
+  state.tool_marks(model);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())

@@ -62,6 +62,7 @@ struct UiOverlay::State {
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
   void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
+  void tool_marks(const UiModel& model) const;
 
   [[nodiscard]] float top_bar_height() const;     // in the units of Dear ImGui
   [[nodiscard]] float status_bar_height() const;  // 0 when it is off

@@ -62,6 +62,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       ui_(make_window_backend(window_->handle()), window_->content_scale()),
       session_(session_options(options), load, &Window::wake),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
+      tools_(options, *renderer_),
       frames_wanted_(kSettlingFrames) {}
 
 std::optional<std::string> Viewer::start_control() {
@@ -108,6 +109,7 @@ void Viewer::run() {
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
     apply(ui_.build(model()));
+    if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
     measure(now, Window::now(), continuous);

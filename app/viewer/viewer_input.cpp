@@ -12,6 +12,7 @@ std::vector<SessionInput::Event> Viewer::take(const std::vector<WindowEvent>& ev
       if (typed && !(row && !row->of_world)) continue;
     }
     result.push_back({event, ui_.wants_pointer()});
+    tools_.take(result.back(), session_.view(), active_place());
   }
   return result;
 }
@@ -22,6 +23,14 @@ bool Viewer::run(Action action) {
     case Action::full_screen:
       window_->toggle_full_screen();
       return true;
+    case Action::ruler:
+      tools_.toggle_ruler();
+      return true;
+    case Action::take_picture:
+      if (const View* seen = session_.view()) tools_.take_picture(*seen, active_place(), teller());
+      return true;
+    case Action::close:
+      return ui_.run(action) || tools_.close();
     case Action::quit:
       window_->close();
       return true;
@@ -41,6 +50,10 @@ void Viewer::apply(const UiActions& actions) {
   if (actions.allow_folder) session_.answer_question(*actions.allow_folder);
   if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
   View* seen = session_.view();
+  if (actions.tools.play) session_.play_series(*actions.tools.play);
+  if (actions.tools.file) session_.show_of_series(*actions.tools.file);
+  if (actions.tools.rate) session_.set_series_rate(*actions.tools.rate);
+  tools_.apply(actions.tools, seen, active_place(), teller());
   if (!seen) return;
   if (actions.viewpoint) {
     const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);

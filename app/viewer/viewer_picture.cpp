@@ -71,7 +71,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen->budget > 0) draw.budget = std::min(draw.budget, seen->budget);
   draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
-  pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
+  pane.statistics = renderer_->draw(tools_.shown(picture.pane, *seen), camera_of(seen->navigation.pose), draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
   // What was given up for the sake of progress says nothing about who moves.
@@ -109,6 +109,16 @@ void Viewer::describe_viewports(UiModel& model) const {
   model.linked = session_.linked();
 }
 
+Viewport Viewer::active_place() const {
+  for (const Frame::Picture& picture : frame_.pictures)
+    if (picture.pane == session_.panes().active()) return picture.place;
+  return {};
+}
+
+ViewerTools::Tell Viewer::teller() {
+  return [this](const std::string& text, bool is_problem) { ui_.show_notice(text, is_problem); };
+}
+
 UiModel Viewer::model() {
   UiModel model;
   const Panes& panes = session_.panes();
@@ -126,6 +136,13 @@ UiModel Viewer::model() {
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();
+  if (const SeriesList::Series* series = session_.series()) {
+    model.tools.files = series->files.size();
+    model.tools.file = series->shown;
+    model.tools.playing = series->playing;
+    model.tools.rate = series->rate;
+  }
+  tools_.describe(model.tools, seen, active_place());
   if (!seen) return model;
   model.has_world = true;
   const auto& viewpoints = seen->list->viewpoints;

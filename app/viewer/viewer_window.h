@@ -6,6 +6,7 @@
 #include "app/view/picture_detail.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
+#include "app/viewer/viewer_tools.h"
 #include "app/window/window.h"
 #include "render/draw/renderer.h"
 
@@ -46,6 +47,9 @@ class Viewer {
   void describe_viewports(UiModel& model) const;
   [[nodiscard]] std::string progress_of(const std::string& path) const;
   void apply(const UiActions& actions);
+  /// The active one, in framebuffer pixels.
+  [[nodiscard]] Viewport active_place() const;
+  [[nodiscard]] ViewerTools::Tell teller();
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
 
@@ -57,6 +61,7 @@ class Viewer {
   std::unique_ptr<ControlService> control_;  // null: nobody may control it
   std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
+  ViewerTools tools_;
   Refinement refinement_;
   std::array<PictureDetail, kMostViewports> details_;
   LoadingPace pace_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/interface/base/ui_tools.h"
 #include "app/session/session_log.h"
 #include "app/view/actions.h"
 #include "app/view/navigation.h"
@@ -70,6 +71,8 @@ struct UiModel {
   std::string link;                        // what it leads to; may be empty
   std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
   glm::vec2 pointer{0};
+
+  UiTools tools;
 };
 
 /// What the user asked for with it.
@@ -82,6 +85,7 @@ struct UiActions {
   std::optional<bool> allow_folder;           // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;  // of UiModel::viewports
   std::optional<render::CloudLook> look;      // instead of the model's
+  UiToolActions tools;
 };
 
 }  // namespace gs::app

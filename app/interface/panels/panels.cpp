@@ -2,6 +2,7 @@
 
 #include "app/interface/panels/cloud_panel.h"
 #include "app/interface/panels/log_panel.h"
+#include "app/interface/panels/measure_panel.h"
 
 #include <algorithm>
 
@@ -10,6 +11,8 @@ namespace {
 
 constexpr PanelRow kPanels[] = {
     {"transfer-function", "Transfer function", DockSide::right, Action::clouds, make_panel<CloudPanel>},
+    {"measure", "Measure", DockSide::right, Action::measure, make_panel<MeasurePanel>},
+    {"pictures", "Pictures", DockSide::right, Action::pictures, make_panel<PicturePanel>},
     {"log", "Log", DockSide::bottom, Action::log, make_panel<LogPanel>},
 };
 
