@@ -11,7 +11,12 @@ namespace {
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 constexpr CommandRow kCommands[] = {
     {"open", "[FILE|URL...]", "show worlds in a window, or draw one with --snapshot; without a file, the demo world", 0,
-     kAny, run_open},
+     kAny, run_open, check_open},
+    {"animate", "IN OUT",
+     "draw an animation as pictures (OUT: walk.%04d.png) or a movie (walk.mp4, walk.webm): a turntable, the world's "
+     "own "
+     "time, a tour of its Viewpoints, or a series of files like run.%04d.vti",
+     2, 2, run_animate, check_animate},
     {"check", "FILE...", "read files and report what is wrong with them; status 1 if any has an error", 1, kAny,
      run_check},
     {"print", "FILE", "print a file as VRML97 text", 1, 1, run_print},

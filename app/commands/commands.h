@@ -17,6 +17,8 @@ class WaveFile;
 
 // The commands of the table in options.cpp, a file each. They print and return the exit status.
 int run_open(const Options& options);
+int run_animate(const Options& options);
+std::optional<std::string> check_animate(const Options& options);
 int run_check(const Options& options);
 int run_print(const Options& options);
 int run_nodes(const Options& options);
@@ -34,6 +36,7 @@ int run_trace(const Options& options);
 std::optional<std::string> check_encode(const Options& options);
 std::optional<std::string> check_export(const Options& options);
 std::optional<std::string> check_fetch(const Options& options);
+std::optional<std::string> check_open(const Options& options);
 std::optional<std::string> check_trace(const Options& options);
 
 /// Reads the file of `--input`, if there is one, into what `simulation` does; prints what is wrong with it.

@@ -15,6 +15,18 @@ constexpr double kNoTimeout = 1e6;  // seconds
 
 }  // namespace
 
+std::optional<std::string> check_open(const Options& options) {
+  const PictureRequest& picture = options.picture;
+  const bool of_picture = picture.color_bar || !options.transfer.empty() || !options.slices.empty() ||
+                          picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
+                          picture.dots_per_inch > 0 || picture.paper;
+  if (of_picture && options.snapshot.empty())
+    return "expected --snapshot with --background transparent, --stereo, --eye-distance, --dpi, --transfer, --slice, "
+           "--color-bar and a --size of "
+           "paper";
+  return std::nullopt;
+}
+
 int run_open(const Options& options) {
   const std::string first = options.files.empty() ? demo_world() : options.files.front();
   if (!options.snapshot.empty()) return run_snapshot(options, first);

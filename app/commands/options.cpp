@@ -3,6 +3,7 @@
 #include "app/base/text.h"
 #include "app/commands/commands.h"
 #include "app/commands/option_values.h"
+#include "app/commands/picture_options.h"
 #include "app/formats/content_types.h"
 #include "net/base/host_names.h"
 #include "qnv/exact/exact_mesh.h"
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -20,10 +22,12 @@ namespace {
 using Problem = std::optional<std::string>;
 
 Problem set_size(Options& options, const std::string& value) {
+  options.picture.paper = read_paper(value);
+  if (options.picture.paper) return {};
   double size[2];
-  constexpr double kLargest = 16384;
-  if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kLargest || size[1] > kLargest)
-    return "expected WIDTHxHEIGHT, each from 1 to 16384";
+  if (!read_list(value, 'x', size) || size[0] < 1 || size[1] < 1 || size[0] > kMostPictureSide ||
+      size[1] > kMostPictureSide)
+    return "expected WIDTHxHEIGHT in pixels, each from 1 to 65536, or with mm, cm or in behind it: 210x297mm";
   options.size_given = true;
   options.width = static_cast<int>(size[0]);
   options.height = static_cast<int>(size[1]);
@@ -69,14 +73,6 @@ Problem set_backend(Options& options, const std::string& value) {
 Problem set_headlight(Options& options, const std::string& value) {
   if (value != "on" && value != "off") return "expected on or off";
   options.headlight = value == "on";
-  return {};
-}
-
-Problem set_background(Options& options, const std::string& value) {
-  double rgb[3];
-  if (!read_list(value, ',', rgb) || std::any_of(rgb, rgb + 3, [](double c) { return c < 0 || c > 1; }))
-    return "expected RED,GREEN,BLUE, each from 0 to 1";
-  options.background = glm::vec3(rgb[0], rgb[1], rgb[2]);
   return {};
 }
 
@@ -271,7 +267,9 @@ Problem set_position_bits(Options& options, const std::string& value) {
 
 constexpr OptionRow kOptions[] = {
     {"--snapshot", "OUT.png", "", "write a picture without opening a window, and exit", "open ", set_snapshot},
-    {"--size", "WxH", "1024x768", "size of the picture or the window in pixels", "open trace ", set_size},
+    {"--size", "WxH", "1024x768",
+     "size of the picture or the window in pixels; of a picture also in mm, cm or in: 210x297mm", "open animate trace ",
+     set_size},
     {"--time", "SECONDS", "0",
      "the picture after so much simulated time, in steps of at most 1/60 s; the simulated clock begins at 946684800, "
      "which is 2000-01-01T00:00:00Z",
@@ -338,20 +336,19 @@ constexpr OptionRow kOptions[] = {
        o.control_token = v;
        return v.empty() ? Problem("expected a file") : Problem{};
      }},
-    {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open ", set_samples},
-    {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)", "open ",
+    {"--samples", "N", "4", "anti-aliasing: samples a pixel", "open animate ", set_samples},
+    {"--viewpoint", "NAME|N", "", "start at the Viewpoint of this description, DEF name or number (from 1)",
+     "open animate ",
      [](Options& o, const std::string& v) {
        o.viewpoint = v;
        return Problem{};
      }},
     {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z",
-     "open ", set_orbit},
-    {"--headlight", "on|off", "", "in place of what the world says", "open ", set_headlight},
-    {"--background", "R,G,B", "", "one colour, 0 to 1 each, in place of the world's Background", "open ",
-     set_background},
-    {"--backend", "auto|glfw|egl|osmesa", "auto", "where to draw", "open ", set_backend},
-    {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open ", set_splats},
-    {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open ", set_budget},
+     "open animate ", set_orbit},
+    {"--headlight", "on|off", "", "in place of what the world says", "open animate ", set_headlight},
+    {"--backend", "auto|glfw|egl|osmesa", "auto", "where to draw", "open animate ", set_backend},
+    {"--splats", "auto|gl|cpu", "auto", "where the discs of clouds are drawn", "open animate ", set_splats},
+    {"--budget", "VECTORS", "", "draw no more vectors than this in a viewport", "open animate ", set_budget},
     {"--loss", "P[:SEED]", "", "drop this share of a stream's packets, as if they had never come", "open fetch ",
      set_loss},
     {"--max-bytes", "SIZE", "",
@@ -420,13 +417,13 @@ constexpr OptionRow kOptions[] = {
     {"--timeout", "SECONDS", "30",
      "for loading; what has not come by then is left out. Drawing a snapshot may take as long again. A window "
      "waits for ever unless this is given",
-     "open check print info encode export fetch trace ", set_timeout},
+     "open animate check print info encode export fetch trace ", set_timeout},
     {"--memory", "SIZE", "2G",
      "about so much memory may be taken for one world (bytes, or with K, M or G behind the number); what would take "
      "more "
      "is left out, and a message names the limit",
-     "open check print info encode export fetch trace ", set_memory},
-    {"--offline", "", "", "read nothing over the network", "open check print info encode export trace ",
+     "open animate check print info encode export fetch trace ", set_memory},
+    {"--offline", "", "", "read nothing over the network", "open animate check print info encode export trace ",
      [](Options& o, const std::string&) {
        o.offline = true;
        return Problem{};
@@ -434,7 +431,7 @@ constexpr OptionRow kOptions[] = {
     {"--allow", "FOLDER", "",
      "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
      "several times",
-     "open check print info encode export fetch trace ", set_allowed, true},
+     "open animate check print info encode export fetch trace ", set_allowed, true},
     {"--confine", "FOLDER", "",
      "for files of strangers: the kernel lets it read nothing but FOLDER and the system's libraries, write nothing but "
      "into the folder of OUT, and open no connection (Landlock and seccomp, where the kernel has them)",
@@ -509,6 +506,14 @@ constexpr OptionRow kOptions[] = {
 
 }  // namespace
 
-std::span<const OptionRow> option_rows() { return kOptions; }
+std::span<const OptionRow> option_rows() {
+  static const std::vector<OptionRow> all = [] {
+    std::vector<OptionRow> rows(std::begin(kOptions), std::end(kOptions));
+    const std::span<const OptionRow> pictures = picture_option_rows();
+    rows.insert(rows.end(), pictures.begin(), pictures.end());
+    return rows;
+  }();
+  return all;
+}
 
 }  // namespace gs::app

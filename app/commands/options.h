@@ -2,6 +2,9 @@
 
 #include "app/base/exit_status.h"
 #include "app/formats/volume/volume.h"
+#include "app/picture/animation_request.h"
+#include "app/picture/picture_request.h"
+#include "app/view/slices.h"
 #include "net/base/address_space.h"
 #include "net/cells/congestion.h"
 #include "vrml/scene/limits.h"
@@ -42,6 +45,12 @@ struct Options {
   bool reuse = false;  // of a window that is there already
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
+  PictureRequest picture;  // but for what is above
+  AnimationRequest animation;
+  // How volumes are shown.
+  std::string transfer;  // the name of a colour map, or a file of a transfer function; empty: their own
+  std::vector<SliceWish> slices;
+  VolumeSlices slice_look;  // but for which, and where
   vrml::Limits limits;
   double timeout_seconds = 30;
   bool timeout_given = false;

@@ -1,6 +1,8 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/commands/picture_world.h"
 #include "app/media/wave_file.h"
+#include "app/picture/paint.h"
 #include "app/session/links.h"
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
@@ -43,6 +45,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr int kMostAtFirst = 2048;  // pixels a side that the driver makes ready; of larger pictures parts are drawn
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double seconds_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
@@ -76,14 +80,19 @@ bool may_write(const std::string& path, const std::string& world) {
 }
 
 // How many different colours a picture has; tells a blank one.
-std::size_t count_colors(const render::Image& image) {
-  constexpr std::size_t kEnough = 65536;
-  std::unordered_set<std::uint32_t> seen;
-  for (std::size_t i = 0; i + 2 < image.pixels.size() && seen.size() < kEnough; i += 3)
-    seen.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 |
-                static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
-  return seen.size();
-}
+class ColorCount {
+ public:
+  void add(const render::Image& image) {
+    constexpr std::size_t kEnough = 65536;
+    for (std::size_t i = 0; i + 2 < image.pixels.size() && seen_.size() < kEnough; i += image.components)
+      seen_.insert(static_cast<std::uint32_t>(image.pixels[i]) << 16 |
+                   static_cast<std::uint32_t>(image.pixels[i + 1]) << 8 | image.pixels[i + 2]);
+  }
+  [[nodiscard]] std::size_t count() const { return seen_.size(); }
+
+ private:
+  std::unordered_set<std::uint32_t> seen_;
+};
 
 // A world of two kilobytes can ask for more pixels than a software rasteriser fills in a day, and a frame
 // that was begun cannot be stopped: after this long the program gives up in one line.
@@ -146,11 +155,14 @@ render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
 
 }  // namespace
 
-int run_snapshot(const Options& options, const std::string& named) {
+int run_snapshot(const Options& given_options, const std::string& named) {
   use_universal_time();
+  Options options = given_options;
+  if (const auto problem = settle_size(options)) return fail(*problem);
   using render::Phase;
-  const GivenPlace given = given_place(named);
+  GivenPlace given = given_place(named);
   if (!given.problem.empty()) return fail(given.target + ": " + given.problem);
+  if (const auto problem = settle_series(options, options.time, given.target)) return fail(*problem);
   const std::string& file = given.target;
   const Clock::time_point start = Clock::now();
   render::PhaseClock phases(seconds_now, seconds_now() - seconds_so_far());
@@ -161,13 +173,13 @@ int run_snapshot(const Options& options, const std::string& named) {
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
   // Who is confined has no business with drivers and devices: drawn by the processor.
   const bool confined = !options.confine.empty() && options.backend == "auto";
-  render::DrawOptions size_of_picture;
-  size_of_picture.width = options.width;
-  size_of_picture.height = options.height;
-  size_of_picture.samples = options.samples;
+  render::DrawOptions first_part;
+  first_part.width = std::min(options.width, kMostAtFirst);
+  first_part.height = std::min(options.height, kMostAtFirst);
+  first_part.samples = options.samples;
   // The driver starts while the world is read.
   std::future<OpenedRenderer> opening =
-      std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, size_of_picture);
+      std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, first_part);
   phases.enter(Phase::read);
   std::optional<WorldLoading> loading(std::in_place, file, load);
   OpenedWorld world = load_world(*loading, file);
@@ -195,6 +207,8 @@ int run_snapshot(const Options& options, const std::string& named) {
   if (const int status = write_sound(options, sound); status != kDone) return status;
   tell_of_simulation(options, simulation);
   const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
+  const render::DrawOptions draw = picture_draw(options, simulation.look());
+  const double unit = simulation.look().scale;
   // Levels of detail and billboards follow the viewer, who is only known now.
   const render::RenderList& list =
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
@@ -211,29 +225,32 @@ int run_snapshot(const Options& options, const std::string& named) {
   render::Renderer& renderer = *opened.renderer;
   renderer.measure(measured);
   phases.enter(Phase::other);
-  render::DrawOptions draw = size_of_picture;
-  draw.headlight = options.headlight.value_or(options.orbit || list.navigation.headlight);
-  draw.visibility_limit = !options.orbit;
-  draw.unit = static_cast<float>(simulation.look().scale);
-  draw.background = options.background;
-  draw.budget = options.budget;
-  draw.splats = splat_path(options.splats);
   render::FrameStatistics statistics;
   phases.enter(Phase::draw);
-  auto picture = renderer.draw_to_image(list, camera, draw, &statistics);
-  if (auto* problem = std::get_if<render::ContextError>(&picture)) return fail(problem->message);
+  ColorCount colors;
+  PictureScene scene{&list, camera, draw, unit, {}, measured};
+  if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
+  VolumeShow volume;
+  if (const auto problem =
+          volume.prepare(volume_wishes(options), file, list, std::make_shared<vrml::Budget>(options.limits)))
+    return fail(*problem);
+  volume.apply(scene);
+  auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {
+    limit_drawing(options.timeout_seconds);  // each band of a large picture may take as long
+    return true;
+  });
+  if (auto* problem = std::get_if<std::string>(&picture)) return fail(*problem);
   limit_drawing(0);
-  const render::Image& image = std::get<render::Image>(picture);
   const double first_image_seconds = seconds_since(start);
   phases.enter(Phase::write);
-  if (const auto problem = net::write_file_atomically(options.snapshot, render::encode_png(image)))
+  if (const auto problem = net::write_file_atomically(options.snapshot, std::get<std::vector<std::byte>>(picture)))
     return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
     nlohmann::json stats;
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
-    (void)renderer.draw_to_image(list, camera, draw);
+    (void)paint_image(renderer, scene, options.picture);
     stats.update({{"bytes", simulation.world().bytes},
                   {"load_s", load_seconds},
                   {"first_image_s", first_image_seconds},
@@ -242,7 +259,7 @@ int run_snapshot(const Options& options, const std::string& named) {
                   {"vectors", statistics.vectors},
                   {"items", statistics.items},
                   {"draw_calls", statistics.draw_calls},
-                  {"colors", count_colors(image)},
+                  {"colors", colors.count()},
                   {"peak_rss_bytes", peak_memory()},
                   {"backend", std::string(context.backend())},
                   {"renderer", renderer.gl_renderer()},

@@ -17,6 +17,7 @@
 namespace gs::app {
 
 std::optional<std::string> check_trace(const Options& options) {
+  if (options.picture.paper) return "expected a --size in pixels";
   return options.until ? std::optional<std::string>() : "expected --until SECONDS";
 }
 

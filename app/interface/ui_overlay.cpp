@@ -89,6 +89,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.question_panel(model, actions);
   state.viewport_marks(model);
   if (model.inspection) draw_marks(*model.inspection);
+  state.tool_marks(model);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())

@@ -120,6 +120,7 @@ struct UiOverlay::State {
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
   void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
+  void tool_marks(const UiModel& model) const;
 
   // In the units of Dear ImGui.
   [[nodiscard]] float menu_bar_height() const;

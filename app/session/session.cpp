@@ -89,7 +89,9 @@ std::optional<double> Session::next_life() const {
     if (const auto time = document->living->next_time()) next = std::min(next.value_or(*time), *time);
   // What a guest has done leads to events, and to files that are wanted.
   if (acted_) next = life_due_;
-  return next ? std::optional(std::max(*next, life_due_)) : std::nullopt;
+  if (next) next = std::max(*next, life_due_);
+  if (const auto due = series_.next_due()) next = std::min(next.value_or(*due), *due);
+  return next;
 }
 
 // Where its sensors find the viewer of a world. Who stands at the bound Viewpoint is where that is at each timestamp;

@@ -6,6 +6,7 @@
 #include "app/session/folder_questions.h"
 #include "app/session/links.h"
 #include "app/session/panes.h"
+#include "app/session/series.h"
 #include "app/session/session_log.h"
 #include "app/session/travel_history.h"
 #include "app/session/world_reader.h"
@@ -149,6 +150,13 @@ class Session {
   void bind_viewpoint(std::size_t index);
   /// The answer to the question of the time.
   void answer_question(bool allow);
+  /// Of what the active viewport shows: plays its series of files or stops it, shows one of the files, says how many a
+  /// second. Nothing happens where it is no series.
+  void play_series(bool on);
+  void show_of_series(std::size_t file);
+  void set_series_rate(double rate);
+  /// Null: it is no series.
+  [[nodiscard]] const SeriesList::Series* series() const { return series_.find(panes_.at(panes_.active()).wanted); }
   /// No longer waits for the rest of what a viewport in sight reads.
   void cancel_loading(std::size_t place);
 
@@ -298,6 +306,7 @@ class Session {
   std::map<std::string, std::string> entries_;  // Viewpoints that links lead to, by file
   std::map<std::string, std::size_t> budgets_;  // vectors that links ask for, by file
   std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
+  SeriesList series_;
   FolderQuestions questions_;
   SessionLog log_;
   bool linked_ = false;

@@ -26,10 +26,24 @@ void Session::load_next() {
     if (!reading) return;
     frame_.news = true;
     std::erase_if(failed_loads_, [&](const Loads& one) { return one.path == reading->path; });
-    auto reader = std::make_shared<WorldReader>(reading->path, load_, wake_);
+    auto reader = std::make_shared<WorldReader>(series_.file_of(reading->path), load_, wake_);
     readers_.push_back({std::move(*reading), std::move(reader), {}});
   }
 }
+
+void Session::play_series(bool on) {
+  const std::string& name = panes_.at(panes_.active()).wanted;
+  if (series_.play(name, on, now_)) panes_.reload(name);
+  frame_.news = true;
+}
+
+void Session::show_of_series(std::size_t file) {
+  const std::string& name = panes_.at(panes_.active()).wanted;
+  if (series_.show(name, file, now_)) panes_.reload(name);
+  frame_.news = true;
+}
+
+void Session::set_series_rate(double rate) { series_.set_rate(panes_.at(panes_.active()).wanted, rate); }
 
 // True when something that shows has changed.
 bool Session::take_news() {
@@ -39,6 +53,9 @@ bool Session::take_news() {
     if (*one.reading.cancelled) {
       one.reader->retire();
       retired_.push_back(std::move(one.reader));
+    } else if (series_.holds_back(one.reading.path, now_)) {
+      ++i;
+      continue;
     } else {
       WorldReader::News news = one.reader->take();
       any = any || news.document || news.streams_grew || !(news.state == one.state);
@@ -81,6 +98,7 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
   questions_.ask(from.reading.path, document->world.outside);
   document->reader = from.reader;
   panes_.deliver(from.reading.number, document, area_.size());
+  if (series_.arrived(from.reading.path, now_)) panes_.reload(from.reading.path);
   (void)take_arrivals(*document, from.reading.path, std::move(news));
   return true;
 }

@@ -158,6 +158,8 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
 View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
+  view.slices = before.slices;
+  view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
   // Who reads a file again has changed something and wants to see it, from where he is.
@@ -172,6 +174,8 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   if (!at_home(before)) return renewed(before, std::move(document), viewport);
   View view = view_of(std::move(document), viewport, {});
   view.look = before.look;
+  view.slices = before.slices;
+  view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
   if (view.document == before.document) view.left = before.left;

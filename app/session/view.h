@@ -2,6 +2,7 @@
 
 #include "app/session/documents.h"
 #include "app/view/navigation.h"
+#include "app/view/slices.h"
 #include "render/scene/cloud_look.h"
 
 #include <glm/vec2.hpp>
@@ -43,6 +44,8 @@ struct View {
   bool headlight = true;
   std::size_t budget = 0;  // vectors that a link asks for; 0: as many as the viewport has
   render::CloudLook look;
+  VolumeSlices slices;
+  bool color_bar = false;  // beside the picture
 };
 
 /// A view from where a document is first seen: at the Viewpoint named `viewpoint`, else at the first one, else so

@@ -229,19 +229,22 @@ void Simulation::fetch() {
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
-  if (document_->living) document_->living->set_script_settings({0, true});
-  begin_world(*document_, kSimulatedStart);
-  session_.show(document_);
-  step(0, false);
-  act(0);
-  fetch();
+  if (steps_ == 0) {
+    if (document_->living) document_->living->set_script_settings({0, true});
+    begin_world(*document_, kSimulatedStart);
+    session_.show(document_);
+    step(0, false);
+    act(0);
+    fetch();
+    steps_ = 1;
+  }
   // The grid's times are multiples, not sums: errors of rounding do not add up.
-  double time = 0;
-  for (std::uint64_t steps = 1; time < seconds && (!go_on || go_on());) {
-    const double tick = static_cast<double>(steps) * kSimulationStep;
+  double time = time_;
+  while (time < seconds && (!go_on || go_on())) {
+    const double tick = static_cast<double>(steps_) * kSimulationStep;
     double next = std::min(tick, seconds);
     if (next_action_ < actions_.size()) next = std::min(next, actions_[next_action_].time);
-    if (next == tick) ++steps;
+    if (next == tick) ++steps_;
     time = next;
     step(time, false);
     act(time);

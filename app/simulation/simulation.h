@@ -44,7 +44,8 @@ class Simulation {
   [[nodiscard]] SensorTour::Counts pressed_sensors() { return tour_ ? tour_->counts() : SensorTour::Counts{}; }
   /// What of the plan could not be done when its time came.
   [[nodiscard]] const vrml::Diagnostics& troubles() const { return troubles_; }
-  /// Lets `seconds` go by, and does all that is planned for them. Ends early where `go_on` says so. Call once.
+  /// Lets time go on until `seconds` after the start, and does all that is planned until then. Ends early where `go_on`
+  /// says so. The times of several calls grow.
   void run(double seconds, const std::function<bool()>& go_on = {});
 
   /// Urls that are set from now on are read by this, which has read the world, before time goes on.
@@ -105,6 +106,7 @@ class Simulation {
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
   double time_ = 0;
+  std::uint64_t steps_ = 0;  // 1 / kSimulationStep of a second, of which the next one ends; 0: time has not begun
   // As the rows have left them.
   glm::vec2 pointer_{0};
   bool shift_ = false, control_ = false;

@@ -104,6 +104,7 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
     }
     if (picks(event)) continue;
     result.push_back({event, ui_.wants_pointer()});
+    window_.note(result.back());
   }
   return result;
 }
@@ -138,7 +139,7 @@ bool Desk::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
       return true;
     case Action::close:
-      if (!inspection_.picking()) return ui_.run(action);
+      if (!inspection_.picking()) return ui_.run(action) || window_.run_tool(action);
       inspection_.set_picking(false);
       return true;
     case Action::larger_text:
@@ -157,7 +158,7 @@ bool Desk::run(Action action) {
       toggle_bookmark();
       return true;
     default:
-      return ui_.run(action);
+      return window_.run_tool(action) || ui_.run(action);
   }
   const SettingRow& row = *find_setting("text-size");
   settings.text_size = std::clamp(std::round(settings.text_size * 10) / 10, row.least, row.most);
@@ -191,6 +192,10 @@ void Desk::apply(const UiActions& actions) {
   if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);
   if (actions.allow_folder) session_.answer_question(*actions.allow_folder);
   if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
+  if (actions.tools.play) session_.play_series(*actions.tools.play);
+  if (actions.tools.file) session_.show_of_series(*actions.tools.file);
+  if (actions.tools.rate) session_.set_series_rate(*actions.tools.rate);
+  window_.apply_tools(actions.tools);
   View* seen = session_.view();
   if (!seen) return;
   if (actions.viewpoint) {
@@ -364,6 +369,13 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.travel_anchor = pane.input.travel_anchor();
   model.pointer = pane.input.pointer();
   const View* seen = pane.view();
+  if (const SeriesList::Series* series = session_.series()) {
+    model.tools.files = series->files.size();
+    model.tools.file = series->shown;
+    model.tools.playing = series->playing;
+    model.tools.rate = series->rate;
+  }
+  window_.describe_tools(model.tools);
   if (!seen) return model;
   model.has_world = true;
   const auto& viewpoints = seen->list->viewpoints;

@@ -16,12 +16,20 @@
 
 namespace gs::app {
 
-/// What only a window can do.
+/// What only a window can do, and, behind these two, what only one who draws can: measure, and keep pictures. Who
+/// does not draw leaves that out.
 class DeskWindow {
  public:
   virtual ~DeskWindow() = default;
   virtual void toggle_full_screen() = 0;
   virtual void close() = 0;
+
+  /// False: the action is none of that kind, or there was nothing to be closed.
+  virtual bool run_tool(Action) { return false; }
+  /// What the session sees, too.
+  virtual void note(const SessionInput::Event&) {}
+  virtual void describe_tools(UiTools&) {}
+  virtual void apply_tools(const UiToolActions&) {}
 };
 
 struct DeskOptions {

@@ -74,6 +74,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       ui_(desk_.ui()),
       session_(desk_.session()),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
+      tools_(options, *renderer_),
       frames_wanted_(kSettlingFrames) {
   measures_.gl_renderer = renderer_->gl_renderer();
 }
@@ -125,6 +126,7 @@ void Viewer::run() {
     session_.ask_for_streams();
     desk_.inspection().prepare(session_, frame_.pictures, now);
     desk_.apply(ui_.build(desk_.model(frame_, measures_)));
+    if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
     measure(now, Window::now(), continuous);

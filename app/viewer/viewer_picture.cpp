@@ -75,7 +75,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen->budget > 0) draw.budget = std::min(draw.budget, seen->budget);
   draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
-  pane.statistics = renderer_->draw(*seen->list, camera_of(seen->navigation.pose), draw);
+  pane.statistics = renderer_->draw(tools_.shown(picture.pane, *seen), camera_of(seen->navigation.pose), draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
   // What was given up for the sake of progress says nothing about who moves.
@@ -83,6 +83,37 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
   if (!given_up || !(frame_.loading || interface_first_))
     detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
+}
+
+// What is measured, looked at more closely, or kept ------------------------------------------------
+
+Viewport Viewer::active_place() const {
+  for (const Frame::Picture& picture : frame_.pictures)
+    if (picture.pane == session_.panes().active()) return picture.place;
+  return {};
+}
+
+ViewerTools::Tell Viewer::teller() {
+  return [this](const std::string& text, bool is_problem) { ui_.show_notice(text, is_problem); };
+}
+
+bool Viewer::run_tool(Action action) {
+  if (action == Action::close) return tools_.close();
+  if (action == Action::ruler) {
+    tools_.toggle_ruler();
+    return true;
+  }
+  if (action != Action::take_picture) return false;
+  if (const View* seen = session_.view()) tools_.take_picture(*seen, active_place(), teller());
+  return true;
+}
+
+void Viewer::note(const SessionInput::Event& event) { tools_.take(event, session_.view(), active_place()); }
+
+void Viewer::describe_tools(UiTools& tools) { tools_.describe(tools, session_.view(), active_place()); }
+
+void Viewer::apply_tools(const UiToolActions& actions) {
+  tools_.apply(actions, session_.view(), active_place(), teller());
 }
 
 }  // namespace gs::app

@@ -4,6 +4,7 @@
 #include "app/viewer/desk.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
+#include "app/viewer/viewer_tools.h"
 #include "app/window/window.h"
 #include "render/draw/renderer.h"
 
@@ -41,6 +42,16 @@ class Viewer final : public DeskWindow {
   void take_handed_over();
   [[nodiscard]] std::size_t budget() const;
 
+
+  // DeskWindow, of what draws.
+  bool run_tool(Action action) override;
+  void note(const SessionInput::Event& event) override;
+  void describe_tools(UiTools& tools) override;
+  void apply_tools(const UiToolActions& actions) override;
+  /// The active one, in framebuffer pixels.
+  [[nodiscard]] Viewport active_place() const;
+  [[nodiscard]] ViewerTools::Tell teller();
+
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
 
@@ -53,6 +64,7 @@ class Viewer final : public DeskWindow {
   std::unique_ptr<ControlService> control_;  // null: nobody may control it
   std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
+  ViewerTools tools_;
   Refinement refinement_;
   std::array<PictureDetail, kMostViewports> details_;
   LoadingPace pace_;

@@ -36,6 +36,7 @@ constexpr KeyRow kKeys[] = {
     {GLFW_KEY_F5, Key::f5},
     {GLFW_KEY_F6, Key::f6},
     {GLFW_KEY_F11, Key::f11},
+    {GLFW_KEY_F12, Key::f12},
     {GLFW_KEY_LEFT_SHIFT, Key::shift},
     {GLFW_KEY_RIGHT_SHIFT, Key::shift},
     {GLFW_KEY_LEFT_CONTROL, Key::control},

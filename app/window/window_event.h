@@ -34,6 +34,7 @@ enum class Key : int {
   f5,
   f6,
   f11,
+  f12,
   shift,
   control,
   alt,

@@ -316,7 +316,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   const float farthest = lens.farthest_depth();
   gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   gl.DepthMask(GL_FALSE);
-  state_->background->draw(list.background, glm::mat3(camera.world_from_camera), lens.tangents(), options.background);
+  state_->background->draw(list.background, glm::mat3(camera.world_from_camera), lens, options.background);
   gl.DepthMask(GL_TRUE);
   state_->surfaces->prepare(list, camera, lens, options);
   const auto between = [&] {
@@ -409,5 +409,7 @@ void Renderer::prepare(const DrawOptions& options) {
 void Renderer::measure(PhaseClock* phases) { state_->gl.phases = phases; }
 
 const std::string& Renderer::gl_renderer() const { return state_->gl.renderer; }
+
+int Renderer::largest_side() const { return state_->gl.max_renderbuffer_size; }
 
 }  // namespace gs::render

@@ -39,6 +39,8 @@ class Renderer {
   void measure(PhaseClock* phases);
   /// The GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
+  /// Pixels that a side of a picture may have.
+  [[nodiscard]] int largest_side() const;
 
  private:
   struct State;

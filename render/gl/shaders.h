@@ -247,11 +247,11 @@ void main() {
 /// One triangle that covers the viewport, from gl_VertexID alone.
 inline constexpr char kBackgroundVertexShader[] = R"glsl(
 uniform mat3 background_from_camera;
-uniform vec2 tangents;  // of half the angles of view
+uniform vec2 tangents, center;  // of half of the angles of view, and of what is in the middle
 out vec3 ray;
 void main() {
   vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
-  ray = background_from_camera * vec3(corner * tangents, -1.0);
+  ray = background_from_camera * vec3(corner * tangents + center, -1.0);
   gl_Position = vec4(corner, 0.0, 1.0);
 }
 )glsl";
@@ -291,13 +291,13 @@ void main() {
 /// A face of the panorama's cube (VRML97 6.5), four corners of a strip, infinitely far away.
 inline constexpr char kPanoramaVertexShader[] = R"glsl(
 uniform mat3 camera_from_face;  // to the right, up and ahead in the picture
-uniform vec2 tangents;          // of half the angles of view
+uniform vec2 tangents, center;  // of half the angles of view, and of what is in the middle
 out vec2 place;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
   vec3 ray = camera_from_face * vec3(corner * 2.0 - 1.0, 1.0);
   place = vec2(corner.x, 1.0 - corner.y);  // rows of images come from the top
-  gl_Position = vec4(ray.xy / tangents, 0.0, -ray.z);
+  gl_Position = vec4((ray.xy + center * ray.z) / tangents, 0.0, -ray.z);
 }
 )glsl";
 

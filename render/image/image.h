@@ -62,8 +62,26 @@ struct ImageLimits {
 [[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
                                                            const ImageLimits& limits = {});
 
-/// PNG bytes of an image of 1 to 4 components.
-[[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
+/// PNG bytes of an image of 1 to 4 components. `dots_per_inch`: how large it is printed; 0: nothing is said of that.
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image, double dots_per_inch = 0);
+
+/// A PNG picture that comes in bands of rows, of which only the compressed bytes are kept.
+class PngWriter {
+ public:
+  /// 1 to 4 components. Sizes that PNG or zlib cannot count make no picture: `finish` gives no bytes.
+  PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t components, double dots_per_inch = 0);
+  /// The next rows, from the top: an image as wide, of as many components.
+  void add(const Image& band);
+  /// The bytes; none where not as many rows as the picture has have come.
+  [[nodiscard]] std::vector<std::byte> finish();
+
+ private:
+  std::uint32_t width_, height_, components_, rows_ = 0;
+  bool good_;
+  std::uint32_t checksum_ = 1;       // Adler-32 of all rows
+  std::vector<std::uint8_t> above_;  // the last row of the band before
+  std::vector<std::byte> bytes_;
+};
 
 /// How far two pictures of one size are apart, over all components; PSNR in dB (infinite when equal).
 struct ImageDifference {

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <initializer_list>
 #include <new>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 // PNG (ISO/IEC 15948) as the others of the room write it, but for the threads: strips of rows are filtered and
@@ -85,7 +88,9 @@ void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStr
   deflateEnd(&stream);
 }
 
-PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end) {
+/// `before`: the row above the image; empty: none.
+PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end, bool last,
+                      const std::vector<std::uint8_t>& before) {
   const std::size_t pixel = image.components, count = std::size_t{image.width} * pixel;
   // Zeros stand for what is left of the first pixel and above the first row.
   std::vector<std::uint8_t> above(pixel + count), row(pixel + count), filtered;
@@ -94,6 +99,7 @@ PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end) {
     std::copy_n(image.pixels.data() + y * count, count, to.begin() + static_cast<std::ptrdiff_t>(pixel));
   };
   if (first > 0) load(first - 1, above);
+  if (first == 0) std::copy(before.begin(), before.end(), above.begin() + static_cast<std::ptrdiff_t>(pixel));
   std::vector<std::uint8_t> best(count), tried(count);
   for (std::size_t y = first; y < end; ++y) {
     load(y, row);
@@ -112,7 +118,7 @@ PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end) {
     row.swap(above);
   }
   PngStrip strip;
-  compress_strip(filtered, end == image.height, strip);
+  compress_strip(filtered, last, strip);
   return strip;
 }
 
@@ -143,44 +149,77 @@ class PngChunks {
 
 }  // namespace
 
-std::vector<std::byte> encode_png(const Image& image) {
+PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t components, double dots_per_inch)
+    : width_(width), height_(height), components_(components) {
   // A strip is to fit into what zlib counts with, and a chunk into what PNG does.
   constexpr std::uint64_t kMost = std::uint64_t{1} << 31;
-  if (image.components < 1 || image.components > 4 || image.width == 0 || image.height == 0 ||
-      image.width >= kMost / 4 / kStripRows || image.height >= kMost ||
-      image.pixels.size() != std::uint64_t{image.width} * image.height * image.components)
-    return {};
-  std::vector<PngStrip> strips((image.height + kStripRows - 1) / kStripRows);
-  (void)qnv::parallel_for(strips.size(), [&](std::size_t i) {
-    strips[i] = encode_strip(image, i * kStripRows, std::min<std::size_t>(image.height, (i + 1) * kStripRows));
-  });
-
+  good_ =
+      components >= 1 && components <= 4 && width > 0 && height > 0 && width < kMost / 4 / kStripRows && height < kMost;
+  if (!good_) return;
   static constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, with alpha, RGB, with alpha
-  static constexpr std::array<unsigned char, 2> kZlibHeader = {0x78, 0x01};
-  std::vector<std::byte> result;
-  PngChunks writer(result);
+  PngChunks writer(bytes_);
   writer.bytes(kSignature.data(), kSignature.size());
   writer.begin("IHDR", 13);
-  writer.number(image.width);
-  writer.number(image.height);
-  const std::array<unsigned char, 5> rest = {8, kColorTypes[image.components - 1], 0, 0, 0};
+  writer.number(width);
+  writer.number(height);
+  const std::array<unsigned char, 5> rest = {8, kColorTypes[components - 1], 0, 0, 0};
   writer.bytes(rest.data(), rest.size());
   writer.end();
-  uLong checksum = adler32(0, nullptr, 0);
+  constexpr double kInch = 0.0254;  // metres
+  if (dots_per_inch > 0) {
+    static constexpr unsigned char kMetres = 1;
+    const auto dots = static_cast<std::uint32_t>(std::lround(std::min(dots_per_inch / kInch, 2e9)));
+    writer.begin("pHYs", 9);
+    writer.number(dots);
+    writer.number(dots);
+    writer.bytes(&kMetres, 1);
+    writer.end();
+  }
+}
+
+void PngWriter::add(const Image& band) {
+  good_ = good_ && band.width == width_ && band.components == components_ && band.height > 0 &&
+          band.height <= height_ - rows_ &&
+          band.pixels.size() == std::uint64_t{band.width} * band.height * band.components;
+  if (!good_) return;
+  const bool starts = rows_ == 0;
+  rows_ += band.height;
+  const bool ends = rows_ == height_;
+  std::vector<PngStrip> strips((band.height + kStripRows - 1) / kStripRows);
+  (void)qnv::parallel_for(strips.size(), [&](std::size_t i) {
+    strips[i] = encode_strip(band, i * kStripRows, std::min<std::size_t>(band.height, (i + 1) * kStripRows),
+                             ends && i + 1 == strips.size(), above_);
+  });
+  above_.assign(band.pixels.end() - std::ptrdiff_t{width_} * components_, band.pixels.end());
+  static constexpr std::array<unsigned char, 2> kZlibHeader = {0x78, 0x01};
+  PngChunks writer(bytes_);
   for (std::size_t i = 0; i < strips.size(); ++i) {
     const PngStrip& strip = strips[i];
-    checksum = adler32_combine(checksum, strip.checksum, static_cast<z_off_t>(strip.bytes));
-    const bool first = i == 0, last = i + 1 == strips.size();
+    checksum_ =
+        static_cast<std::uint32_t>(adler32_combine(checksum_, strip.checksum, static_cast<z_off_t>(strip.bytes)));
+    const bool first = starts && i == 0, last = ends && i + 1 == strips.size();
     writer.begin("IDAT", strip.compressed.size() + (first ? kZlibHeader.size() : 0) + (last ? 4 : 0));
     if (first) writer.bytes(kZlibHeader.data(), kZlibHeader.size());
     writer.bytes(strip.compressed.data(), strip.compressed.size());
-    if (last) writer.number(static_cast<std::uint32_t>(checksum));
+    if (last) writer.number(checksum_);
     writer.end();
   }
+}
+
+std::vector<std::byte> PngWriter::finish() {
+  if (!good_ || rows_ != height_) return {};
+  PngChunks writer(bytes_);
   writer.begin("IEND", 0);
   writer.end();
-  return result;
+  good_ = false;
+  return std::move(bytes_);
+}
+
+std::vector<std::byte> encode_png(const Image& image, double dots_per_inch) {
+  PngWriter writer(image.width, image.height, image.components, dots_per_inch);
+  writer.add(image);
+  return writer.finish();
 }
 
 }  // namespace gs::render

@@ -129,10 +129,18 @@ std::variant<Image, ImageError> Movie::State::picture() {
   const AVPixelFormat to = alpha ? AV_PIX_FMT_RGBA : grey ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_RGB24;
   if (scaler && (scaled_width != frame->width || scaled_height != frame->height || scaled_format != frame->format))
     av.sws_freeContext(std::exchange(scaler, nullptr));
-  if (!scaler)
+  if (!scaler) {
     scaler = av.sws_getContext(
         frame->width, frame->height, from, static_cast<int>(image.width), static_cast<int>(image.height), to,
         image.reduction > 1 ? SWS_AREA : SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
+    // What says nothing of its colours is as movies were when worlds were made: ITU-R BT.601.
+    if (scaler && frame->colorspace == AVCOL_SPC_BT709) {
+      const int* const table = av.sws_getCoefficients(SWS_CS_ITU709);
+      constexpr int kOne = 1 << 16;
+      (void)av.sws_setColorspaceDetails(scaler, table, frame->color_range == AVCOL_RANGE_JPEG ? 1 : 0, table, 1, 0,
+                                        kOne, kOne);
+    }
+  }
   if (!scaler) return error("a picture is of a kind that cannot be shown");
   scaled_width = frame->width;
   scaled_height = frame->height;

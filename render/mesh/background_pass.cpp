@@ -54,6 +54,7 @@ BackgroundPass::BackgroundPass(const Gl& gl, Program program)
       rings_(make_texture(gl)),
       background_from_camera_(gl.GetUniformLocation(program_.name(), "background_from_camera")),
       tangents_(gl.GetUniformLocation(program_.name(), "tangents")),
+      center_(gl.GetUniformLocation(program_.name(), "center")),
       counts_(gl.GetUniformLocation(program_.name(), "counts")),
       textures_(gl) {
   gl.BindTexture(GL_TEXTURE_2D, rings_.name());
@@ -77,7 +78,7 @@ int BackgroundPass::upload_rings(const Background& background, int& ground_count
   return sky_count;
 }
 
-void BackgroundPass::draw(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents,
+void BackgroundPass::draw(const Background& background, const glm::mat3& world_from_camera, const Projection& lens,
                           const std::optional<glm::vec3>& color) {
   textures_.forget_unused();
   const bool plain = background.sky_colors.size() <= 1 && background.ground_colors.size() <= 1;
@@ -86,21 +87,22 @@ void BackgroundPass::draw(const Background& background, const glm::mat3& world_f
     gl_->ClearColor(one.r, one.g, one.b, 1);
     gl_->Clear(GL_COLOR_BUFFER_BIT);
   } else {
-    draw_rings(background, world_from_camera, tangents);
+    draw_rings(background, world_from_camera, lens);
   }
   const auto& panorama = background.panorama;
   if (!color && std::any_of(panorama.begin(), panorama.end(), [](const auto& image) { return image != nullptr; }))
-    draw_panorama(background, world_from_camera, tangents);
+    draw_panorama(background, world_from_camera, lens);
 }
 
 void BackgroundPass::draw_rings(const Background& background, const glm::mat3& world_from_camera,
-                                const glm::vec2& tangents) {
+                                const Projection& lens) {
   int ground_count = 0;
   const int sky_count = upload_rings(background, ground_count);
   gl_->UseProgram(program_.name());
   const glm::mat3 background_from_camera = glm::transpose(background.world_from_background) * world_from_camera;
   gl_->UniformMatrix3fv(background_from_camera_, 1, GL_FALSE, glm::value_ptr(background_from_camera));
-  gl_->Uniform2f(tangents_, tangents.x, tangents.y);
+  gl_->Uniform2f(tangents_, lens.tangents().x, lens.tangents().y);
+  gl_->Uniform2f(center_, lens.center().x, lens.center().y);
   gl_->Uniform2i(counts_, sky_count, ground_count);
   gl_->Disable(GL_DEPTH_TEST);
   gl_->Disable(GL_CULL_FACE);
@@ -113,18 +115,20 @@ void BackgroundPass::draw_rings(const Background& background, const glm::mat3& w
 }
 
 void BackgroundPass::draw_panorama(const Background& background, const glm::mat3& world_from_camera,
-                                   const glm::vec2& tangents) {
+                                   const Projection& lens) {
   if (!std::exchange(tried_panorama_, true)) {
     auto made = make_program(*gl_, "", kPanoramaVertexShader, kPanoramaFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) panorama_ = std::move(*program);
     if (panorama_) {
       camera_from_face_ = gl_->GetUniformLocation(panorama_.name(), "camera_from_face");
       panorama_tangents_ = gl_->GetUniformLocation(panorama_.name(), "tangents");
+      panorama_center_ = gl_->GetUniformLocation(panorama_.name(), "center");
     }
   }
   if (!panorama_) return;
   gl_->UseProgram(panorama_.name());
-  gl_->Uniform2f(panorama_tangents_, tangents.x, tangents.y);
+  gl_->Uniform2f(panorama_tangents_, lens.tangents().x, lens.tangents().y);
+  gl_->Uniform2f(panorama_center_, lens.center().x, lens.center().y);
   gl_->Disable(GL_DEPTH_TEST);
   gl_->Disable(GL_CULL_FACE);
   gl_->Enable(GL_BLEND);

@@ -2,6 +2,7 @@
 
 #include "render/gl/gpu.h"
 #include "render/gl/texture_store.h"
+#include "render/scene/camera.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat3x3.hpp>
@@ -16,28 +17,28 @@ class BackgroundPass {
  public:
   static std::variant<BackgroundPass, ContextError> create(const Gl& gl);
 
-  /// `tangents` of half the angles of view. The scissor test must be on and cover the viewport,
+  /// `lens` has its tangents and its centre. The scissor test must be on and cover the viewport,
   /// depth writes off. `color` takes the place of the Background.
-  void draw(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents,
+  void draw(const Background& background, const glm::mat3& world_from_camera, const Projection& lens,
             const std::optional<glm::vec3>& color);
 
  private:
   BackgroundPass(const Gl& gl, Program program);
   int upload_rings(const Background& background, int& ground_count);
-  void draw_rings(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents);
-  void draw_panorama(const Background& background, const glm::mat3& world_from_camera, const glm::vec2& tangents);
+  void draw_rings(const Background& background, const glm::mat3& world_from_camera, const Projection& lens);
+  void draw_panorama(const Background& background, const glm::mat3& world_from_camera, const Projection& lens);
 
   const Gl* gl_;
   Program program_;
   VertexArray no_attributes_;
   Texture rings_;
-  GLint background_from_camera_, tangents_, counts_;
+  GLint background_from_camera_, tangents_, center_, counts_;
   TextureStore textures_;
   // Made for the first panorama; the driver may refuse it.
   Program panorama_;
   bool drawn_ = false;
   bool tried_panorama_ = false;
-  GLint camera_from_face_ = -1, panorama_tangents_ = -1;
+  GLint camera_from_face_ = -1, panorama_tangents_ = -1, panorama_center_ = -1;
 };
 
 }  // namespace gs::render

@@ -144,8 +144,10 @@ bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) 
   if (radius < 0) return std::isfinite(depth);
   radius *= 1.0001f;  // rounding
   return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
-         (std::abs(center.x) - depth * view.tangents.x) * view.slopes.x <= radius &&
-         (std::abs(center.y) - depth * view.tangents.y) * view.slopes.y <= radius;
+         (depth * (view.center.x - view.tangents.x) - center.x) * view.low.x <= radius &&
+         (depth * (view.center.y - view.tangents.y) - center.y) * view.low.y <= radius &&
+         (center.x - depth * (view.center.x + view.tangents.x)) * view.high.x <= radius &&
+         (center.y - depth * (view.center.y + view.tangents.y)) * view.high.y <= radius;
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
@@ -283,7 +285,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   last_slice_ = nullptr;
   frame_variant_ = variant_of_all(list);
   const auto* found =
-      visible_.find(list, Frustum(view.camera_from_world, view.tangents, view.near_plane, view.far_plane));
+      visible_.find(list, Frustum(view.camera_from_world, view.tangents, view.near_plane, view.far_plane, view.center));
   const std::size_t count = found ? found->size() : list.items.size();
   std::size_t asked_at = meshes_.uploaded();
   for (std::size_t i = 0; i < count; ++i) {
@@ -396,7 +398,10 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   view.surfaces = surfaces;
   view.camera_from_world = camera_from_world_of(camera);
   view.tangents = projection.tangents();
-  view.slopes = 1.0f / glm::sqrt(1.0f + view.tangents * view.tangents);
+  view.center = projection.center();
+  const glm::vec2 low = view.center - view.tangents, high = view.center + view.tangents;
+  view.low = 1.0f / glm::sqrt(1.0f + low * low);
+  view.high = 1.0f / glm::sqrt(1.0f + high * high);
   view.near_plane = camera.near_plane;
   view.far_plane = camera.far_plane;
   view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));

@@ -103,7 +103,8 @@ class MeshPass {
   };
   struct View {
     glm::dmat4 camera_from_world;
-    glm::vec2 tangents, slopes;  // of half the angles of view; 1 / length of the side planes' normals
+    glm::vec2 tangents, center;  // of half the angles of view; of what is in the middle
+    glm::vec2 low, high;         // 1 / lengths of the normals of the planes at the left and below, right and above
     float near_plane, far_plane;
     float pixels;  // of a metre at a distance of one
     const SurfacePass* surfaces;

@@ -29,14 +29,16 @@ vrml::Bounds box_of(const DrawItem& item) {
 
 }  // namespace
 
-Frustum::Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane) {
+Frustum::Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane,
+                 const glm::vec2& center) {
+  const glm::dvec2 low = glm::dvec2(center) - glm::dvec2(tangents), high = glm::dvec2(center) + glm::dvec2(tangents);
   // In camera space, which looks along -Z.
   const std::array<std::pair<glm::dvec3, double>, 6> functions = {{{{0, 0, -1}, -near_plane},
                                                                    {{0, 0, 1}, far_plane},
-                                                                   {{-1, 0, -double{tangents.x}}, 0},
-                                                                   {{1, 0, -double{tangents.x}}, 0},
-                                                                   {{0, -1, -double{tangents.y}}, 0},
-                                                                   {{0, 1, -double{tangents.y}}, 0}}};
+                                                                   {{-1, 0, -high.x}, 0},
+                                                                   {{1, 0, low.x}, 0},
+                                                                   {{0, -1, -high.y}, 0},
+                                                                   {{0, 1, low.y}, 0}}};
   const glm::dmat3 linear(camera_from_world);
   const glm::dvec3 origin(camera_from_world[3]);
   for (std::size_t i = 0; i < planes.size(); ++i) {

@@ -22,8 +22,9 @@ struct Frustum {
   };
   std::array<Plane, 6> planes;
 
-  /// `tangents`: of half the angles of view.
-  Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane);
+  /// `tangents`: of half the angles of view; `center`: of what is in the middle.
+  Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane,
+          const glm::vec2& center = glm::vec2(0));
   /// Nothing of the box is inside. May be false where that is so.
   [[nodiscard]] bool misses(const glm::vec3& lower, const glm::vec3& upper) const;
 };

@@ -30,12 +30,13 @@ struct Lens {
   glm::dmat4 camera_from_node;
   glm::dmat3 linear, inverse;
   double determinant;
-  dvec2 tangents;
+  dvec2 tangents, center;
   int width, height;  // samples
 
   /// Camera space, of depth 1.
   [[nodiscard]] dvec3 ray(int x, int y) const {
-    return {((x + 0.5) / width * 2 - 1) * tangents.x, ((y + 0.5) / height * 2 - 1) * tangents.y, -1};
+    return {((x + 0.5) / width * 2 - 1) * tangents.x + center.x, ((y + 0.5) / height * 2 - 1) * tangents.y + center.y,
+            -1};
   }
 };
 
@@ -48,6 +49,7 @@ std::optional<Lens> lens_of(const SplatView& view, int supersample) {
   if (view.width < 1 || view.height < 1 || !(view.tangents.x > 0 && view.tangents.y > 0)) return std::nullopt;
   lens.inverse = glm::inverse(lens.linear);
   lens.tangents = view.tangents;
+  lens.center = view.center;
   lens.width = view.width * supersample;
   lens.height = view.height * supersample;
   return lens;

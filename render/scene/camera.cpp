@@ -45,8 +45,25 @@ glm::dmat4 camera_from_world_of(const Camera& camera) {
   return matrix;
 }
 
+Camera whole_camera(const Camera& camera) {
+  Camera whole = camera;
+  whole.part = {};
+  return whole;
+}
+
+glm::vec2 whole_size(const Camera& camera, const glm::vec2& size) {
+  const PicturePart& part = camera.part;
+  return {static_cast<float>(static_cast<double>(size.x) * 2 / (part.right - part.left)),
+          static_cast<float>(static_cast<double>(size.y) * 2 / (part.top - part.bottom))};
+}
+
 Projection projection(const Camera& camera, float width, float height, bool reversed) {
-  const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
+  const PicturePart& part = camera.part;
+  const glm::vec2 whole = whole_size(camera, {width, height});
+  const HalfAngles angles = half_angles(camera.field_of_view, whole.x, whole.y);
+  const double tan_x = angles.tan_x * (part.right - part.left) / 2, tan_y = angles.tan_y * (part.top - part.bottom) / 2;
+  const double center_x = angles.tan_x * (part.left + part.right) / 2 + camera.shift;
+  const double center_y = angles.tan_y * (part.bottom + part.top) / 2;
   const double near_plane = camera.near_plane, far_plane = camera.far_plane;
   const double range = far_plane - near_plane, product = far_plane * near_plane;
   Projection result;
@@ -56,6 +73,8 @@ Projection projection(const Camera& camera, float width, float height, bool reve
   glm::mat4& clip_from_camera = result.clip_from_camera = glm::mat4(0.0f);
   clip_from_camera[0][0] = static_cast<float>(1 / tan_x);
   clip_from_camera[1][1] = static_cast<float>(1 / tan_y);
+  clip_from_camera[2][0] = static_cast<float>(center_x / tan_x);
+  clip_from_camera[2][1] = static_cast<float>(center_y / tan_y);
   clip_from_camera[2][2] = static_cast<float>(reversed ? near_plane / range : -(far_plane + near_plane) / range);
   clip_from_camera[2][3] = -1;
   clip_from_camera[3][2] = static_cast<float>((reversed ? product : -2 * product) / range);

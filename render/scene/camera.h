@@ -8,6 +8,11 @@
 
 namespace gs::render {
 
+/// A part of a picture, whose corners are at -1 and 1.
+struct PicturePart {
+  double left = -1, bottom = -1, right = 1, top = 1;
+};
+
 /// Where the viewer is and what the lens sees. World space is metres, right-handed, Y up; the camera
 /// looks along its own -Z (VRML97 4.4.5, 6.53).
 struct Camera {
@@ -15,7 +20,14 @@ struct Camera {
   float field_of_view = 0.785398f;    // radians, the smaller of the two angles (6.53)
   float near_plane = 0;               // metres; 0: chosen from the bounds of what is drawn
   float far_plane = 0;                // metres; 0: likewise
+  double shift = 0;  // tangent of how far to the right the middle of the picture lies: of eyes that see in stereo
+  PicturePart part;  // that is drawn, of the picture that has the field of view
 };
+
+/// The same without `part`.
+[[nodiscard]] Camera whole_camera(const Camera& camera);
+/// The size of the picture, of which `size` has the part.
+[[nodiscard]] glm::vec2 whole_size(const Camera& camera, const glm::vec2& size);
 
 [[nodiscard]] glm::dmat4 camera_from_world_of(const Camera& camera);
 
@@ -29,13 +41,17 @@ struct Projection {
   /// The depth of the window at a distance d along the view axis is `depth_offset` + `depth_scale` / d.
   float depth_offset = 0, depth_scale = 0;
 
+  /// Half of what is seen at a distance of one, and the middle of that.
   [[nodiscard]] glm::vec2 tangents() const { return {1 / clip_from_camera[0][0], 1 / clip_from_camera[1][1]}; }
+  [[nodiscard]] glm::vec2 center() const {
+    return {clip_from_camera[2][0] / clip_from_camera[0][0], clip_from_camera[2][1] / clip_from_camera[1][1]};
+  }
   [[nodiscard]] float window_depth(float distance) const { return depth_offset + depth_scale / distance; }
   [[nodiscard]] float nearest_depth() const { return reversed ? 1.0f : 0.0f; }
   [[nodiscard]] float farthest_depth() const { return reversed ? 0.0f : 1.0f; }
 };
 
-/// `near_plane` and `far_plane` must be set.
+/// `near_plane` and `far_plane` must be set. `width`, `height`: of what is drawn.
 [[nodiscard]] Projection projection(const Camera& camera, float width, float height, bool reversed = false);
 
 /// How many pixels an angle of one radian has in the middle of the picture.

@@ -28,6 +28,20 @@ double demand_of(const SplatItem& item, double pixels) {
 
 }  // namespace
 
+SplatView whole_view(SplatView view, const Camera& camera) {
+  const glm::vec2 size(view.width, view.height), whole = whole_size(camera, size);
+  const Projection lens = projection(whole_camera(camera), whole.x, whole.y);
+  view.tangents = lens.tangents();
+  view.center = lens.center();
+  view.width = static_cast<int>(std::lround(whole.x));
+  view.height = static_cast<int>(std::lround(whole.y));
+  return view;
+}
+
+BudgetView budget_view(const SplatView& view, const glm::dmat4& camera_from_world) {
+  return {camera_from_world, view.tangents, view.width, view.height, view.center};
+}
+
 double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const qnv::Box& box = item.cloud->description.box;
   const glm::dmat4 matrix = view.camera_from_world * item.world_from_node;
@@ -45,8 +59,13 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   if (!std::isfinite(radius) || !std::isfinite(center.x + center.y + center.z)) return 0;
   const glm::dvec2 t(view.tangents);
   // Beyond a plane of the view; planes through the eye.
-  if (-center.z < -radius || std::abs(center.x) + center.z * t.x > radius * std::sqrt(1 + t.x * t.x) ||
-      std::abs(center.y) + center.z * t.y > radius * std::sqrt(1 + t.y * t.y))
+  const auto beyond = [&](double at, double middle, double reach) {
+    const double low = middle - reach, high = middle + reach, depth = -center.z;
+    return at - depth * high > radius * std::sqrt(1 + high * high) ||
+           depth * low - at > radius * std::sqrt(1 + low * low);
+  };
+  if (-center.z < -radius || beyond(center.x, double{view.center.x}, t.x) ||
+      beyond(center.y, double{view.center.y}, t.y))
     return 0;
   const double distance = glm::length(center);
   if (distance <= radius) return all;

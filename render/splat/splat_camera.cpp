@@ -27,10 +27,11 @@ std::optional<SplatCamera> splat_camera(const SplatView& view) {
   const float step_y = 2 * view.tangents.y / static_cast<float>(c.height);
   c.rays.right = inverse[0] * step_x;
   c.rays.up = inverse[1] * step_y;
-  c.rays.origin = inverse * glm::vec3(-view.tangents.x + 0.5f * step_x, -view.tangents.y + 0.5f * step_y, -1.0f);
+  c.rays.origin = inverse * glm::vec3(view.center - view.tangents + 0.5f * glm::vec2(step_x, step_y), -1.0f);
   c.rays.near_plane = view.near_plane;
   c.pixels = 1 / std::min(step_x, step_y);
   c.tangents = view.tangents;
+  c.center = view.center;
   return c;
 }
 

@@ -21,7 +21,7 @@ struct SplatCamera {
   float scale;              // the largest factor by which lengths grow
   SplatRays rays;
   float pixels;  // samples a unit at depth 1
-  glm::vec2 tangents;
+  glm::vec2 tangents, center;
   int width, height;  // samples
 };
 

@@ -33,17 +33,17 @@ std::optional<Rectangle> covered(const qnv::Box& box, double around, const Splat
                farthest = -center.z + extent.z;
   if (!(farthest > nearest)) return std::nullopt;
   // Two pixels more: discs smaller than a sample are drawn larger.
-  const auto range = [&](int axis, double tangent, int pixels) {
+  const auto range = [&](int axis, double tangent, double middle, int pixels) {
     const double low = center[axis] - extent[axis], high = center[axis] + extent[axis];
     const auto pixel = [&](double slope) {
-      const double at = (slope / tangent + 1) * 0.5 * pixels;
+      const double at = ((slope - middle) / tangent + 1) * 0.5 * pixels;
       return at > 0 ? std::min(at, double{static_cast<double>(pixels)}) : 0.0;
     };
     return std::pair{static_cast<int>(std::max(pixel(std::min(low / nearest, low / farthest)) - 2, 0.0)),
                      std::min(static_cast<int>(pixel(std::max(high / nearest, high / farthest))) + 3, pixels)};
   };
-  const auto [x0, x1] = range(0, double{camera.tangents.x}, view.width);
-  const auto [y0, y1] = range(1, double{camera.tangents.y}, view.height);
+  const auto [x0, x1] = range(0, double{camera.tangents.x}, double{camera.center.x}, view.width);
+  const auto [y0, y1] = range(1, double{camera.tangents.y}, double{camera.center.y}, view.height);
   return Rectangle{x0, y0, x1, y1};
 }
 
@@ -329,6 +329,7 @@ void SplatGl::draw_batches(const Shader& shader, const Surface& surface, const S
   gl_.Uniform1f(at[near_plane], camera.rays.near_plane);
   gl_.Uniform1f(at[sample_size], 1 / (camera.pixels * camera.scale));
   gl_.Uniform2f(at[tangents], camera.tangents.x, camera.tangents.y);
+  gl_.Uniform2f(at[middle], camera.center.x, camera.center.y);
   gl_.Uniform2f(at[margin], 2 * kMargin / static_cast<float>(camera.width),
                 2 * kMargin / static_cast<float>(camera.height));
   // Places of discs are taken relative to the eye before they are rounded.

@@ -77,6 +77,7 @@ class SplatGl {
     row_y,
     row_z,
     tangents,
+    middle,
     margin,
     near_plane,
     sample_size,

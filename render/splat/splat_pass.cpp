@@ -104,6 +104,7 @@ const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, bool fog,
       entry.closing = at("closing");
       entry.pixel = at("pixel");
       entry.tangents = at("tangents");
+      entry.middle = at("middle");
       entry.depth_row = at("depth_row");
       entry.base = at("base");
       entry.emissive_ambient = at("emissive_ambient");
@@ -130,11 +131,12 @@ std::optional<SplatTextures> SplatPass::with_gl(std::span<const SharedSplatPiece
   return splat_gl_.draw(pieces, view);
 }
 
-SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, const SplatView& view) {
+SplatTextures SplatPass::on_processor(std::span<const SharedSplatPiece> shared, const SplatView& view,
+                                      const SplatView& whole) {
   std::vector<SplatPiece> pieces;
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.cloud.get(), p.first, p.count, p.growth, p.tint});
   SplatLayer layer = rasterize_surface(pieces, view);
-  close_pinholes(layer, view, closing_for(shared, view));
+  close_pinholes(layer, view, closing_for(shared, whole));
   return upload(layer);
 }
 
@@ -188,6 +190,7 @@ void SplatPass::shade(const Material& m, const SplatTextures& textures, int clos
   gl_.Uniform1i(s->closing, closing);
   gl_.Uniform2f(s->pixel, 2 / static_cast<float>(options.width), 2 / static_cast<float>(options.height));
   gl_.Uniform2f(s->tangents, view_tangents.x, view_tangents.y);
+  gl_.Uniform2f(s->middle, projection.center().x, projection.center().y);
   gl_.Uniform2f(s->depth_row, projection.depth_offset, projection.depth_scale);
   const glm::vec4 base(m.diffuse, 1 - m.transparency), emissive(m.emissive, m.ambient_intensity),
       specular(m.specular, m.shininess * kShininessScale);
@@ -242,20 +245,23 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const SavedTarget target(gl_);
   SplatView view;
   view.tangents = projection.tangents();
+  view.center = projection.center();
   view.width = options.width;
   view.height = options.height;
   view.near_plane = camera.near_plane;
   view.supersample = options.samples > 1 ? 2 : 1;
   view.color_by_normal = options.clouds.color_by == ColorBy::normal;
+  // Of what the whole picture shows, so that its parts fit together.
+  SplatView whole = whole_view(view, camera);
   const std::vector<std::size_t> shares =
-      share_budget(list.splats, {camera_from_world, view.tangents, view.width, view.height}, options.budget);
+      share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
   for (const SplatItem& item : list.splats) streams += item.cloud->levels ? 1 : 0;
   std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // how often, so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (item.cloud->description.kind == qnv::Kind::volume || !has_whole_arrays(*item.cloud)) continue;
-    view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
+    whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
     if (item.cloud->levels) {
       // A stream that is seen in several places keeps the detail of each.
@@ -264,7 +270,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     }
     const SplatCut cut = [&] {
       const PhaseScope phase(gl_.phases, Phase::cut);
-      return cut_cloud(item.cloud, view, wanted);
+      return cut_cloud(item.cloud, whole, wanted);
     }();
     const std::vector<SharedSplatPiece>& pieces = cut.pieces;
     statistics.pending = statistics.pending || cut.pending;
@@ -273,13 +279,13 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     std::optional<SplatTextures> textures = with_gl(pieces, view, options);
     const bool by_gl = textures.has_value();
     target.bind();
-    if (!textures) textures = on_processor(pieces, view);
+    if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
     // One that OpenGL could not draw is told of.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, view) : 0, sets[i], fog,
+    shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i], fog,
           projection, options);
     ++statistics.draw_calls;
   }

@@ -36,7 +36,8 @@ class SplatPass {
   struct Shader {
     Program program;
     GLint normals = -1, depths = -1, colors = -1, origin = -1, size = -1, rectangle = -1, corner = -1, closing = -1,
-          pixel = -1, tangents = -1, depth_row = -1, base = -1, emissive_ambient = -1, specular_exponent = -1;
+          pixel = -1, tangents = -1, middle = -1, depth_row = -1, base = -1, emissive_ambient = -1,
+          specular_exponent = -1;
     FogUniforms fog;
   };
   /// Null when the driver refused it.
@@ -49,7 +50,8 @@ class SplatPass {
   /// Empty where OpenGL is not wanted or cannot.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);
-  SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view);
+  /// `whole`: of the picture that `view` has a part of.
+  SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view, const SplatView& whole);
   void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
               const void* pixels);
 

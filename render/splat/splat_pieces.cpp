@@ -77,11 +77,9 @@ std::optional<qnv::LodView> lod_view(const SplatView& view) {
   if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return std::nullopt;
   // Distances are measured in the node's units, like the voxels' edges, so that the scale falls out.
   lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
-  const std::array<glm::vec4, 5> planes{{{1, 0, -view.tangents.x, 0},
-                                         {-1, 0, -view.tangents.x, 0},
-                                         {0, 1, -view.tangents.y, 0},
-                                         {0, -1, -view.tangents.y, 0},
-                                         {0, 0, -1, -view.near_plane}}};
+  const glm::vec2 low = view.center - view.tangents, high = view.center + view.tangents;
+  const std::array<glm::vec4, 5> planes{
+      {{1, 0, low.x, 0}, {-1, 0, -high.x, 0}, {0, 1, low.y, 0}, {0, -1, -high.y, 0}, {0, 0, -1, -view.near_plane}}};
   for (std::size_t i = 0; i < planes.size(); ++i) lod.planes[i] = transposed * planes[i];
   return lod;
 }

@@ -21,6 +21,7 @@ namespace gs::render {
 struct SplatView {
   glm::mat4 camera_from_node{1.0f};  // any affine matrix
   glm::vec2 tangents{1.0f};          // of half the angles of view, horizontally and vertically
+  glm::vec2 center{0.0f};            // tangents of what is in the middle of the picture
   int width = 0, height = 0;         // pixels of the viewport
   float near_plane = 0;
   int supersample = 1;           // 2: four samples a pixel; 1, 2, 4 or 8

@@ -116,7 +116,7 @@ Vector read_vector(int index) {
 inline constexpr char kSplatDiscVertexShader[] = R"glsl(
 uniform vec3 eye;
 uniform vec3 row_x, row_y, row_z;  // of the linear part of camera_from_node
-uniform vec2 tangents, margin;     // margin: of the rectangle, clip space
+uniform vec2 tangents, middle, margin;  // middle: tangents of what is there; margin: of the rectangle, clip space
 uniform float near_plane, sample_size;  // sample_size: of a sample at depth 1, node units
 flat out vec4 normal_plane;
 #ifdef BLEND
@@ -178,8 +178,8 @@ void main() {
   float depth = -dot(row_z, center), nearest = max(depth - extent.z, near_plane), farthest = depth + extent.z;
   if (!(farthest > near_plane)) return;
   vec2 low = seen - extent.xy, high = seen + extent.xy;
-  low = min(low / nearest, low / farthest) / tangents - margin;
-  high = max(high / nearest, high / farthest) / tangents + margin;
+  low = (min(low / nearest, low / farthest) - middle) / tangents - margin;
+  high = (max(high / nearest, high / farthest) - middle) / tangents + margin;
   if (!(low.x < 1.0 && low.y < 1.0 && high.x > -1.0 && high.y > -1.0)) return;
   bvec2 upper = bvec2((gl_VertexID & 1) != 0, (gl_VertexID & 2) != 0);
   vec2 corner = vec2(upper.x ? high.x : low.x, upper.y ? high.y : low.y);
@@ -306,7 +306,7 @@ uniform ivec2 corner;          // the pixel of the first texel
 #ifdef CLOSING
 uniform int closing;  // pixels
 #endif
-uniform vec2 pixel, tangents;  // 2 / size of the viewport; of half the angles of view
+uniform vec2 pixel, tangents, middle;  // 2 / size of the viewport; of half the angles of view; of what is in the middle
 uniform vec2 depth_row;        // Projection::depth_offset, depth_scale
 uniform vec4 base, emissive_ambient, specular_exponent;
 out vec4 result;
@@ -363,7 +363,7 @@ void main() {
 #endif
   if (coverage == 0.0 || count == 0.0) discard;
   depth /= count;
-  vec3 place = vec3(((vec2(at) + 0.5) * pixel - 1.0) * tangents, -1.0) * depth;
+  vec3 place = vec3(((vec2(at) + 0.5) * pixel - 1.0) * tangents + middle, -1.0) * depth;
 #ifdef COLORS
   color /= count;
 #else

@@ -79,8 +79,8 @@ struct PatchLens {
     x = row(0) * scale.x;
     y = row(1) * scale.y;
     depth = -row(2);
-    center_x = camera.tangents.x * scale.x - 0.5f * kSubsamples;
-    center_y = camera.tangents.y * scale.y - 0.5f * kSubsamples;
+    center_x = (camera.tangents.x - camera.center.x) * scale.x - 0.5f * kSubsamples;
+    center_y = (camera.tangents.y - camera.center.y) * scale.y - 0.5f * kSubsamples;
   }
 
   /// `to` and `from` have room for a multiple of four.

@@ -1,6 +1,7 @@
 #include "render/surface/surface_pass.h"
 
 #include "render/scene/surface_mesh.h"
+#include "render/splat/splat_budget.h"
 #include "render/splat/splat_pieces.h"
 #include "render/surface/patch_raster.h"
 
@@ -26,12 +27,14 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     if (!item.surface || !item.surface->patches || !item.seen) continue;
     SplatView view;
     view.tangents = projection.tangents();
+    view.center = projection.center();
     view.width = options.width;
     view.height = options.height;
     view.near_plane = camera.near_plane;
     view.supersample = options.samples > 1 ? 2 : 1;
     view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    auto looked = lod_view(view);
+    // Of what the whole picture shows, so that its parts fit together.
+    auto looked = lod_view(whole_view(view, camera));
     if (!looked) continue;
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);
     looked->error_pixels = static_cast<float>(options.pixel_side) / item.detail;

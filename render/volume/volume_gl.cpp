@@ -226,6 +226,8 @@ void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& ord
   const glm::mat4& clip = view.projection.clip_from_camera;
   const glm::vec4 range(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
+  const glm::vec2 straight = -view.lens.center * glm::vec2(lens.pixels_x, lens.pixels_y);
+  gl_.Uniform2f(at("straight"), straight.x, straight.y);
   gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(range));
   gl_.BindVertexArray(attributes_.name());
   gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());

@@ -19,6 +19,7 @@ struct VolumeLens {
   glm::mat3 normal_matrix;
   float scale;               // of lengths, node to camera
   float pixels_x, pixels_y;  // at depth 1
+  float middle_x, middle_y;  // pixels from the left and below of what lies straight ahead
   int width, height;
 };
 
@@ -35,6 +36,8 @@ struct VolumeLens {
   lens.scale = std::cbrt(std::abs(determinant));
   lens.pixels_x = static_cast<float>(view.width) / (2 * view.tangents.x);
   lens.pixels_y = static_cast<float>(view.height) / (2 * view.tangents.y);
+  lens.middle_x = 0.5f * static_cast<float>(view.width) - view.center.x * lens.pixels_x;
+  lens.middle_y = 0.5f * static_cast<float>(view.height) - view.center.y * lens.pixels_y;
   lens.width = view.width;
   lens.height = view.height;
   if (!(view.width > 0 && view.height > 0 && lens.pixels_x > 0 && lens.pixels_y > 0)) return std::nullopt;

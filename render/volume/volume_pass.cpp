@@ -103,7 +103,7 @@ void VolumePass::forget_models() {
 void VolumePass::gather(const RenderList& list, const glm::dmat4& camera_from_world, const SplatView& view,
                         const DrawOptions& options, Scene& scene) {
   const std::vector<std::size_t> shares =
-      share_budget(list.splats, {camera_from_world, view.tangents, view.width, view.height}, options.budget);
+      share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
   const CloudLook& look = options.clouds;
   if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
   scene.lights.reserve(list.splats.size());  // items point to them
@@ -192,11 +192,12 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   if (std::none_of(list.splats.begin(), list.splats.end(), is_volume)) return;
   SplatView view;
   view.tangents = projection.tangents();
+  view.center = projection.center();
   view.width = options.width;
   view.height = options.height;
   view.near_plane = camera.near_plane;
   Scene scene;
-  gather(list, camera_from_world_of(camera), view, options, scene);
+  gather(list, camera_from_world_of(camera), whole_view(view, camera), options, scene);
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

@@ -60,8 +60,8 @@ class Preparer {
       if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
     }
     splat.reach = kVolumeCut * std::sqrt(area);
-    splat.x = seen.x * near * lens_.pixels_x + 0.5f * static_cast<float>(lens_.width) - 0.5f;
-    splat.y = seen.y * near * lens_.pixels_y + 0.5f * static_cast<float>(lens_.height) - 0.5f;
+    splat.x = seen.x * near * lens_.pixels_x + lens_.middle_x - 0.5f;
+    splat.y = seen.y * near * lens_.pixels_y + lens_.middle_y - 0.5f;
     if (!(splat.x + splat.reach >= 0 && splat.y + splat.reach >= 0)) return false;
     if (!(splat.x - splat.reach <= static_cast<float>(lens_.width - 1)) ||
         !(splat.y - splat.reach <= static_cast<float>(lens_.height - 1)) || !std::isfinite(splat.reach))

@@ -11,7 +11,8 @@ void main() {
 }
 )glsl";
 
-/// What the processor made of volumes. Where `depths` is below 0, whatever the depth of the pixel; EDGES: only elsewhere.
+/// What the processor made of volumes. Where `depths` is below 0, whatever the depth of the pixel; EDGES: only
+/// elsewhere.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
 uniform sampler2D depths;  // window space
@@ -196,6 +197,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
 uniform vec4 lens;         // pixels at depth 1 and of the viewport
+uniform vec2 straight;     // pixels from the middle of what lies straight ahead
 uniform vec4 depth_range;  // the near plane, clip_from_camera[2][2] and [3][2], the least depth of clip space
 layout(location = 0) in uint number;
 flat out vec4 color;
@@ -232,7 +234,7 @@ void main() {
                      dot(about(item, NORMAL_Z).xyz, normal));
   color = vec4(shade(item, color_of(item, place.index, code, normal), seen, turned), alpha);
   away = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * CUT;
-  vec2 center = seen.xy * near * lens.xy;  // pixels from the middle
+  vec2 center = seen.xy * near * lens.xy + straight;  // pixels from the middle
   gl_Position.xy = (center + away * sqrt(area)) * 2.0 / lens.zw;
   gl_Position.z = clamp(depth_range.z * near - depth_range.y, depth_range.w, 1.0);
 }

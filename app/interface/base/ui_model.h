@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/interface/base/ui_tools.h"
 #include "app/session/session_log.h"
 #include "app/settings/user_memory.h"
 #include "app/settings/user_settings.h"
@@ -86,6 +87,8 @@ struct UiModel {
   std::string link;                        // what it leads to; may be empty
   std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
   glm::vec2 pointer{0};
+
+  UiTools tools;
 };
 
 /// What the user asked for with it.
@@ -101,6 +104,7 @@ struct UiActions {
   std::optional<UserSettings> settings;                       // likewise
   std::optional<std::size_t> open_bookmark, remove_bookmark;  // of UiModel::bookmarks
   std::optional<bool> restore;                                // the answer about UiModel::to_restore
+  UiToolActions tools;
 };
 
 }  // namespace gs::app

@@ -1,5 +1,8 @@
 #include "app/interface/panels/cloud_panel.h"
 
+#include "app/view/color_bar.h"
+#include "app/view/color_maps.h"
+
 #include <imgui.h>
 
 #include <algorithm>
@@ -108,6 +111,18 @@ void draw_ramp(ImDrawList& draw, const ImVec2& from, const ImVec2& to, const Tra
   for (float x = from.x; x < to.x; x += 2)
     draw.AddRectFilled({x, from.y}, {std::min(x + 2, to.x), to.y},
                        color32(transfer_at(transfer, (x - from.x) / width).color, 1));
+}
+
+/// Numbers below the values that they are.
+void draw_axis(ImDrawList& draw, const ImVec2& from, float width, const std::pair<float, float>& values, float scale) {
+  const auto most = static_cast<std::size_t>(std::max(2.0f, width / (5 * ImGui::GetFontSize())));
+  const ImU32 color = ImGui::GetColorU32(UiColors::kQuiet);
+  for (const Tick& tick : nice_ticks({values.first, values.second}, most)) {
+    const float x = from.x + width * static_cast<float>(tick.place), label = ImGui::CalcTextSize(tick.label.c_str()).x;
+    draw.AddLine({x, from.y}, {x, from.y + 4 * scale}, color, std::max(1.0f, scale));
+    const float left = std::clamp(x - label / 2, from.x - 6 * scale, from.x + width - label + 6 * scale);
+    draw.AddText({left, from.y + 4 * scale}, color, tick.label.c_str());
+  }
 }
 
 std::optional<std::size_t> point_under(const TransferCanvas& canvas, const Transfer& transfer, const ImVec2& pointer,
@@ -223,6 +238,15 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
     }
     frame_->tooltips.show(preset.help);
   }
+  ImGui::Separator();
+  for (const ColorMap& map : color_maps()) {
+    if (ImGui::Selectable((std::string(map.label) + " colours").c_str(), false)) {
+      transfer = recolored(transfer, map);
+      own = false;
+      point_.reset();
+    }
+    frame_->tooltips.show(std::string(map.help) + "; the opacities stay");
+  }
   ImGui::EndCombo();
 }
 
@@ -253,6 +277,8 @@ bool CloudPanel::curve(Transfer& transfer, const Range& values) {
   const ImVec2 ramp = ImGui::GetCursorScreenPos();
   draw_ramp(draw, {canvas.lower.x, ramp.y}, {canvas.upper.x, ramp.y + kRampHeight * scale}, transfer);
   ImGui::Dummy({size.x, kRampHeight * scale});
+  draw_axis(draw, {canvas.lower.x, ramp.y + kRampHeight * scale}, canvas.upper.x - canvas.lower.x, values, scale);
+  ImGui::Dummy({size.x, ImGui::GetTextLineHeight() + 2 * scale});
   return changed;
 }
 
@@ -390,6 +416,20 @@ void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
   clip_rows(model, look);
 }
 
+void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
+  if (path_[0] == '\0') std::snprintf(path_.data(), path_.size(), "%s/transfer.json", model.tools.folder.c_str());
+  label("File", frame_->scale);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float buttons = ImGui::CalcTextSize("SaveLoad").x + 4 * style.FramePadding.x + 2 * style.ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::max(40.0f, width_left() - buttons));
+  ImGui::InputText("##path", path_.data(), path_.size());
+  frame_->tooltips.show("A transfer function as JSON, which --transfer takes too");
+  ImGui::SameLine();
+  if (ImGui::Button("Save")) actions.tools.save_transfer = path_.data();
+  ImGui::SameLine();
+  if (ImGui::Button("Load")) actions.tools.load_transfer = path_.data();
+}
+
 void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   frame_ = &frame;
   popup_ = false;
@@ -401,6 +441,7 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
     if (!model.volumes.empty()) {
       ImGui::Separator();
       volume_rows(model, look);
+      file_row(model, actions);
       ImGui::Separator();
       ImGui::BeginDisabled(look == render::CloudLook{});
       if (ImGui::Button("Reset")) look = {};

@@ -37,6 +37,7 @@ class CloudPanel final : public Panel {
   bool color_button(std::array<float, 3>& color);
   bool point_fields(qnv::TransferPoint& point, const Range& values, float width);
   void clip_rows(const UiModel& model, render::CloudLook& look);
+  void file_row(const UiModel& model, UiActions& actions);
 
   /// From 0 to 1, with its reading beside it. True when it was moved.
   bool slider(const char* id, float& place, const std::string& reading, const char* help);
@@ -53,6 +54,7 @@ class CloudPanel final : public Panel {
   ClipChoice clip_;  // for when it is switched on
   std::vector<std::weak_ptr<const qnv::Cloud>> summarized_;
   VolumeSummary summary_;
+  std::array<char, 1024> path_{};  // of the transfer function's file
 };
 
 }  // namespace gs::app

@@ -3,6 +3,7 @@
 #include "app/interface/panels/cloud_panel.h"
 #include "app/interface/panels/inspect_panels.h"
 #include "app/interface/panels/log_panel.h"
+#include "app/interface/panels/measure_panel.h"
 
 #include <algorithm>
 
@@ -16,6 +17,8 @@ constexpr PanelRow kPanels[] = {
     {"routes", "Routes", DockSide::bottom, Action::routes, make_panel<RoutesPanel>},
     {"script-console", "Script console", DockSide::bottom, Action::script_console, make_panel<ConsolePanel>},
     {"streams", "Streams", DockSide::bottom, Action::streams, make_panel<StreamsPanel>},
+    {"measure", "Measure", DockSide::right, Action::measure, make_panel<MeasurePanel>},
+    {"pictures", "Pictures", DockSide::right, Action::pictures, make_panel<PicturePanel>},
     {"log", "Log", DockSide::bottom, Action::log, make_panel<LogPanel>},
 };
 

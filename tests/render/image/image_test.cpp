@@ -64,6 +64,27 @@ TEST_CASE("PNG keeps images of 1 to 4 components") {
     }
 }
 
+TEST_CASE("A PNG that comes in bands of rows is the picture, and tells how large it is printed (PNG 11.3.5.3)") {
+  const Image image = made(5, 150, 3);
+  PngWriter writer(5, 150, 3, 300);
+  for (std::uint32_t y = 0; y < 150; y += 70) {
+    const std::uint32_t rows = std::min(70u, 150 - y);
+    const auto first = image.pixels.begin() + 15 * std::ptrdiff_t{y};
+    writer.add({5, rows, 3, {first, first + 15 * std::ptrdiff_t{rows}}});
+  }
+  const Bytes bytes = writer.finish();
+  CHECK(decoded(bytes).pixels == image.pixels);
+  // 300 dots an inch are 11811 a metre.
+  static constexpr unsigned char kChunk[] = {0, 0, 0, 9, 'p', 'H', 'Y', 's', 0, 0, 0x2e, 0x23, 0, 0, 0x2e, 0x23, 1};
+  CHECK(std::memcmp(bytes.data() + 33, kChunk, sizeof kChunk) == 0);  // behind the signature and IHDR
+  PngWriter incomplete(5, 150, 3);
+  incomplete.add({5, 1, 3, std::vector<std::uint8_t>(15)});
+  CHECK(incomplete.finish().empty());
+  PngWriter other(5, 2, 3);
+  other.add({4, 2, 3, std::vector<std::uint8_t>(24)});
+  CHECK(other.finish().empty());
+}
+
 TEST_CASE("PNG keeps images of many rows, which are compressed in strips, and is the same every time") {
   for (const std::uint32_t height : {63u, 64u, 65u, 128u, 331u})
     for (std::uint32_t components = 1; components <= 4; ++components) {

@@ -137,6 +137,33 @@ TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole sur
   CHECK(!whole.colors.empty());
 }
 
+TEST_CASE("a part of a picture has the samples that the whole picture has there") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(12, 8)), 4, 0, true), 4);
+  const SplatView view = view_from({4, 1, 2}, 64, 1);
+  const qnv::SurfaceCut cut = cut_for(surface, view, 4);
+  const SplatLayer whole = rasterize_patches(surface, cut, view, {});
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    SplatView part = view;
+    part.width = part.height = 32;
+    part.tangents = 0.5f * view.tangents;
+    const glm::ivec2 first(32 * (quarter % 2), 32 * (quarter / 2));
+    part.center = (glm::vec2(first) / 32.0f - 0.5f) * view.tangents;
+    const SplatLayer layer = rasterize_patches(surface, cut, part, {});
+    const auto normal = [](const SplatLayer& of, int x, int y, int k) {
+      x -= of.x, y -= of.y;
+      if (x < 0 || y < 0 || x >= of.width || y >= of.height) return 0;
+      return static_cast<int>(of.normals[static_cast<std::size_t>(4 * (y * of.width + x) + k)]);
+    };
+    int differing = 0;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x)
+        for (int k = 0; k < 4; ++k)
+          differing += std::abs(normal(layer, x, y, k) - normal(whole, first.x + x, first.y + y, k)) > 2 ? 1 : 0;
+    CHECK(covered(layer) > 100);
+    CHECK(differing < 16);  // of 4,096: places on edges are rounded once more
+  }
+}
+
 TEST_CASE("backs are seen of surfaces with two sides, and of no others") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
   const SplatView inside = view_from({0.01f, 0.02f, 0.03f}, 32, 1);

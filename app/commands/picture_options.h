@@ -1,0 +1,32 @@
+#pragma once
+
+#include "app/commands/options.h"
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+/// Options of pictures and animations, and their values.
+namespace gs::app {
+
+/// A part of option_rows().
+[[nodiscard]] std::span<const OptionRow> picture_option_rows();
+
+/// "210x297mm", "10x15cm", "8.5x11in" as millimetres.
+[[nodiscard]] std::optional<glm::dvec2> read_paper(std::string_view text);
+/// "#rrggbb", or "R,G,B" from 0 to 1.
+[[nodiscard]] std::optional<glm::vec3> read_color(std::string_view text);
+/// These return what was expected where a value is wrong.
+[[nodiscard]] std::optional<std::string> read_stereo(std::string_view text, PictureRequest& request);
+[[nodiscard]] std::optional<std::string> read_eye_distance(std::string_view text, PictureRequest& request);
+[[nodiscard]] std::optional<std::string> read_dots(std::string_view text, PictureRequest& request);
+
+/// "2..10", seconds: from 0 on, the second one larger.
+[[nodiscard]] std::optional<std::pair<double, double>> read_times(std::string_view text);
+
+}  // namespace gs::app

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "app/commands/options.h"
+#include "app/picture/volume_show.h"
+#include "app/session/view.h"
+
+#include <optional>
+#include <string>
+
+namespace gs::app {
+
+/// What pictures of a world are drawn with, by the options; of their size.
+[[nodiscard]] render::DrawOptions picture_draw(const Options& options, const View& seen);
+
+/// The options with the size in pixels of what is printed. What is wrong, if anything.
+[[nodiscard]] std::optional<std::string> settle_size(Options& options);
+
+/// Of the series that a path names, the file that shows at a time; the path itself where it names none. A message where
+/// the series has no file.
+[[nodiscard]] std::optional<std::string> settle_series(const Options& options, double time, std::string& path);
+
+[[nodiscard]] VolumeWishes volume_wishes(const Options& options);
+
+}  // namespace gs::app

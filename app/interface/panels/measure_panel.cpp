@@ -1,0 +1,200 @@
+#include "app/interface/panels/measure_panel.h"
+
+#include "app/view/color_maps.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace gs::app {
+namespace {
+
+constexpr float kToolLabel = 84;  // times the scale
+
+void tool_label(const char* what, float scale) {
+  ImGui::AlignTextToFramePadding();
+  colored_text(UiColors::kQuiet, what);
+  ImGui::SameLine(kToolLabel * scale);
+}
+
+float tool_width() { return ImGui::GetContentRegionAvail().x; }
+
+}  // namespace
+
+void MeasurePanel::ruler_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
+  tool_label("Ruler", frame.scale);
+  if (switch_button("Measure", tools.measuring)) actions.measure = !tools.measuring;
+  frame.tooltips.show("Each click on the world sets a point; Esc ends it and takes the points away (R)");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(tools.points.empty());
+  if (ImGui::Button("Undo")) actions.undo_point = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Clear")) actions.forget_points = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Copy")) ImGui::SetClipboardText(tools.measured_text.c_str());
+  ImGui::EndDisabled();
+  frame.tooltips.show("Copy points, lengths, angles and the area as text");
+  if (!tools.measuring && tools.points.empty()) return;
+  ImGui::PushTextWrapPos(0);
+  text(tools.measured);
+  ImGui::PopTextWrapPos();
+}
+
+void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
+  static constexpr std::array<const char*, 3> kAxes{"X", "Y", "Z"};
+  VolumeSlices slices = tools.slices;
+  if (!tools.has_file) {
+    colored_text(UiColors::kQuiet, "Slices need the file of a volume on this machine.");
+    return;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ImGui::PushID(static_cast<int>(axis));
+    tool_label(axis == 0 ? "Slices" : "", frame.scale);
+    if (switch_button(kAxes[axis], slices.shown[axis])) slices.shown[axis] = !slices.shown[axis];
+    frame.tooltips.show("Show the plane of voxels across this axis");
+    ImGui::SameLine();
+    const std::uint32_t voxels = tools.dimensions[axis];
+    ImGui::BeginDisabled(!slices.shown[axis] || voxels == 0);
+    int voxel = static_cast<int>(std::lround(static_cast<double>(slices.places[axis]) * std::max(1.0, voxels - 1.0)));
+    ImGui::SetNextItemWidth(tool_width());
+    if (ImGui::SliderInt("##voxel", &voxel, 0, std::max(1, static_cast<int>(voxels) - 1)))
+      slices.places[axis] =
+          std::clamp(static_cast<float>(voxel) / std::max(1.0f, static_cast<float>(voxels) - 1), 0.0f, 1.0f);
+    ImGui::EndDisabled();
+    ImGui::PopID();
+  }
+  if (tools.reading) colored_text(UiColors::kQuiet, "The values are being read...");
+  if (!tools.slices_problem.empty()) colored_text(UiColors::kError, shortened(tools.slices_problem, 300));
+  ImGui::BeginDisabled(!slices.any());
+  tool_label("", frame.scale);
+  ImGui::Checkbox("Without the volume", &slices.alone);
+  tool_label("Colours", frame.scale);
+  ImGui::SetNextItemWidth(tool_width());
+  const ColorMap* chosen = find_color_map(slices.map);
+  if (ImGui::BeginCombo("##map", chosen ? std::string(chosen->label).c_str() : "")) {
+    for (const ColorMap& map : color_maps()) {
+      if (ImGui::Selectable(std::string(map.label).c_str(), &map == chosen)) slices.map = map.name;
+      frame.tooltips.show(map.help);
+    }
+    ImGui::EndCombo();
+  }
+  if (tools.bar) {
+    const auto whole =
+        std::pair{static_cast<float>(tools.bar->range.first), static_cast<float>(tools.bar->range.second)};
+    std::array<float, 2> window{slices.window.value_or(whole).first, slices.window.value_or(whole).second};
+    tool_label("Window", frame.scale);
+    ImGui::SetNextItemWidth(tool_width());
+    const float speed = std::max(1e-6f, std::abs(window[1] - window[0]) / 300);
+    if (ImGui::DragFloat2("##window", window.data(), speed, 0, 0, "%.4g") && window[0] < window[1])
+      slices.window = {window[0], window[1]};
+    frame.tooltips.show("The values of the first and the last colour: drag, or double click to type");
+  }
+  ImGui::EndDisabled();
+  if (!(slices == tools.slices)) actions.slices = std::move(slices);
+}
+
+void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
+  tool_label("Series", frame.scale);
+  if (ImGui::Button(tools.playing ? "Pause" : "Play")) actions.play = !tools.playing;
+  ImGui::SameLine();
+  if (ImGui::Button("<")) actions.file = tools.file > 0 ? tools.file - 1 : tools.files - 1;
+  ImGui::SameLine(0, 1);
+  if (ImGui::Button(">")) actions.file = (tools.file + 1) % tools.files;
+  ImGui::SameLine();
+  int file = static_cast<int>(tools.file) + 1;
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::SliderInt("##file", &file, 1, static_cast<int>(tools.files)))
+    actions.file = static_cast<std::size_t>(std::max(0, file - 1));
+  tool_label("", frame.scale);
+  auto rate = static_cast<float>(tools.rate);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::SliderFloat("##rate", &rate, 0.5f, 60, "%.3g files a second", ImGuiSliderFlags_Logarithmic))
+    actions.rate = static_cast<double>(rate);
+}
+
+void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& all) {
+  const UiTools& tools = model.tools;
+  UiToolActions& actions = all.tools;
+  actions.wants_value = true;
+  tool_label("Pointer", frame.scale);
+  ImGui::PushTextWrapPos(0);
+  text(tools.value.empty() ? "Nothing is under it" : tools.value);
+  ImGui::PopTextWrapPos();
+  ruler_rows(frame, tools, actions);
+  if (tools.files > 1) {
+    ImGui::Separator();
+    series_rows(frame, tools, actions);
+  }
+  if (!model.has_volumes) return;
+  ImGui::Separator();
+  tool_label("Colour bar", frame.scale);
+  bool bar = tools.color_bar;
+  if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
+  frame.tooltips.show("Beside the picture, with the values that its colours stand for");
+  slice_rows(frame, tools, actions);
+}
+
+void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& all) {
+  const UiTools& tools = model.tools;
+  PictureWish wish = tools.picture;
+  tool_label("Size", frame.scale);
+  if (ImGui::RadioButton("Viewport", wish.of_window)) wish.of_window = true;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("Pixels", !wish.of_window)) wish.of_window = false;
+  tool_label("", frame.scale);
+  ImGui::SetNextItemWidth(tool_width());
+  if (wish.of_window) {
+    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times as large");
+  } else {
+    ImGui::InputInt2("##size", &wish.size.x);
+    wish.size.x = std::clamp(wish.size.x, 1, kMostPictureSide);
+    wish.size.y = std::clamp(wish.size.y, 1, kMostPictureSide);
+  }
+  tool_label("Print", frame.scale);
+  auto dots = static_cast<float>(wish.request.dots_per_inch);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::DragFloat("##dots", &dots, 1, 0, 2400, dots > 0 ? "%.0f dots an inch" : "no size in print"))
+    wish.request.dots_per_inch = std::max(0.0, static_cast<double>(dots));
+  tool_label("", frame.scale);
+  ImGui::Checkbox("Transparent background", &wish.request.transparent);
+  tool_label("", frame.scale);
+  ImGui::BeginDisabled(!model.has_volumes);
+  ImGui::Checkbox("Colour bar", &wish.request.color_bar);
+  ImGui::EndDisabled();
+  static constexpr std::array<const char*, 3> kEyes{"One eye", "Side by side", "Red and cyan"};
+  tool_label("Stereo", frame.scale);
+  auto eyes = static_cast<int>(wish.request.stereo);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::Combo("##stereo", &eyes, kEyes.data(), static_cast<int>(kEyes.size())))
+    wish.request.stereo = static_cast<render::Stereo>(eyes);
+  ImGui::Separator();
+  ImGui::BeginDisabled(!model.has_world || tools.exporting.has_value());
+  if (ImGui::Button("Save a picture")) all.tools.take_picture = true;
+  frame.tooltips.show("F12");
+  ImGui::Separator();
+  tool_label("Turntable", frame.scale);
+  auto seconds = static_cast<float>(wish.seconds);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g seconds")) wish.seconds = static_cast<double>(seconds);
+  tool_label("", frame.scale);
+  if (ImGui::RadioButton("Movie (MP4)", wish.movie)) wish.movie = true;
+  ImGui::SameLine();
+  if (ImGui::RadioButton("PNG pictures", !wish.movie)) wish.movie = false;
+  if (ImGui::Button("Save a turntable")) all.tools.take_turntable = true;
+  ImGui::EndDisabled();
+  if (tools.exporting) {
+    ImGui::ProgressBar(*tools.exporting, {tool_width() - 90 * frame.scale, 0});
+    ImGui::SameLine();
+    if (ImGui::Button("Cancel")) all.tools.cancel_export = true;
+  }
+  ImGui::PushTextWrapPos(0);
+  colored_text(UiColors::kQuiet, "Into " + shortened(tools.folder, 200));
+  ImGui::PopTextWrapPos();
+  all.tools.picture = std::move(wish);
+}
+
+}  // namespace gs::app

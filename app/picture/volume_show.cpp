@@ -1,0 +1,72 @@
+#include "app/picture/volume_show.h"
+
+#include "app/picture/picture_marks.h"
+#include "app/view/color_maps.h"
+#include "app/view/transfer_file.h"
+#include "net/files/file.h"
+
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+
+const qnv::Description* first_volume(const render::RenderList& list) {
+  for (const render::SplatItem& item : list.splats)
+    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) return &item.cloud->description;
+  return nullptr;
+}
+
+std::variant<Transfer, std::string> named_transfer(const std::string& name, const qnv::Description& volume) {
+  if (const ColorMap* map = find_color_map(name)) return recolored(own_transfer(volume), *map);
+  const auto opened = net::map_file(name);
+  if (const auto* problem = std::get_if<net::FileError>(&opened))
+    return problem->message + "; expected a file or one of " + color_map_names();
+  const auto bytes = std::get<net::MappedFile>(opened).bytes();
+  auto file = read_transfer_file({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+  if (auto* problem = std::get_if<std::string>(&file)) return std::move(*problem);
+  return transfer_over(std::get<TransferFile>(file), volume.value_range);
+}
+
+ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer, const VolumeSlices& slices) {
+  ColorBar bar = color_bar_of(volume, transfer.empty() ? own_transfer(volume) : transfer);
+  if (!slices.any() || !slices.alone) return bar;
+  const ColorMap* map = find_color_map(slices.map);
+  bar.colors = mapped_transfer(map ? *map : color_maps().front(), OpacityRamp::flat);
+  if (slices.window) bar.range = {slices.window->first, slices.window->second};
+  return bar;
+}
+
+std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const std::string& path,
+                                               const render::RenderList& list, const WorldBudget& budget) {
+  wishes_ = wishes;
+  if (!wishes.any()) return std::nullopt;
+  const qnv::Description* const volume = first_volume(list);
+  if (!volume) return path + ": has no volume; expected one with --transfer, --slice and --color-bar";
+  if (!wishes.transfer.empty()) {
+    auto transfer = named_transfer(wishes.transfer, *volume);
+    if (auto* problem = std::get_if<std::string>(&transfer)) return std::move(*problem);
+    transfer_ = std::move(std::get<Transfer>(transfer));
+  }
+  slices_ = wishes.slice_look;
+  if (wishes.slices.empty()) return std::nullopt;
+  auto grid = VolumeGrid::read(path, nullptr, budget);
+  if (auto* problem = std::get_if<std::string>(&grid)) return "slices: " + *problem;
+  grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));
+  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->dimensions(), slices_);
+  return std::nullopt;
+}
+
+void VolumeShow::apply(PictureScene& scene) {
+  if (!transfer_.empty()) scene.draw.clouds.transfer = transfer_;
+  const qnv::Description* const volume = first_volume(*scene.list);
+  if (wishes_.color_bar && volume) {
+    scene.over = [before = std::move(scene.over), bar = shown_color_bar(*volume, transfer_, slices_)](
+                     render::Image& band, int top, const glm::ivec2& size) {
+      if (before) before(band, top, size);
+      draw_color_bar({band, top}, size, bar);
+    };
+  }
+  scene.list = &slice_scene_.with_slices(*scene.list, grid_, slices_);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,74 @@
+#include "app/session/series.h"
+
+#include "app/base/numbered_files.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gs::app {
+
+std::string SeriesList::file_of(const std::string& name) {
+  if (const Series* known = find(name)) return known->files[known->wanted];
+  auto files = file_series(name);
+  if (!files || files->empty()) return name;
+  Series& series = series_[name];
+  series.files = std::move(*files);
+  return series.files.front();
+}
+
+SeriesList::Series* SeriesList::find(const std::string& name) {
+  const auto found = series_.find(name);
+  return found == series_.end() ? nullptr : &found->second;
+}
+
+const SeriesList::Series* SeriesList::find(const std::string& name) const {
+  const auto found = series_.find(name);
+  return found == series_.end() ? nullptr : &found->second;
+}
+
+bool SeriesList::holds_back(const std::string& name, double now) const {
+  const Series* series = find(name);
+  return series && now < series->due;
+}
+
+bool SeriesList::arrived(const std::string& name, double now) {
+  Series* series = find(name);
+  if (!series) return false;
+  series->shown = series->wanted;
+  if (!series->playing || series->files.size() < 2) return false;
+  series->wanted = (series->shown + 1) % series->files.size();
+  // What came late does not make the next ones hurry.
+  series->due = std::max(series->due + 1 / series->rate, now);
+  return true;
+}
+
+bool SeriesList::play(const std::string& name, bool on, double now) {
+  Series* series = find(name);
+  if (!series || series->playing == on) return false;
+  series->playing = on;
+  if (!on || series->files.size() < 2) return false;
+  series->due = now + 1 / series->rate;
+  return std::exchange(series->wanted, (series->shown + 1) % series->files.size()) != series->wanted;
+}
+
+bool SeriesList::show(const std::string& name, std::size_t file, double now) {
+  Series* series = find(name);
+  if (!series || file >= series->files.size()) return false;
+  series->playing = false;
+  series->due = now;
+  return std::exchange(series->wanted, file) != file || series->shown != file;
+}
+
+void SeriesList::set_rate(const std::string& name, double rate) {
+  constexpr double kSlowest = 0.01, kFastest = 240;
+  if (Series* series = find(name); series && rate == rate) series->rate = std::clamp(rate, kSlowest, kFastest);
+}
+
+std::optional<double> SeriesList::next_due() const {
+  std::optional<double> next;
+  for (const auto& [name, series] : series_)
+    if (series.playing) next = std::min(next.value_or(series.due), series.due);
+  return next;
+}
+
+}  // namespace gs::app

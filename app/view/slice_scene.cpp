@@ -1,0 +1,175 @@
+#include "app/view/slice_scene.h"
+
+#include "app/view/color_maps.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+/// The two axes of a slice's picture.
+std::pair<std::size_t, std::size_t> axes_across(std::size_t axis) {
+  return axis == 0   ? std::pair<std::size_t, std::size_t>{1, 2}
+         : axis == 1 ? std::pair<std::size_t, std::size_t>{0, 2}
+                     : std::pair<std::size_t, std::size_t>{0, 1};
+}
+
+std::array<glm::vec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const auto [across, up] = axes_across(axis);
+  std::array<glm::vec3, 4> corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    glm::dvec3 voxel(0);
+    voxel[static_cast<int>(axis)] = slice_voxel(grid, slices, axis);
+    // Pixels are voxels, of which the outer ones end half a voxel beyond their centres.
+    const auto edge = [&](std::size_t of, bool upper) {
+      return upper ? (grid.kept(of) - 0.5) * grid.step() : -0.5 * grid.step();
+    };
+    voxel[static_cast<int>(across)] = edge(across, i == 1 || i == 2);
+    voxel[static_cast<int>(up)] = edge(up, i >= 2);
+    corners[i] = glm::vec3(grid.place_of(voxel));
+  }
+  return corners;
+}
+
+std::shared_ptr<const vrml::Mesh> plane_mesh(const std::array<glm::vec3, 4>& corners) {
+  auto mesh = std::make_shared<vrml::Mesh>();
+  const glm::vec3 cross = glm::cross(corners[1] - corners[0], corners[3] - corners[0]);
+  const float length = glm::length(cross);
+  const glm::vec3 normal = length > 0 ? cross / length : glm::vec3(0, 0, 1);
+  static constexpr std::array<glm::vec2, 4> kPlaces{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    mesh->positions.push_back(corners[i]);
+    mesh->normals.push_back(normal);
+    mesh->texture_coordinates.push_back(kPlaces[i]);
+    mesh->bounds.add(corners[i]);
+  }
+  mesh->indices = {0, 1, 2, 0, 2, 3};
+  mesh->solid = false;
+  return mesh;
+}
+
+std::shared_ptr<const vrml::Mesh> frame_mesh(const std::array<glm::vec3, 4>& corners) {
+  auto mesh = std::make_shared<vrml::Mesh>();
+  mesh->primitive = vrml::Mesh::Primitive::lines;
+  for (const glm::vec3& corner : corners) {
+    mesh->positions.push_back(corner);
+    mesh->bounds.add(corner);
+  }
+  mesh->indices = {0, 1, 1, 2, 2, 3, 3, 0};
+  mesh->lit = false;
+  return mesh;
+}
+
+}  // namespace
+
+std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const double place = std::clamp(static_cast<double>(slices.places[axis]), 0.0, 1.0);
+  const double voxel = std::round(place * (grid.dimensions()[axis] - 1));
+  return static_cast<std::uint32_t>(voxel) / grid.step() * grid.step();
+}
+
+render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const ColorMap* chosen = find_color_map(slices.map);
+  const ColorMap& map = chosen ? *chosen : color_maps().front();
+  std::array<std::array<std::uint8_t, 3>, 256> colors{};
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const glm::vec3 color = color_at(map, static_cast<float>(i) / 255) * 255.0f;
+    for (int c = 0; c < 3; ++c)
+      colors[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(color[c]));
+  }
+  const auto [least, most] = slices.window.value_or(grid.value_range());
+  const auto [across, up] = axes_across(axis);
+  render::Image image{grid.kept(across), grid.kept(up), 4, {}};
+  image.pixels.resize(std::size_t{image.width} * image.height * 4);
+  std::array<std::uint32_t, 3> at{};
+  at[axis] = slice_voxel(grid, slices, axis) / grid.step();
+  bool missing = false;
+  std::uint8_t* to = image.pixels.data();
+  for (std::uint32_t row = image.height; row-- > 0;)
+    for (std::uint32_t column = 0; column < image.width; ++column, to += 4) {
+      at[across] = column;
+      at[up] = row;
+      const float value = grid.kept_value(at[0], at[1], at[2]);
+      if (value != value) {
+        missing = true;
+        continue;  // transparent
+      }
+      const float place = most > least ? (value - least) / (most - least) : value > least ? 1.0f : 0.0f;
+      const auto& color = colors[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0f, 1.0f) * 255))];
+      std::copy(color.begin(), color.end(), to);
+      to[3] = 255;
+    }
+  if (missing) return image;
+  render::Image opaque{image.width, image.height, 3, {}};
+  opaque.pixels.reserve(image.pixels.size() / 4 * 3);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 4)
+    opaque.pixels.insert(opaque.pixels.end(), image.pixels.begin() + static_cast<std::ptrdiff_t>(i),
+                         image.pixels.begin() + static_cast<std::ptrdiff_t>(i + 3));
+  return opaque;
+}
+
+std::optional<glm::dmat4> world_from_volume(const render::RenderList& list) {
+  for (const render::SplatItem& item : list.splats)
+    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) return item.world_from_node;
+  return std::nullopt;
+}
+
+const render::RenderList& SliceScene::with_slices(const render::RenderList& list,
+                                                  const std::shared_ptr<const VolumeGrid>& grid,
+                                                  const VolumeSlices& slices) {
+  const auto world_from_node = world_from_volume(list);
+  if (!grid || !slices.any() || !world_from_node) return list;
+  const bool same_list = of_ == &list && generation_ == list.generation && items_ == list.items.size() &&
+                         world_from_node_ == *world_from_node;
+  if (same_list && grid_ == grid && slices_ == slices) return list_;
+  const bool same_look = grid_ == grid && slices_.map == slices.map && slices_.window == slices.window;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool same =
+        same_look && images_[axis] && slice_voxel(*grid, slices, axis) == slice_voxel(*grid, slices_, axis);
+    if (slices.shown[axis] && !same)
+      images_[axis] = std::make_shared<const render::Image>(slice_image(*grid, slices, axis));
+  }
+  list_ = list;
+  list_.generation = 0;
+  list_.moved.clear();
+  if (slices.alone)
+    std::erase_if(list_.splats, [](const render::SplatItem& item) {
+      return item.cloud && item.cloud->description.kind == qnv::Kind::volume;
+    });
+  static constexpr std::array<glm::vec3, 3> kColors{{{0.9f, 0.35f, 0.3f}, {0.4f, 0.8f, 0.35f}, {0.35f, 0.55f, 0.95f}}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!slices.shown[axis]) {
+      images_[axis].reset();
+      continue;
+    }
+    const auto corners = slice_corners(*grid, slices, axis);
+    render::DrawItem plane;
+    plane.mesh = plane_mesh(corners);
+    plane.world_from_node = *world_from_node;
+    plane.material.lit = false;
+    plane.texture = {images_[axis], false, false, glm::mat3(1.0f)};
+    render::DrawItem frame;
+    frame.mesh = frame_mesh(corners);
+    frame.world_from_node = *world_from_node;
+    frame.material.diffuse = glm::vec3(0);
+    frame.material.emissive = kColors[axis];
+    for (const glm::vec3& corner : corners)
+      list_.bounds.add(glm::vec3(*world_from_node * glm::dvec4(glm::dvec3(corner), 1)));
+    list_.items.push_back(std::move(plane));
+    list_.items.push_back(std::move(frame));
+  }
+  of_ = &list;
+  generation_ = list.generation;
+  items_ = list.items.size();
+  grid_ = grid;
+  slices_ = slices;
+  world_from_node_ = *world_from_node;
+  return list_;
+}
+
+}  // namespace gs::app

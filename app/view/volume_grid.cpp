@@ -1,0 +1,122 @@
+#include "app/view/volume_grid.h"
+
+#include "qnv/volume/volume_slices.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gs::app {
+namespace {
+
+glm::dmat3 grid_axes(const qnv::VolumeLayout& layout) {
+  return {glm::dvec3(layout.axes[0]), glm::dvec3(layout.axes[1]), glm::dvec3(layout.axes[2])};
+}
+
+}  // namespace
+
+std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(const std::string& path,
+                                                                              const std::atomic<bool>* stop,
+                                                                              const WorldBudget& budget,
+                                                                              std::uint64_t most_voxels) {
+  auto opened = open_volume(path, {}, {}, budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  auto taken = take(std::get<qnv::VolumeSource>(opened), stop, budget, most_voxels);
+  if (auto* problem = std::get_if<std::string>(&taken)) return path + ": " + *problem;
+  return taken;
+}
+
+std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(const qnv::VolumeSource& source,
+                                                                              const std::atomic<bool>* stop,
+                                                                              const WorldBudget& budget,
+                                                                              std::uint64_t most_voxels) {
+  if (const auto problem = qnv::check(source.layout)) return problem->message;
+  std::shared_ptr<VolumeGrid> grid(new VolumeGrid);
+  grid->layout_ = source.layout;
+  std::uint64_t count = 0;
+  const auto count_kept = [&] {
+    count = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      grid->kept_[i] = (source.layout.dimensions[i] - 1) / grid->step_ + 1;
+      count *= grid->kept_[i];
+    }
+  };
+  grid->share_.emplace(budget, vrml::Resource::vectors);
+  for (count_kept(); count > std::max<std::uint64_t>(most_voxels, 1); count_kept()) ++grid->step_;
+  while (!grid->share_->grow(count * sizeof(float))) {
+    if (count <= 8) return "there is no memory left for the values of the volume";
+    ++grid->step_;
+    count_kept();
+  }
+  grid->values_.resize(count);
+  std::vector<float> slice(qnv::slice_voxels(source.layout));
+  std::vector<std::byte> scratch;
+  float least = std::numeric_limits<float>::infinity(), most = -least;
+  const std::size_t width = source.layout.dimensions[0];
+  auto to = grid->values_.begin();
+  for (std::uint32_t z = 0; z < grid->kept_[2]; ++z) {
+    if (stop && *stop) return "the volume is not wanted any more";
+    if (!qnv::read_slice(source, z * grid->step_, scratch, slice))
+      return "slice " + std::to_string(z) + " cannot be read";
+    for (std::uint32_t y = 0; y < grid->kept_[1]; ++y)
+      for (std::uint32_t x = 0; x < grid->kept_[0]; ++x) {
+        const float value = slice[std::size_t{y} * grid->step_ * width + std::size_t{x} * grid->step_];
+        *to++ = value;
+        least = std::min(least, value == value ? value : least);
+        most = std::max(most, value == value ? value : most);
+      }
+  }
+  if (!(least <= most)) return "the volume has no value at all";
+  grid->range_ = {least, most};
+  return std::shared_ptr<const VolumeGrid>(std::move(grid));
+}
+
+glm::dvec3 VolumeGrid::voxel_at(const glm::dvec3& place) const {
+  return glm::inverse(grid_axes(layout_)) * (place - glm::dvec3(layout_.origin));
+}
+
+glm::dvec3 VolumeGrid::place_of(const glm::dvec3& voxel) const {
+  return glm::dvec3(layout_.origin) + grid_axes(layout_) * voxel;
+}
+
+std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
+  std::array<std::uint32_t, 3> at{};
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    if (!(voxel[i] >= -0.5 && voxel[i] <= static_cast<double>(layout_.dimensions[axis]) - 0.5)) return std::nullopt;
+    const double place = std::round(std::max(voxel[i], 0.0) / step_);
+    at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
+  }
+  const float value = kept_value(at[0], at[1], at[2]);
+  return value == value ? std::optional(value) : std::nullopt;
+}
+
+std::optional<float> VolumeGrid::between(const glm::dvec3& voxel) const {
+  std::array<std::uint32_t, 3> low{}, high{};
+  glm::dvec3 part(0);
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    const double at = voxel[i] / step_, last = static_cast<double>(kept_[axis] - 1);
+    if (!(at >= 0 && at <= last)) return std::nullopt;
+    low[axis] = static_cast<std::uint32_t>(at);
+    high[axis] = std::min(low[axis] + 1, kept_[axis] - 1);
+    part[i] = at - std::floor(at);
+  }
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::array<std::uint32_t, 3> at{};
+    for (int i = 0; i < 3; ++i) {
+      const bool upper = (corner >> i & 1) != 0;
+      at[static_cast<std::size_t>(i)] = upper ? high[static_cast<std::size_t>(i)] : low[static_cast<std::size_t>(i)];
+      weight *= upper ? part[i] : 1 - part[i];
+    }
+    if (weight > 0) sum += weight * static_cast<double>(kept_value(at[0], at[1], at[2]));
+  }
+  return sum == sum ? std::optional(static_cast<float>(sum)) : std::nullopt;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,320 @@
+#include "app/viewer/viewer_tools.h"
+
+#include "app/base/text.h"
+#include "app/picture/paint.h"
+#include "app/picture/picture_marks.h"
+#include "app/picture/screenshot.h"
+#include "app/picture/volume_show.h"
+#include "app/view/transfer_file.h"
+#include "net/files/file.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr float kClick = 4;  // pixels that the pointer may move between press and release of a click
+
+double seconds_since_1970() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// A pixel of the picture that sees the place, from the upper left of the viewport; none: it is behind the viewer.
+std::optional<glm::vec2> pixel_of(const Pose& pose, const glm::dvec3& place, const glm::vec2& size) {
+  render::Camera camera = camera_of(pose);
+  const glm::dvec3 seen(render::camera_from_world_of(camera) * glm::dvec4(place, 1));
+  if (!(seen.z < 0)) return std::nullopt;
+  camera.near_plane = 1;
+  camera.far_plane = 2;
+  const glm::vec2 tangents = render::projection(camera, size.x, size.y).tangents();
+  return glm::vec2((static_cast<float>(seen.x / -seen.z) / tangents.x * 0.5f + 0.5f) * size.x,
+                   (0.5f - static_cast<float>(seen.y / -seen.z) / tangents.y * 0.5f) * size.y);
+}
+
+std::string place_text(const glm::dvec3& p) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, "%.5g, %.5g, %.5g", p.x, p.y, p.z);
+  return buffer;
+}
+
+std::string voxel_text(const glm::dvec3& p) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x, p.y, p.z);
+  return buffer;
+}
+
+}  // namespace
+
+ViewerTools::ViewerTools(const ViewerOptions& options, render::Renderer& renderer)
+    : options_(options), renderer_(renderer), folder_(pictures_folder()) {}
+
+ViewerTools::~ViewerTools() { stop_ = true; }
+
+ViewerTools::Values& ViewerTools::values_of(const View& view) {
+  constexpr std::chrono::seconds kNow{0};
+  std::erase_if(values_, [&](const auto& entry) {
+    const auto& coming = entry.second.coming;
+    return entry.second.of.expired() && (!coming.valid() || coming.wait_for(kNow) == std::future_status::ready);
+  });
+  Values& values = values_[view.document.get()];
+  if (values.of.lock() != view.document) {
+    values = {};
+    values.of = view.document;
+    const std::string path = view.document->world.path;
+    values.coming = std::async(std::launch::async, [path, this] { return VolumeGrid::read(path, &stop_); });
+  }
+  if (values.coming.valid() && values.coming.wait_for(kNow) == std::future_status::ready) {
+    auto read = values.coming.get();
+    if (auto* problem = std::get_if<std::string>(&read))
+      values.problem = std::move(*problem);
+    else
+      values.grid = std::move(std::get<std::shared_ptr<const VolumeGrid>>(read));
+  }
+  return values;
+}
+
+void ViewerTools::take(const SessionInput::Event& given, const View* seen, const Viewport& place) {
+  const WindowEvent& event = given.event;
+  using Kind = WindowEvent::Kind;
+  if (event.kind == Kind::pointer) {
+    pointer_ = event.pointer;
+    probe_due_ = true;
+  }
+  if (event.kind == Kind::button_down) pressed_ = event.pointer;
+  const bool click = event.kind == Kind::button_up && event.button == MouseButton::left && !given.over_interface &&
+                     glm::length(event.pointer - pressed_) < kClick;
+  if (!click || !measuring_ || !seen) return;
+  if (ruled_.lock() != seen->document) ruler_.clear();
+  ruled_ = seen->document;
+  const glm::vec2 at = event.pointer - glm::vec2(place.left, place.top), size(place.size());
+  const Ray ray = ray_through(seen->navigation.pose, at, size);
+  if (const auto hit = picker_.pick(shown(kMostViewports, *seen), ray, pick_options(*seen, size)))
+    (void)ruler_.add(hit->point);
+}
+
+const render::RenderList& ViewerTools::shown(std::size_t pane, const View& view) {
+  if (!view.slices.any()) return *view.list;
+  return slice_scenes_[pane].with_slices(*view.list, values_of(view).grid, view.slices);
+}
+
+// The value of a volume where it is seen, or where a plane or surface in it is.
+void ViewerTools::probe(const View& seen, const Viewport& place) {
+  value_.clear();
+  const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());
+  if (at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return;
+  const render::RenderList& list = shown(kMostViewports, seen);
+  const Ray ray = ray_through(seen.navigation.pose, at, size);
+  const auto hit = picker_.pick(list, ray, pick_options(seen, size));
+  if (!hit) return;
+  const qnv::Description* const volume = first_volume(*seen.list);
+  const auto world_from_node = world_from_volume(*seen.list);
+  if (volume && world_from_node) {
+    const Values& values = values_of(seen);
+    if (values.grid) {
+      const glm::dvec3 voxel =
+          values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
+      if (const auto value = values.grid->nearest(voxel))
+        value_ = readable_value(static_cast<double>(*value), value_unit(*volume)) + " at " + voxel_text(voxel) + "; ";
+    }
+  }
+  value_ += place_text(hit->point);
+}
+
+void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& place) {
+  tools.picture = wish_;
+  tools.folder = folder_;
+  if (export_)
+    tools.exporting =
+        static_cast<float>(export_->next) / static_cast<float>(std::max<std::size_t>(export_->steps.size(), 1));
+  tools.measuring = measuring_;
+  if (!seen) return;
+  const glm::vec2 size(place.size()), corner(place.left, place.top);
+  if (ruled_.lock() == seen->document) {
+    for (const glm::dvec3& point : ruler_.points()) {
+      auto pixel = pixel_of(seen->navigation.pose, point, size);
+      tools.points.push_back(pixel ? std::optional(*pixel + corner) : std::nullopt);
+    }
+    for (std::size_t i = 0; i + 1 < ruler_.points().size(); ++i)
+      tools.legs.push_back(readable_value(ruler_.length_of(i)));
+    tools.measured_text = ruler_.text();
+  }
+  tools.measured = ruler_.summary();
+  tools.slices = seen->slices;
+  const qnv::Description* const volume = first_volume(*seen->list);
+  if (volume && asked_.lock() != seen->document) {
+    asked_ = seen->document;
+    asked_is_volume_ = is_volume_file(*seen);
+  }
+  tools.has_file = volume && asked_is_volume_;
+  const bool wanted = tools.has_file && (wants_value_ || seen->slices.any());
+  if (wanted) {
+    const Values& values = values_of(*seen);
+    tools.reading = values.coming.valid();
+    tools.slices_problem = values.problem;
+    if (values.grid) tools.dimensions = values.grid->dimensions();
+  }
+  if (std::exchange(probe_due_, false) && wants_value_) probe(*seen, place);
+  tools.value = value_;
+  tools.color_bar = seen->color_bar;
+  if (volume) tools.bar = shown_color_bar(*volume, seen->look.transfer, seen->slices);
+}
+
+bool ViewerTools::is_volume_file(const View& seen) {
+  std::error_code error;
+  const std::string& path = seen.document->world.path;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const auto opened = net::map_file(path);
+  const auto* file = std::get_if<net::MappedFile>(&opened);
+  return file && is_volume(path, file->bytes().first(std::min<std::size_t>(file->bytes().size(), 1024)));
+}
+
+PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
+                                   const PictureRequest& request) {
+  PictureScene scene;
+  scene.list = &shown(slice_scene, seen);
+  scene.camera = camera_of(seen.navigation.pose);
+  scene.unit = seen.scale;
+  scene.draw.width = size.x;
+  scene.draw.height = size.y;
+  scene.draw.samples = options_.samples;
+  scene.draw.background = options_.background;
+  scene.draw.splats = options_.splats;
+  scene.draw.headlight = seen.headlight;
+  scene.draw.unit = static_cast<float>(seen.scale);
+  scene.draw.clouds = seen.look;
+  scene.draw.viewport = kMostViewports;
+  const qnv::Description* const volume = first_volume(*seen.list);
+  if (request.color_bar && volume)
+    scene.over = [bar = shown_color_bar(*volume, seen.look.transfer, seen.slices)](render::Image& band, int top,
+                                                                                   const glm::ivec2& all) {
+      draw_color_bar({band, top}, all, bar);
+    };
+  return scene;
+}
+
+glm::ivec2 ViewerTools::size_of(const Viewport& place) const {
+  return wish_.of_window ? glm::ivec2(place.size()) * wish_.scale : wish_.size;
+}
+
+void ViewerTools::take_picture(const View& seen, const Viewport& place, const Tell& tell) {
+  const PictureScene scene = scene_of(kMostViewports, seen, size_of(place), wish_.request);
+  auto picture = paint_png(renderer_, scene, wish_.request);
+  if (const auto* problem = std::get_if<std::string>(&picture)) return tell("No picture: " + *problem, true);
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  const OpenedWorld& world = seen.document->world;
+  const std::string path = free_path(
+      folder_, picture_name(world.title.empty() ? file_label(world.path) : world.title, seconds_since_1970()));
+  if (const auto problem = net::write_file_atomically(path, std::get<std::vector<std::byte>>(picture)))
+    return tell("No picture: " + path + ": " + problem->message, true);
+  tell("Picture saved: " + path, false);
+}
+
+void ViewerTools::start_turntable(const View& seen, const Viewport& place, const Tell& tell) {
+  Export made;
+  AnimationRequest request;
+  request.turntable = true;
+  request.length = wish_.seconds;
+  request.rate = wish_.rate;
+  if (const auto problem = plan_animation(request, made.steps)) return tell(*problem, true);
+  made.size = size_of(place);
+  made.request = wish_.request;
+  made.request.transparent = wish_.request.transparent && !wish_.movie;
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  const OpenedWorld& world = seen.document->world;
+  const std::string title = world.title.empty() ? file_label(world.path) : world.title;
+  made.path = wish_.movie ? free_path(folder_, picture_name(title, seconds_since_1970(), ".mp4"))
+                          : folder_ + '/' + picture_name(title, seconds_since_1970(), "");
+  if (!wish_.movie) {
+    for (std::size_t i = 0; (i = made.path.find('%', i)) != std::string::npos; i += 2) made.path.insert(i, 1, '%');
+    made.path += ".%04d.png";
+  }
+  auto writer = FrameWriter::open(made.path, made.size, request.rate, made.request.dots_per_inch);
+  if (auto* problem = std::get_if<std::string>(&writer)) return tell(*problem, true);
+  made.writer = std::move(std::get<std::unique_ptr<FrameWriter>>(writer));
+  made.of = seen.document;
+  made.camera = camera_of(seen.navigation.pose);
+  made.up = glm::dvec3(seen.navigation.up);
+  if (!seen.list->bounds.empty()) made.center = glm::dvec3(seen.list->bounds.center());
+  export_ = std::move(made);
+}
+
+bool ViewerTools::go_on(const View* seen, const Tell& tell) {
+  if (!export_) return false;
+  Export& job = *export_;
+  std::optional<std::string> problem;
+  if (!seen || job.of.lock() != seen->document) {
+    problem = "another file is shown now";
+  } else if (job.next < job.steps.size()) {
+    PictureScene scene = scene_of(kMostViewports, *seen, job.size, job.request);
+    scene.camera = turned_camera(job.camera, job.center, job.up, job.steps[job.next].turned);
+    auto picture = paint_image(renderer_, scene, job.request);
+    if (auto* wrong = std::get_if<std::string>(&picture))
+      problem = std::move(*wrong);
+    else
+      problem = job.writer->add(std::get<render::Image>(picture));
+    ++job.next;
+  }
+  if (!problem && job.next >= job.steps.size()) problem = job.writer->finish();
+  if (problem) tell("The turntable is not whole: " + *problem, true);
+  if (!problem && job.next >= job.steps.size())
+    tell("Turntable saved: " + job.path + " (" + job.writer->what() + ")", false);
+  if (problem || job.next >= job.steps.size()) export_.reset();
+  return true;
+}
+
+void ViewerTools::toggle_ruler() {
+  measuring_ = !measuring_;
+  if (!measuring_) ruler_.clear();
+}
+
+bool ViewerTools::close() {
+  if (!measuring_ && ruler_.points().empty()) return false;
+  measuring_ = false;
+  ruler_.clear();
+  return true;
+}
+
+void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell) {
+  if (actions.wants_value && !wants_value_) probe_due_ = true;
+  wants_value_ = actions.wants_value;
+  if (actions.measure && *actions.measure != measuring_) toggle_ruler();
+  if (actions.undo_point) (void)ruler_.undo();
+  if (actions.forget_points) ruler_.clear();
+  if (actions.picture) wish_ = *actions.picture;
+  if (actions.cancel_export && export_) {
+    tell("The turntable was given up", false);
+    export_.reset();
+  }
+  if (!seen) return;
+  if (actions.slices) seen->slices = *actions.slices;
+  if (actions.color_bar) seen->color_bar = *actions.color_bar;
+  if (actions.take_picture) take_picture(*seen, place, tell);
+  if (actions.take_turntable) start_turntable(*seen, place, tell);
+  const qnv::Description* const volume = first_volume(*seen->list);
+  if (!volume) return;
+  if (actions.save_transfer) {
+    const Transfer transfer = seen->look.transfer.empty() ? own_transfer(*volume) : seen->look.transfer;
+    const std::string text = transfer_text(transfer, volume->value_range, value_unit(*volume));
+    const auto problem = net::write_file_atomically(*actions.save_transfer, std::as_bytes(std::span(text)));
+    tell(problem ? *actions.save_transfer + ": " + problem->message : "Saved: " + *actions.save_transfer,
+         problem.has_value());
+  }
+  if (actions.load_transfer) {
+    auto transfer = named_transfer(*actions.load_transfer, *volume);
+    if (auto* problem = std::get_if<std::string>(&transfer))
+      tell(*problem, true);
+    else
+      seen->look.transfer = std::move(std::get<Transfer>(transfer));
+  }
+}
+
+}  // namespace gs::app

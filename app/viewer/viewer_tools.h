@@ -1,0 +1,93 @@
+#pragma once
+
+#include "app/interface/base/ui_model.h"
+#include "app/picture/animation.h"
+#include "app/picture/frame_writer.h"
+#include "app/picture/paint.h"
+#include "app/session/session.h"
+#include "app/view/picking.h"
+#include "app/view/ruler.h"
+#include "app/view/slice_scene.h"
+#include "app/viewer/viewer.h"
+
+#include <atomic>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace gs::app {
+
+/// What the user does beside moving about: measures, looks at values and slices of volumes, saves pictures. Of the
+/// active viewport. Main thread.
+class ViewerTools {
+ public:
+  ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
+  ~ViewerTools();
+  ViewerTools(const ViewerTools&) = delete;
+  ViewerTools& operator=(const ViewerTools&) = delete;
+
+  /// What a click or movement of the pointer means; the session sees it, too.
+  void take(const SessionInput::Event& event, const View* seen, const Viewport& place);
+  /// What a view's picture shows: its list, with slices.
+  [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
+  void describe(UiTools& tools, const View* seen, const Viewport& place);
+  /// What the interface wants done; notices go to `tell`.
+  using Tell = std::function<void(std::string text, bool is_problem)>;
+  void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
+  void take_picture(const View& seen, const Viewport& place, const Tell& tell);
+  void toggle_ruler();
+  /// Ends the ruler (Esc). False: there is none.
+  bool close();
+  /// Draws the next picture of an animation, if one is being saved: another frame is wanted then.
+  bool go_on(const View* seen, const Tell& tell);
+
+ private:
+  struct Values {
+    std::future<std::variant<std::shared_ptr<const VolumeGrid>, std::string>> coming;
+    std::shared_ptr<const VolumeGrid> grid;
+    std::string problem;
+    std::weak_ptr<Document> of;
+  };
+  struct Export {
+    std::unique_ptr<FrameWriter> writer;
+    std::string path;
+    std::vector<AnimationStep> steps;
+    std::size_t next = 0;
+    std::weak_ptr<Document> of;
+    render::Camera camera;
+    glm::dvec3 center{0}, up{0, 1, 0};
+    glm::ivec2 size{0};
+    PictureRequest request;
+  };
+  Values& values_of(const View& view);
+  [[nodiscard]] static bool is_volume_file(const View& seen);
+  void probe(const View& seen, const Viewport& place);
+  [[nodiscard]] PictureScene scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
+                                      const PictureRequest& request);
+  void start_turntable(const View& seen, const Viewport& place, const Tell& tell);
+  [[nodiscard]] glm::ivec2 size_of(const Viewport& place) const;
+
+  const ViewerOptions& options_;
+  render::Renderer& renderer_;
+  Picker picker_;
+  Ruler ruler_;
+  bool measuring_ = false, wants_value_ = false, probe_due_ = false;
+  glm::vec2 pressed_{0}, pointer_{0};
+  std::string value_;
+  std::weak_ptr<Document> ruled_;  // whose places the ruler has
+  std::atomic<bool> stop_{false};  // of who reads values
+  std::map<const Document*, Values> values_;
+  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports: of pictures that are saved
+  PictureWish wish_;
+  std::string folder_;
+  std::weak_ptr<Document> asked_;  // whether its file is a volume
+  bool asked_is_volume_ = false;
+  std::optional<Export> export_;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,124 @@
+#include "app/commands/picture_options.h"
+
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace gs::app::picture_options_test {
+namespace {
+
+const std::string kBox =
+    "#VRML V2.0 utf8\nDEF A Viewpoint { description \"Front\" } DEF B Viewpoint { position 5 0 5 "
+    "orientation 0 1 0 0.785 }\nShape { geometry Box { } appearance Appearance { material Material { } } }\n";
+
+/// A volume of 8 x 8 x 4 bytes in which a bright block stands.
+std::string block_nrrd() {
+  std::string text =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 4\nspacings: 1 1 1\nsample units: \"K\"\nencoding: raw\n\n";
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 8; ++x) text += static_cast<char>(x > 2 && x < 6 && y > 2 && y < 6 ? 200 : 10);
+  return text;
+}
+
+std::uint32_t number_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+const std::string kDraw = "--backend osmesa --samples 1 ";
+
+}  // namespace
+
+TEST_CASE("Sizes of paper, colours and times are read, and nothing else is") {
+  CHECK(*read_paper("210x297mm") == glm::dvec2(210, 297));
+  CHECK(*read_paper("10x15cm") == glm::dvec2(100, 150));
+  CHECK(read_paper("8.5x11in")->x == Approx(215.9));
+  for (const char* wrong : {"", "mm", "10mm", "0x5mm", "-1x5cm", "10x20", "1x2x3mm", "nanx5mm"})
+    CHECK_FALSE(read_paper(wrong));
+  CHECK(*read_color("#ff8000") == glm::vec3(255, 128, 0) / 255.0f);
+  CHECK(*read_color("0,0.5,1") == glm::vec3(0, 0.5f, 1));
+  for (const char* wrong : {"", "#", "#ff80", "#ff80000", "#gg0000", "1,2,3", "red"}) CHECK_FALSE(read_color(wrong));
+  CHECK(*read_times("0..10") == std::pair<double, double>{0, 10});
+  CHECK(*read_times("1.5..2") == std::pair<double, double>{1.5, 2});
+  for (const char* wrong : {"", "..", "5", "3..2", "-1..2", "0..99999", "0..x", "1..1"}) CHECK_FALSE(read_times(wrong));
+  PictureRequest request;
+  request.paper = glm::dvec2(25.4, 50.8);
+  CHECK(*pixels_of(request) == glm::ivec2(300, 600));
+  request.dots_per_inch = 72;
+  CHECK(*pixels_of(request) == glm::ivec2(72, 144));
+  request.dots_per_inch = 20000;
+  request.paper = glm::dvec2(254, 254);
+  CHECK_FALSE(pixels_of(request));
+}
+
+TEST_CASE("A picture for print has the size of its paper, tells it, and has no background where that is asked for") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("a.wrl", kBox);
+  const Run drawn = run(kDraw + "--size 25.4x12.7mm --dpi 100 --background transparent --snapshot " +
+                        quoted(folder.path("o.png")) + " " + quoted(world));
+  INFO(drawn.output);
+  REQUIRE(drawn.status == 0);
+  const std::string png = folder.read("o.png");
+  CHECK(number_at(png, 16) == 100);
+  CHECK(number_at(png, 20) == 50);
+  CHECK(png[25] == 6);  // RGBA
+  CHECK(png.find("pHYs") != std::string::npos);
+  CHECK(number_at(png, png.find("pHYs") + 4) == 3937);
+}
+
+TEST_CASE("An animation leaves as many pictures as it has, and options that do not fit are refused") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("a.wrl", kBox);
+  const std::string to = " " + quoted(world) + " " + quoted(folder.path("t.%02d.png"));
+  const Run turned = run("animate " + kDraw + "--size 32x24 --turntable --frames 3" + to);
+  INFO(turned.output);
+  CHECK(turned.status == 0);
+  CHECK(turned.output.find("3 pictures") != std::string::npos);
+  CHECK(folder.read("t.02.png").starts_with("\x89PNG"));
+  CHECK(folder.read("t.03.png").empty());
+  CHECK(folder.read("t.00.png") != folder.read("t.01.png"));
+  const Run toured = run("animate " + kDraw + "--size 32x24 --tour A,B --frames 2" + to);
+  CHECK(toured.status == 0);
+  CHECK(folder.read("t.00.png") != folder.read("t.01.png"));
+  CHECK(run("animate " + kDraw + "--tour A,C --size 8x8" + to).output.find("no Viewpoint 'C'") != std::string::npos);
+  CHECK(run("animate " + kDraw + "--size 8x8" + to).output.find("nothing would move") != std::string::npos);
+  CHECK(run("animate --turntable " + quoted(world) + " a.avi").status == 2);
+  CHECK(run("--stereo anaglyph " + quoted(world)).status == 2);
+  CHECK(run("--stereo cinema --snapshot o.png " + quoted(world)).status == 2);
+}
+
+TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a series has the file of its time") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("run.1.nrrd", block_nrrd());
+  folder.write("run.2.nrrd", block_nrrd());
+  const auto picture = [&](const std::string& options, const std::string& file) {
+    const Run drawn = run(kDraw + "--size 96x64 --orbit 20,20 " + options + " --snapshot " +
+                          quoted(folder.path("o.png")) + " " + quoted(file));
+    INFO(drawn.output);
+    CHECK(drawn.status == 0);
+    return folder.read("o.png");
+  };
+  const std::string plain = picture("", volume), slices = picture("--slice z=50% --slice x=4 --slices-alone", volume);
+  CHECK(plain != slices);
+  CHECK(picture("--slice z=50% --slice x=4 --slices-alone --slice-map viridis", volume) != slices);
+  CHECK(picture("--color-bar", volume) != plain);
+  CHECK(picture("--transfer turbo", volume) != plain);
+  CHECK(picture("", folder.path("run.%d.nrrd")) == plain);
+  CHECK(picture("--time 1 --fps 1", folder.path("run.%03d.nrrd")) == plain);
+  const std::string bad = folder.write("bad.json", "{");
+  const std::string draw = kDraw + "--size 8x8 --snapshot " + quoted(folder.path("p.png")) + " ";
+  CHECK(run(draw + "--transfer " + quoted(bad) + " " + quoted(volume)).output.find("bad.json:1:") != std::string::npos);
+  CHECK(run(draw + "--transfer jet " + quoted(volume)).output.find("viridis") != std::string::npos);
+  CHECK(run(draw + "--color-bar " + quoted(folder.write("a.wrl", kBox))).output.find("has no volume") !=
+        std::string::npos);
+  CHECK(run(draw + quoted(folder.path("none.%d.nrrd"))).output.find("no file of this series") != std::string::npos);
+  CHECK(run(draw + "--slice w=3 " + quoted(volume)).status == 2);
+}
+
+}  // namespace gs::app::picture_options_test

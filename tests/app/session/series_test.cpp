@@ -1,0 +1,60 @@
+#include "app/session/series.h"
+
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::app::series_test {
+
+TEST_CASE("A series plays file by file, read ahead of their times, round and round") {
+  const ScratchFolder folder;
+  for (const char* name : {"a.1.vti", "a.2.vti", "a.10.vti"}) folder.write(name, "");
+  const std::string name = folder.path("a.%02d.vti");
+  SeriesList list;
+  CHECK(list.file_of(folder.path("a.1.vti")) == folder.path("a.1.vti"));
+  CHECK(list.find(folder.path("a.1.vti")) == nullptr);
+  CHECK(list.file_of(name) == folder.path("a.1.vti"));
+  REQUIRE(list.find(name));
+  CHECK_FALSE(list.arrived(name, 100));  // it does not play
+  CHECK_FALSE(list.holds_back(name, 100));
+  CHECK_FALSE(list.next_due());
+  list.set_rate(name, 10);
+  CHECK(list.play(name, true, 100));
+  CHECK_FALSE(list.play(name, true, 100));
+  CHECK(list.file_of(name) == folder.path("a.2.vti"));
+  CHECK(list.holds_back(name, 100.05));
+  CHECK(*list.next_due() == Approx(100.1));
+  CHECK_FALSE(list.holds_back(name, 100.11));
+  CHECK(list.arrived(name, 100.11));
+  CHECK(list.find(name)->shown == 1);
+  CHECK(list.file_of(name) == folder.path("a.10.vti"));
+  CHECK(list.holds_back(name, 100.15));
+  CHECK(*list.next_due() == Approx(100.2));
+  CHECK(list.arrived(name, 103));  // late: the next one is not due before
+  CHECK(list.file_of(name) == folder.path("a.1.vti"));
+  CHECK(*list.next_due() == 103);
+  CHECK(list.arrived(name, 103));
+  CHECK(*list.next_due() == Approx(103.1));
+  list.play(name, false, 103);
+  CHECK_FALSE(list.next_due());
+}
+
+TEST_CASE("A file of a series is shown at once, and ends the play") {
+  const ScratchFolder folder;
+  for (const char* name : {"a.1.vti", "a.2.vti", "a.3.vti"}) folder.write(name, "");
+  const std::string name = folder.path("a.%d.vti");
+  SeriesList list;
+  (void)list.file_of(name);
+  CHECK_FALSE(list.show(name, 0, 5));  // it shows already
+  CHECK(list.play(name, true, 5));
+  CHECK(list.show(name, 2, 5.01));
+  CHECK_FALSE(list.find(name)->playing);
+  CHECK_FALSE(list.holds_back(name, 5.01));
+  CHECK_FALSE(list.arrived(name, 5.02));
+  CHECK(list.find(name)->shown == 2);
+  CHECK_FALSE(list.show(name, 3, 6));
+  CHECK_FALSE(list.show("none", 0, 6));
+  CHECK(list.file_of(folder.path("none.%d.vti")) == folder.path("none.%d.vti"));
+}
+
+}  // namespace gs::app::series_test
