@@ -100,14 +100,13 @@ take() {
 }
 
 picture_window() {
-  show 900x560
-  xdotool mousemove 71 13 # the View menu
-  click 71 13
+  show 900x560 demo.wrl
+  click 71 13 # the View menu
   take window
 }
 
 picture_palette() {
-  show 900x560
+  show 900x560 demo.wrl
   key ctrl+shift+p
   xdotool type --delay 80 'view'
   rest 4
@@ -121,12 +120,12 @@ picture_transfer() {
 }
 
 picture_prefixes() {
-  "$ghostspace" encode demo-boat.wrl boat.qnv >/dev/null
-  local look=(--size 220x280 --orbit 115,8 --background 0.16,0.18,0.22)
-  for bytes in 2k 8k 40k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes boat.qnv; done
-  draw part.all.png "${look[@]}" boat.qnv
-  draw part.lost.png "${look[@]}" --loss 0.1 boat.qnv
-  convert part.2k.png part.8k.png part.40k.png part.all.png part.lost.png +append parts.png
+  "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
+  local look=(--size 220x200 --orbit 20,40 --headlight on --background 0.16,0.18,0.22)
+  for bytes in 1k 3k 8k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes surface.qnv; done
+  draw part.all.png "${look[@]}" surface.qnv
+  draw part.lost.png "${look[@]}" --loss 0.1 surface.qnv
+  convert part.1k.png part.3k.png part.8k.png part.all.png part.lost.png +append parts.png
   small parts.png prefixes
 }
 
