@@ -119,6 +119,49 @@ picture_transfer() {
   take transfer
 }
 
+picture_inspect() {
+  show 1000x600 demo.wrl
+  key ctrl+shift+t ctrl+shift+i
+  click 60 108 # the field in which names are sought
+  xdotool type --delay 120 Boat
+  key Return
+  xdotool mousemove 440 520
+  rest 3
+  take inspect
+}
+
+picture_viewports() {
+  "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
+  show 1000x600 molecule.nrrd surface.qnv
+  take viewports
+}
+
+# A stream that comes slowly.
+picture_streams() {
+  mkdir -p served
+  "$ghostspace" encode demo-boat.wrl served/boat.qnv >/dev/null
+  "$ghostspace" serve served --http 0 --rate 30000 --log /dev/null >server.log 2>&1 &
+  server=$!
+  local address=''
+  for _ in $(seq 50); do
+    address=$(grep -oE 'http://[^ /]+' server.log | head -1) && break
+    sleep 0.2
+  done
+  show 1000x560 "$address/boat.qnv"
+  key ctrl+shift+e
+  click 200 478 # its row, which shows a plot
+  take streams
+  kill $server
+  wait $server 2>/dev/null || true
+  server=''
+}
+
+picture_measure() {
+  show 1000x600 molecule.nrrd
+  key v
+  take measure
+}
+
 picture_prefixes() {
   "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
   local look=(--size 220x200 --orbit 20,40 --headlight on --background 0.16,0.18,0.22)
@@ -145,7 +188,7 @@ keys() {
 }
 
 names=("$@")
-[ ${#names[@]} -gt 0 ] || names=(window palette transfer prefixes keys)
+[ ${#names[@]} -gt 0 ] || names=(window palette viewports inspect streams transfer measure prefixes keys)
 for name in "${names[@]}"; do
   if [ "$name" = keys ]; then keys; else picture_$name; fi
   echo "$name"
