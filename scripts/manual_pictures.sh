@@ -140,7 +140,7 @@ picture_viewports() {
 picture_streams() {
   mkdir -p served
   "$ghostspace" encode demo-boat.wrl served/boat.qnv >/dev/null
-  "$ghostspace" serve served --http 0 --rate 30000 --log /dev/null >server.log 2>&1 &
+  "$ghostspace" serve served --http 0 --rate 12000 --log /dev/null >server.log 2>&1 &
   server=$!
   local address=''
   for _ in $(seq 50); do
@@ -149,7 +149,9 @@ picture_streams() {
   done
   show 1000x560 "$address/boat.qnv"
   key ctrl+shift+e
-  click 200 478 # its row, which shows a plot
+  click 200 438 # its row, which shows a plot
+  xdotool mousemove 200 300
+  sleep 2
   take streams
   kill $server
   wait $server 2>/dev/null || true
@@ -159,6 +161,12 @@ picture_streams() {
 picture_measure() {
   show 1000x600 molecule.nrrd
   key v
+  click 725 201 # planes across X and Z, and the colour bar
+  click 725 260
+  click 735 173
+  drag 250 420 330 360
+  xdotool mousemove 300 250
+  rest 4
   take measure
 }
 
