@@ -130,12 +130,6 @@ picture_inspect() {
   take inspect
 }
 
-picture_viewports() {
-  "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
-  show 1000x600 molecule.nrrd surface.qnv
-  take viewports
-}
-
 # A stream that comes slowly.
 picture_streams() {
   mkdir -p served
@@ -196,7 +190,7 @@ keys() {
 }
 
 names=("$@")
-[ ${#names[@]} -gt 0 ] || names=(window palette viewports inspect streams transfer measure prefixes keys)
+[ ${#names[@]} -gt 0 ] || names=(window palette inspect streams transfer measure prefixes keys)
 for name in "${names[@]}"; do
   if [ "$name" = keys ]; then keys; else picture_$name; fi
   echo "$name"
