@@ -15,11 +15,11 @@ using OptionProblem = std::optional<std::string>;
 
 constexpr double kMostDots = 20000;
 
-struct Unit {
+struct PaperUnit {
   std::string_view name;
   double millimetres;
 };
-constexpr std::array<Unit, 3> kUnits{{{"mm", 1}, {"cm", 10}, {"in", 25.4}}};
+constexpr std::array<PaperUnit, 3> kPaperUnits{{{"mm", 1}, {"cm", 10}, {"in", 25.4}}};
 
 std::optional<glm::vec3> read_hexadecimal(std::string_view digits) {
   unsigned rgb = 0;
@@ -32,7 +32,7 @@ std::optional<glm::vec3> read_hexadecimal(std::string_view digits) {
 }  // namespace
 
 std::optional<glm::dvec2> read_paper(std::string_view text) {
-  for (const Unit& unit : kUnits) {
+  for (const PaperUnit& unit : kPaperUnits) {
     if (!text.ends_with(unit.name)) continue;
     text.remove_suffix(unit.name.size());
     double size[2];

@@ -182,10 +182,10 @@ TEST_CASE("too little memory gives a line and a status, never a crash, however l
   const std::string volume = quoted(folder.write("v.raw", raw)), stream = quoted(folder.path("o.qnv"));
   int failed = 0, done = 0;
   for (const std::string& arguments :
-       {"check " + world, "info " + world, "encode --vectors 20000 " + world + " " + stream,
+       {"check " + world, "info " + world, "encode --vectors 4000 " + world + " " + stream,
         "encode --dims 32x32x32 --fraction 0.5 " + volume + " " + stream,
         "export --dims 32x32x32 --isovalue 127 " + volume + " " + quoted(folder.path("o.ply"))})
-    for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 3) {
+    for (int megabytes = 100; megabytes <= 400; megabytes += megabytes / 2) {
       const Run result = run_shell("ulimit -v " + std::to_string(megabytes) + "000; " + program() + " " + arguments);
       // The loader of libraries has its own words.
       if (result.status == 127 || result.output.find("error while loading shared libraries") != std::string::npos)

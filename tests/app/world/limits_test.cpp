@@ -139,14 +139,14 @@ TEST_CASE("gzip data that unpack to far more than their size are stopped") {
 
 TEST_CASE("A packed world shows up to where it unpacks to too much") {
   const ScratchFolder folder;
-  const Loaded blanks(folder.write("blanks.wrz", packed(kHeader + kBox, 40 * kMega, ' ')), 32 * kMega);
+  const Loaded blanks(folder.write("blanks.wrz", packed(kHeader + kBox, 10 * kMega, ' ')), 8 * kMega);
   INFO(blanks.said());
-  CHECK(blanks.said("blanks.wrz: error: unpacks to more than the limit for unpacked data, 32 MiB"));
+  CHECK(blanks.said("blanks.wrz: error: unpacks to more than the limit for unpacked data, 8 MiB"));
   CHECK(blanks.list().items.size() == 1);
   blanks.check_budget();
 
   const std::string list = kHeader + kBox + "Shape { geometry PointSet { coord Coordinate { point [ ";
-  const Loaded numbers(folder.write("numbers.wrz", packed(list, 30 * kMega, '0')), 64 * kMega);
+  const Loaded numbers(folder.write("numbers.wrz", packed(list, 7 * kMega, '0')), 16 * kMega);
   CHECK(numbers.list().items.size() == 1);
   numbers.check_budget();
 
@@ -154,9 +154,9 @@ TEST_CASE("A packed world shows up to where it unpacks to too much") {
   std::string outer = kHeader;
   for (const char* name : {"a.wrz", "b.wrz", "c.wrz"}) {
     outer += "Inline { url \"" + std::string(name) + "\" }\n";
-    folder.write(name, packed(kHeader + kBox, 15 * kMega, ' '));
+    folder.write(name, packed(kHeader + kBox, 15 * kMega / 4, ' '));
   }
-  const Loaded inlines(folder.write("outer.wrl", outer + kBox), 32 * kMega);
+  const Loaded inlines(folder.write("outer.wrl", outer + kBox), 8 * kMega);
   INFO(inlines.said());
   CHECK(inlines.said("c.wrz: error: unpacks to more than the limit for unpacked data"));
   CHECK(inlines.list().items.size() == 4);  // its box came before

@@ -286,7 +286,7 @@ TEST_CASE("prefixes and mutations of clusters are numbers or are refused") {
       if (length % 64 == 0)
         for (const glm::vec3& p : part.positions(5)) REQUIRE_EACH(std::isfinite(p.x + p.y + p.z));
     }
-    for (std::size_t round = 0; round < 400; round += watched_step(7)) {
+    for (std::size_t round = 0; round < 150; round += watched_step(3)) {
       std::vector<std::byte> mutated = made.payload;
       for (std::size_t i = 0; i <= round % 4; ++i)
         mutated[random() % std::min<std::size_t>(mutated.size(), round % 2 ? 6 : 100000)] =

@@ -129,7 +129,7 @@ TEST_CASE("a cut that is fine everywhere is the surface itself") {
   CHECK(found == surface.positions(3).size());
 }
 
-TEST_CASE("a surface changes without jumps as patches come nearer, through every level") {
+TEST_CASE("a surface changes without jumps as patches come nearer, through every level", "[optimised]") {
   const SurfacePatches surface = patches_of(rough_surface(mesh_of(ball(2)), 4), 4);
   const auto drawn_at = [&](double error) {
     return Drawn(surface, cut_surface(surface, view_from({1.3f, 0.2f, 0.4f}, static_cast<float>(error))));
@@ -219,8 +219,8 @@ TEST_CASE("every prefix of a stream is drawn as it is decoded") {
     for (std::size_t i = 0; i < whole.size(); ++i) {
       const auto near = drawn.numbers.lower_bound(Place(whole.positions[i].x - 1e-5f, -9.0f, -9.0f));
       bool close = false;
-      for (auto at = near; at != drawn.numbers.end() && std::get<0>(at->first) < whole.positions[i].x + 1e-5f; ++at)
-        close = close || glm::length(drawn.places[at->second] - whole.positions[i]) < 1e-5f;
+      for (auto it = near; it != drawn.numbers.end() && std::get<0>(it->first) < whole.positions[i].x + 1e-5f; ++it)
+        close = close || glm::length(drawn.places[it->second] - whole.positions[i]) < 1e-5f;
       REQUIRE(close);
     }
     if (former.patches && former.patches->parts[0]->level() == now.patches->parts[0]->level())

@@ -168,7 +168,7 @@ TEST_CASE("OpenGL's order is at most that of the picture before, and a view that
   const RenderList list = volume_list(shell(30'000, 7, 0.03f));
   (void)picture.draw(list, kBlue, 25);
   CHECK(!picture.statistics.pending);
-  for (int frame = 0; frame < 10; ++frame) {
+  for (int frame = 0; frame < 5; ++frame) {
     const glm::vec3 eye(std::sin(0.02f * static_cast<float>(frame)) * 3, 0,
                         std::cos(0.02f * static_cast<float>(frame)) * 3);
     picture.camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0)));
