@@ -27,16 +27,22 @@ struct Side {
 
 /// All sides, those between the same vertices beside each other.
 std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
-  std::vector<Side> sides;
-  sides.reserve(triangles.size() * 3);
+  // Counted out by the lower vertex; of each there are a few.
+  std::uint32_t vertices = 0;
+  for (const Corners& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<std::uint32_t> ends(std::size_t{vertices} + 1, 0);
+  for (const Corners& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) ++ends[std::min(t[k], t[(k + 1) % 3]) + 1];
+  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
+  std::vector<Side> sides(triangles.size() * 3);
   for (std::uint32_t t = 0; t < triangles.size(); ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      sides.push_back({std::min(a, b), std::max(a, b), 3 * t + k});
+      sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), 3 * t + k};
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
-  });
+  for (std::size_t v = 0, first = 0; v < vertices; first = ends[v++])
+    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(first), sides.begin() + ends[v],
+              [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.at < b.at; });
   return sides;
 }
 
@@ -160,16 +166,22 @@ SurfaceMesh MeshBuilder::finish() {
   auto& triangles = mesh_.triangles;
   // Of triangles with the same corners one stays.
   {
-    std::vector<std::pair<Corners, std::uint32_t>> same;
-    same.reserve(triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      Corners sorted = triangles[t];
-      std::sort(sorted.begin(), sorted.end());
-      same.emplace_back(sorted, t);
-    }
-    std::sort(same.begin(), same.end());
     std::vector<bool> twice(triangles.size(), false);
-    for (std::size_t i = 1; i < same.size(); ++i) twice[same[i].second] = same[i].first == same[i - 1].first;
+    const std::vector<Side> sides = sorted_sides(triangles);
+    // Such meet at every side of theirs; the one between its two lowest corners tells.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // the third corner, the triangle
+    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
+      for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
+      if (end - i == 1) continue;
+      there.clear();
+      for (std::size_t s = i; s < end; ++s) {
+        const std::uint32_t t = sides[s].at / 3, third = triangles[t][(sides[s].at + 2) % 3];
+        if (third > sides[s].high) there.emplace_back(third, t);
+      }
+      std::sort(there.begin(), there.end());
+      for (std::size_t k = 1; k < there.size(); ++k)
+        if (there[k].first == there[k - 1].first) twice[there[k].second] = true;
+    }
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles.size(); ++t)
       if (!twice[t]) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/displaced/cost_queue.h"
 #include "qnv/displaced/manifold.h"
 
 #include <glm/geometric.hpp>
@@ -9,8 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <queue>
 #include <span>
 #include <vector>
 
@@ -62,14 +61,6 @@ struct Quadric {
   }
 };
 
-struct Candidate {
-  double cost;
-  std::uint32_t u, v, stamp;  // the sum of both stamps when it was made
-  bool operator>(const Candidate& other) const {
-    return cost != other.cost ? cost > other.cost : u != other.u ? u > other.u : v > other.v;
-  }
-};
-
 /// One mesh on its way to fewer triangles (simplify.h). One thread.
 class Simplifier {
  public:
@@ -113,7 +104,7 @@ class Simplifier {
   double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
   std::uint32_t marks_ = 0;
   std::size_t count_ = 0;
-  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+  CostQueue queue_;
   std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
 };
 

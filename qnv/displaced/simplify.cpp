@@ -98,7 +98,7 @@ void Simplifier::push(std::uint32_t u, std::uint32_t v) {
   const glm::dvec3 along = positions_[v] - positions_[u];
   const double cost =
       std::max(q.at(place_for(u, v, q)), 0.0) + kLengthWeight * glm::dot(along, along) * (areas_[u] + areas_[v]);
-  queue_.push({cost, u, v, stamp_[u] + stamp_[v]});
+  queue_.push(cost, {u, v, stamp_[u] + stamp_[v]});
 }
 
 void Simplifier::push_round(std::uint32_t v) {
@@ -232,9 +232,8 @@ void Simplifier::push_all() {
 }
 
 void Simplifier::collapse_to(std::size_t wanted) {
-  while (count_ > wanted && !queue_.empty()) {
-    const Candidate next = queue_.top();
-    queue_.pop();
+  Candidate next{};
+  while (count_ > wanted && queue_.pop(next)) {
     if (head_[next.u] == kNone || head_[next.v] == kNone || next.stamp != stamp_[next.u] + stamp_[next.v]) continue;
     collapse(next.u, next.v);
   }

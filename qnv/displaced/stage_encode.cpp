@@ -20,6 +20,7 @@ constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
 // Triangles within this cosine of the direction looked for are the same side of the surface.
 constexpr float kSameSide = 0.2f;
+constexpr float kShortLook = 1.0f / 8;  // of the reach
 // A crease of the base runs within this part of its length of a line of the source.
 constexpr float kCreaseReach = 0.12f;
 // Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
@@ -143,8 +144,9 @@ void StageEncoder::displace_base(Surface& surface) {
   for (std::size_t v = 0; v < places_.size(); ++v) {
     const glm::vec3 n = normals_[v], from = places_[v];
     float moved = 0;
+    std::uint32_t triangle = kNone;
     for (int layer = 0; layer < options_.layers; ++layer) {
-      const float d = target_.distance(from + moved * n, n, 4 * cell);
+      const float d = target_.distance(from + moved * n, n, 4 * cell, triangle);
       const std::int16_t q = quantised(d, surface.step(layer), kDeadZone);
       surface.numbers(layer, 0).normal[v] = q;
       moved += surface.step(layer) * static_cast<float>(q);
@@ -185,6 +187,7 @@ void StageEncoder::displace(Surface& surface, int level) {
                    const Prediction p = predict(v, line, places_, normals_);
                    const float length = glm::length(places_[v.b] - places_[v.a]);
                    glm::vec3 at = p.position;
+                   std::uint32_t triangle = kNone;
                    for (std::size_t layer = 0; layer < static_cast<std::size_t>(options_.layers); ++layer) {
                      const float step = surface.step(static_cast<int>(layer));
                      const float dead = level > 2 && step * 4 > length * 0.5f ? kDeeperDeadZone : kDeadZone;
@@ -202,7 +205,8 @@ void StageEncoder::displace(Surface& surface, int level) {
                          by = step * (static_cast<float>(q) * p.normal + static_cast<float>(s) * p.sideways);
                        }
                      } else {
-                       const std::int16_t q = quantised(target_.distance(from, p.normal, 0.5f * length), step, dead);
+                       const float d = target_.distance(from, p.normal, 0.5f * length, triangle);
+                       const std::int16_t q = quantised(d, step, dead);
                        numbers[layer]->normal[v.vertex] = q;
                        by = step * static_cast<float>(q) * p.normal;
                      }
@@ -386,11 +390,20 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
 
 }  // namespace
 
-Target::Target(SurfaceMesh mesh)
-    : mesh_(std::move(mesh)), lines_(lines_of(mesh_)), tree_(mesh_), line_tree_(lines_), edge_(mean_edge(mesh_)) {}
+Target::Target(const SurfaceMesh& mesh, unsigned threads)
+    : mesh_(mesh),
+      lines_(lines_of(mesh_)),
+      tree_(mesh_, threads),
+      line_tree_(lines_, threads),
+      edge_(mean_edge(mesh_)) {}
 
-float Target::distance(const glm::vec3& from, const glm::vec3& normal, float reach) const {
-  const SurfacePoint hit = tree_.along(from, normal, reach, normal, kSameSide);
+float Target::distance(const glm::vec3& from, const glm::vec3& normal, float reach, std::uint32_t& triangle) const {
+  // Most lie near: a short look that finds it finds the nearest, and meets few boxes.
+  const float look = kShortLook * reach;
+  SurfacePoint hit = triangle == kNone ? SurfacePoint() : tree_.on(triangle, from, normal, look);
+  if (hit.triangle == kNone) hit = tree_.along(from, normal, look, normal, kSameSide);
+  if (hit.triangle == kNone) hit = tree_.along(from, normal, reach, normal, kSameSide);
+  triangle = hit.triangle;
   if (hit.triangle != kNone) return hit.distance + glm::dot(tree_.smooth(hit) - hit.position, normal);
   const SurfacePoint near = tree_.nearest(from, reach, normal, kSameSide);
   return near.triangle == kNone ? 0.0f : glm::dot(near.position - from, normal);

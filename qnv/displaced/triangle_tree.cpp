@@ -1,26 +1,45 @@
 #include "qnv/displaced/triangle_tree.h"
 
+#include "qnv/base/parallel.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace gs::qnv::displaced {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;
+constexpr int kSplitsInTurn = 3;
+constexpr std::size_t kDeepest = 64;  // a tree quarters what it has, 2^32 at most, and three of four wait
+constexpr float kNowhere = 1e30f;
 
-float squared_distance(const Box& box, const glm::vec3& p) {
-  const glm::vec3 d = glm::max(glm::max(box.lower - p, p - box.upper), glm::vec3(0));
-  return glm::dot(d, d);
+/// A node, or a leaf of `count` triangles, and how far away it begins.
+struct Waiting {
+  std::uint32_t first, count;
+  float distance;
+};
+
+/// How many triangles the children of a node of so many have; 0: there is no such child.
+std::array<std::uint32_t, 4> quarters(std::uint32_t count) {
+  if (count <= kLeaf) return {count, 0, 0, 0};
+  std::array<std::uint32_t, 4> parts{};
+  std::size_t i = 0;
+  for (const std::uint32_t half : {count / 2, count - count / 2}) {
+    if (half > kLeaf) parts[i++] = half / 2;
+    parts[i++] = half > kLeaf ? half - half / 2 : half;
+  }
+  return parts;
 }
 
-/// Of a triangle, the place nearest to p (C. Ericson, Real-Time Collision Detection, 5.1.5).
-glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
+/// Of a triangle with corners a, a + ab, a + ac, the place nearest to p (C. Ericson, Real-Time Collision Detection,
+/// 5.1.5).
+glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& ab, const glm::vec3& ac) {
+  const glm::vec3 b = a + ab, c = a + ac, ap = p - a;
   const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return a;
   const glm::vec3 bp = p - b;
@@ -41,129 +60,258 @@ glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b,
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-}  // namespace
-
-TriangleTree::TriangleTree(const SurfaceMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
-  std::iota(order_.begin(), order_.end(), 0u);
-  std::vector<glm::vec3> centres;
-  centres.reserve(order_.size());
-  normals_.reserve(order_.size());
-  for (const Corners& t : mesh.triangles) {
-    const glm::vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
-    centres.push_back((a + b + c) / 3.0f);
-    const glm::vec3 cross = glm::cross(b - a, c - a);
-    const float length = glm::length(cross);
-    normals_.push_back(length > 0 ? cross / length : glm::vec3(0));
+/// The children that are nearer than `most`, the nearest last.
+template <typename Four>
+void push_near(const Four& distances, float most, const std::array<std::uint32_t, 4>& first,
+               const std::array<std::uint32_t, 4>& count, std::array<Waiting, kDeepest>& stack, std::size_t& top) {
+  const std::size_t bottom = top;
+  for (std::size_t slot = 0; slot < 4; ++slot) {
+    if (!(distances[slot] <= most)) continue;
+    std::size_t at = top++;
+    for (; at > bottom && stack[at - 1].distance < distances[slot]; --at) stack[at] = stack[at - 1];
+    stack[at] = {first[slot], count[slot], distances[slot]};
   }
-  nodes_.reserve(order_.size());
-  nodes_.emplace_back();
-  if (!order_.empty()) build(0, 0, static_cast<std::uint32_t>(order_.size()), centres);
 }
 
-void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t count,
-                         std::vector<glm::vec3>& centres) {
-  Box box, middles;
-  for (std::uint32_t i = first; i < first + count; ++i) {
-    for (const std::uint32_t v : mesh_.triangles[order_[i]]) box.add(mesh_.positions[v]);
-    middles.add(centres[order_[i]]);
+}  // namespace
+
+TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(mesh) {
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  if (count == 0) return;
+  std::vector<Centre> centres;
+  centres.reserve(count);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const Corners& corners = mesh.triangles[t];
+    centres.push_back(
+        {(mesh.positions[corners[0]] + mesh.positions[corners[1]] + mesh.positions[corners[2]]) / 3.0f, t});
   }
-  nodes_[node].box = box;
-  if (count <= kLeaf) {
-    nodes_[node].first = first;
-    nodes_[node].count = count;
-    return;
+  const Size size = size_of(count);
+  nodes_.resize(size.nodes);
+  leaves_.resize(size.leaves);
+  // The first splits in turn, then their parts side by side: where each stands follows from how many it has.
+  std::vector<Part> parts{{0, count, 0, 0}}, below;
+  for (int depth = 0; depth < kSplitsInTurn; ++depth) {
+    below.clear();
+    for (const Part& part : parts) split(centres, part, below);
+    parts.swap(below);
   }
-  const glm::vec3 size = middles.size();
+  parallel_for(
+      parts.size(),
+      [&](std::size_t i) {
+        std::vector<Part> left{parts[i]};
+        while (!left.empty()) {
+          const Part part = left.back();
+          left.pop_back();
+          split(centres, part, left);
+        }
+      },
+      threads);
+  // Nodes stand before those below them.
+  for (std::size_t n = nodes_.size(); n-- > 0;)
+    for (std::size_t slot = 0; slot < 4; ++slot) {
+      if (nodes_[n].count[slot] != 0 || nodes_[n].first[slot] == 0) continue;
+      const Node& child = nodes_[nodes_[n].first[slot]];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        float lower = child.lower[axis][0], upper = child.upper[axis][0];
+        for (std::size_t k = 1; k < 4 && child.lower[axis][k] != kNowhere; ++k) {
+          lower = std::min(lower, child.lower[axis][k]);
+          upper = std::max(upper, child.upper[axis][k]);
+        }
+        nodes_[n].lower[axis][slot] = lower;
+        nodes_[n].upper[axis][slot] = upper;
+      }
+    }
+}
+
+/// Of a node, with what lies below it.
+TriangleTree::Size TriangleTree::size_of(std::uint32_t count) {
+  const auto known = sizes_.find(count);
+  if (known != sizes_.end()) return known->second;
+  Size size{1, 0};
+  for (const std::uint32_t part : quarters(count)) {
+    const Size below = part == 0 ? Size{0, 0} : part <= kLeaf ? Size{0, 1} : size_of(part);
+    size.nodes += below.nodes;
+    size.leaves += below.leaves;
+  }
+  return sizes_[count] = size;
+}
+
+TriangleTree::Size TriangleTree::known_size(std::uint32_t count) const {
+  return count <= kLeaf ? Size{0, 1} : sizes_.at(count);
+}
+
+/// Halves triangles at the middle one along the longest side.
+void TriangleTree::halve(std::vector<Centre>& centres, std::uint32_t first, std::uint32_t count) const {
+  const auto begin = centres.begin() + first;
+  Box box;
+  for (std::uint32_t i = 0; i < count; ++i) box.add(begin[i].place);
+  const glm::vec3 size = box.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t half = count / 2;
-  const auto begin = order_.begin() + first;
-  std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
-    return centres[a][axis] != centres[b][axis] ? centres[a][axis] < centres[b][axis] : a < b;
+  std::nth_element(begin, begin + count / 2, begin + count, [axis](const Centre& a, const Centre& b) {
+    return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.triangle < b.triangle;
   });
-  const auto children = static_cast<std::uint32_t>(nodes_.size());
-  nodes_[node].first = children;
-  nodes_.emplace_back();
-  nodes_.emplace_back();
-  build(children, first, half, centres);
-  build(children + 1, first + half, count - half, centres);
+}
+void TriangleTree::split(std::vector<Centre>& centres, const Part& part, std::vector<Part>& below) {
+  if (part.count > kLeaf) {
+    halve(centres, part.first, part.count);
+    const std::uint32_t half = part.count / 2;
+    if (half > kLeaf) halve(centres, part.first, half);
+    if (part.count - half > kLeaf) halve(centres, part.first + half, part.count - half);
+  }
+  Node& node = nodes_[part.node];
+  Part child{part.first, 0, part.node + 1, part.leaf};
+  std::size_t slot = 0;
+  for (const std::uint32_t count : quarters(part.count)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) node.lower[axis][slot] = node.upper[axis][slot] = kNowhere;
+    child.count = count;
+    if (count > kLeaf) {
+      node.first[slot] = child.node;
+      below.push_back(child);
+    } else if (count > 0) {
+      add_leaf(centres, child, node, slot);
+    }
+    if (count > 0) {
+      const Size size = known_size(count);
+      child.first += count;
+      child.node += size.nodes;
+      child.leaf += size.leaves;
+    }
+    ++slot;
+  }
+}
+
+void TriangleTree::add_leaf(const std::vector<Centre>& centres, const Part& part, Node& parent, std::size_t slot) {
+  parent.first[slot] = part.leaf;
+  parent.count[slot] = part.count;
+  Leaf& leaf = leaves_[part.leaf];
+  Box box;
+  for (std::uint32_t i = 0; i < kLeaf; ++i) {
+    // Where there are fewer, the last stands again.
+    const std::uint32_t t = centres[part.first + std::min(i, part.count - 1)].triangle;
+    const Corners& corners = mesh_.triangles[t];
+    const glm::vec3 a = mesh_.positions[corners[0]], b = mesh_.positions[corners[1]], c = mesh_.positions[corners[2]];
+    const glm::vec3 cross = glm::cross(b - a, c - a);
+    const float length = glm::length(cross);
+    const glm::vec3 normal = length > 0 ? cross / length : glm::vec3(0);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::size_t>(axis);
+      leaf.a[at][i] = a[axis];
+      leaf.ab[at][i] = b[axis] - a[axis];
+      leaf.ac[at][i] = c[axis] - a[axis];
+      leaf.normal[at][i] = normal[axis];
+    }
+    leaf.triangle[i] = t;
+    for (const glm::vec3& p : {a, b, c}) box.add(p);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    parent.lower[static_cast<std::size_t>(axis)][slot] = box.lower[axis];
+    parent.upper[static_cast<std::size_t>(axis)][slot] = box.upper[axis];
+  }
 }
 
 SurfacePoint TriangleTree::along(const glm::vec3& from, const glm::vec3& direction, float reach,
                                  const glm::vec3& facing, float least) const {
   SurfacePoint found;
+  if (nodes_.empty()) return found;
   float nearest = reach;
-  std::array<std::uint32_t, 64> stack{};
+  std::array<float, 3> inverse{};
+  for (int axis = 0; axis < 3; ++axis)
+    inverse[static_cast<std::size_t>(axis)] =
+        1 / (std::abs(direction[axis]) > 1e-20f ? direction[axis] : 1e-20f);
+  std::array<Waiting, kDeepest> stack;
   std::size_t top = 0;
-  stack[top++] = 0;
-  const glm::vec3 inverse = 1.0f / direction;
+  stack[top++] = {0, 0, 0};
   while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    float near = -nearest, far = nearest;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (direction[axis] == 0) {
-        if (from[axis] < node.box.lower[axis] || from[axis] > node.box.upper[axis]) far = -1e30f;
-        continue;
+    const Waiting next = stack[--top];
+    if (next.distance > nearest) continue;
+    if (next.count == 0) {
+      const Node& node = nodes_[next.first];
+      Four near = Four{} - nearest, far = Four{} + nearest;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float p = from[static_cast<int>(axis)];
+        const Four a = (node.lower[axis] - p) * inverse[axis], b = (node.upper[axis] - p) * inverse[axis];
+        const Four low = a < b ? a : b, high = a < b ? b : a;
+        near = near > low ? near : low;
+        far = far < high ? far : high;
       }
-      const float a = (node.box.lower[axis] - from[axis]) * inverse[axis];
-      const float b = (node.box.upper[axis] - from[axis]) * inverse[axis];
-      near = std::max(near, std::min(a, b));
-      far = std::min(far, std::max(a, b));
-    }
-    if (near > far) continue;
-    if (node.count == 0) {
-      stack[top++] = node.first;
-      stack[top++] = node.first + 1;
+      const Four zero{}, behind = zero - far;
+      Four distance = near > behind ? near : behind;
+      distance = distance > zero ? distance : zero;
+      distance = near > far ? zero + kNowhere : distance;
+      push_near(distance, nearest, node.first, node.count, stack, top);
       continue;
     }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t t = order_[i];
-      if (glm::dot(normals_[t], facing) < least) continue;
-      const Corners& corners = mesh_.triangles[t];
-      const glm::vec3 a = mesh_.positions[corners[0]];
-      const glm::vec3 ab = mesh_.positions[corners[1]] - a, ac = mesh_.positions[corners[2]] - a;
-      const glm::vec3 across = glm::cross(direction, ac);
-      const float determinant = glm::dot(ab, across);
-      if (std::abs(determinant) < 1e-30f) continue;
-      const glm::vec3 to = from - a;
-      const float u = glm::dot(to, across) / determinant;
-      const glm::vec3 turned = glm::cross(to, ab);
-      const float v = glm::dot(direction, turned) / determinant;
-      if (u < -1e-5f || v < -1e-5f || u + v > 1.00001f) continue;
-      const float distance = glm::dot(ac, turned) / determinant;
-      if (!(std::abs(distance) < nearest)) continue;
-      nearest = std::abs(distance);
-      found = {t, from + distance * direction, distance};
+    const Leaf& leaf = leaves_[next.first];
+    const auto dot = [](const std::array<Four, 3>& a, const std::array<Four, 3>& b) {
+      return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    };
+    const auto cross = [](const std::array<Four, 3>& a, const std::array<Four, 3>& b) {
+      return std::array<Four, 3>{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    };
+    const auto all = [](const glm::vec3& v) { return std::array<Four, 3>{Four{} + v.x, Four{} + v.y, Four{} + v.z}; };
+    const std::array<Four, 3> d = all(direction), across = cross(d, leaf.ac);
+    const Four determinant = dot(leaf.ab, across);
+    const std::array<Four, 3> to{from.x - leaf.a[0], from.y - leaf.a[1], from.z - leaf.a[2]};
+    const std::array<Four, 3> turned = cross(to, leaf.ab);
+    const Four u = dot(to, across) / determinant, v = dot(d, turned) / determinant;
+    const Four distances = dot(leaf.ac, turned) / determinant;
+    const Four turns = dot(leaf.normal, all(facing));
+    for (std::size_t k = 0; k < next.count; ++k) {
+      if (!(std::abs(determinant[k]) >= 1e-30f) || turns[k] < least || u[k] < -1e-5f || v[k] < -1e-5f ||
+          u[k] + v[k] > 1.00001f || !(std::abs(distances[k]) < nearest))
+        continue;
+      nearest = std::abs(distances[k]);
+      found = {leaf.triangle[k], from + distances[k] * direction, distances[k]};
     }
   }
   return found;
 }
 
+SurfacePoint TriangleTree::on(std::uint32_t triangle, const glm::vec3& from, const glm::vec3& direction,
+                              float reach) const {
+  const Corners& t = mesh_.triangles[triangle];
+  const glm::vec3 a = mesh_.positions[t[0]], ab = mesh_.positions[t[1]] - a, ac = mesh_.positions[t[2]] - a;
+  const glm::vec3 across = glm::cross(direction, ac), to = from - a, turned = glm::cross(to, ab);
+  const float determinant = glm::dot(ab, across);
+  if (!(std::abs(determinant) >= 1e-30f)) return {};
+  const float u = glm::dot(to, across) / determinant, v = glm::dot(direction, turned) / determinant;
+  const float distance = glm::dot(ac, turned) / determinant;
+  if (u < 0 || v < 0 || u + v > 1 || !(std::abs(distance) < reach)) return {};
+  return {triangle, from + distance * direction, distance};
+}
+
 SurfacePoint TriangleTree::nearest(const glm::vec3& from, float reach, const glm::vec3& facing, float least) const {
   SurfacePoint found;
+  if (nodes_.empty()) return found;
   float squared = reach * reach;
-  std::array<std::uint32_t, 64> stack{};
+  std::array<Waiting, kDeepest> stack;
   std::size_t top = 0;
-  stack[top++] = 0;
+  stack[top++] = {0, 0, 0};
   while (top > 0) {
-    const Node& node = nodes_[stack[--top]];
-    if (squared_distance(node.box, from) > squared) continue;
-    if (node.count == 0) {
-      const bool swap =
-          squared_distance(nodes_[node.first].box, from) < squared_distance(nodes_[node.first + 1].box, from);
-      stack[top++] = node.first + (swap ? 1 : 0);
-      stack[top++] = node.first + (swap ? 0 : 1);
+    const Waiting next = stack[--top];
+    if (next.distance > squared) continue;
+    if (next.count == 0) {
+      const Node& node = nodes_[next.first];
+      Four distance{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float p = from[static_cast<int>(axis)];
+        const Four below = node.lower[axis] - p, above = p - node.upper[axis], zero{};
+        Four outside = below > above ? below : above;
+        outside = outside > zero ? outside : zero;
+        distance += outside * outside;
+      }
+      push_near(distance, squared, node.first, node.count, stack, top);
       continue;
     }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const std::uint32_t t = order_[i];
-      if (glm::dot(normals_[t], facing) < least) continue;
-      const Corners& corners = mesh_.triangles[t];
-      const glm::vec3 p =
-          nearest_on(from, mesh_.positions[corners[0]], mesh_.positions[corners[1]], mesh_.positions[corners[2]]);
+    const Leaf& leaf = leaves_[next.first];
+    for (std::size_t k = 0; k < next.count; ++k) {
+      const auto at = [k](const std::array<Four, 3>& of) { return glm::vec3(of[0][k], of[1][k], of[2][k]); };
+      if (glm::dot(at(leaf.normal), facing) < least) continue;
+      const glm::vec3 p = nearest_on(from, at(leaf.a), at(leaf.ab), at(leaf.ac));
       const float d = glm::dot(p - from, p - from);
       if (!(d < squared)) continue;
       squared = d;
-      found = {t, p, std::sqrt(d)};
+      found = {leaf.triangle[k], p, std::sqrt(d)};
     }
   }
   return found;

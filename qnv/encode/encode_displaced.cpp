@@ -1,3 +1,4 @@
+#include "qnv/base/parallel.h"
 #include "qnv/displaced/simplify.h"
 #include "qnv/displaced/stage_encode.h"
 #include "qnv/encode/encode_surface.h"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -203,11 +205,24 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
-  const displaced::Target target(std::move(mesh));
   if (progress) progress->stage = "simplifying";
-  const displaced::SplitMesh parts = displaced::split_components(target.mesh(), kLeastPart);
-  const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
-  const displaced::SurfaceMesh coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
+  // One thread simplifies, the others make trees of what is followed.
+  displaced::SplitMesh parts;
+  displaced::SurfaceMesh coarse;
+  std::optional<displaced::Target> made;
+  parallel_for(
+      2,
+      [&](std::size_t i) {
+        if (i == 1) {
+          made.emplace(mesh, options.threads);
+          return;
+        }
+        parts = displaced::split_components(mesh, kLeastPart);
+        const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
+        coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
+      },
+      options.threads);
+  const displaced::Target& target = *made;
   if (cancelled()) return EncodeError{"cancelled"};
   StreamHeader header;
   header.payload = Payload::displaced;
