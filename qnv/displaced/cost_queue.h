@@ -14,8 +14,8 @@ struct Candidate {
 };
 
 /// Candidates, the cheapest first, as far as a 32nd of an octave tells costs apart; of those that cost the same, those
-/// that came first. Both ways take the same time however many there are, which a heap of millions does not: it waits for
-/// memory at every step.
+/// that came first. Both ways take the same time however many there are, which a heap of millions does not: it waits
+/// for memory at every step.
 class CostQueue {
  public:
   /// `cost`: not negative, and finite.

@@ -64,9 +64,13 @@ struct Quadric {
 /// One mesh on its way to fewer triangles (simplify.h). One thread.
 class Simplifier {
  public:
-  explicit Simplifier(const SurfaceMesh& mesh);
+  /// `kept`: vertices that stay where they are; none: none does.
+  explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {});
   void run(std::size_t wanted);
-  [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh) const;
+  /// On the way to a mesh of `wanted` triangles, until so many are `left`.
+  void thin(std::size_t wanted, std::size_t left);
+  /// `places`: of the vertices that there were, or kNone.
+  [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const;
 
  private:
   [[nodiscard]] std::uint32_t& vertex_at(std::uint32_t corner) { return triangles_[corner / 3][corner % 3]; }
@@ -91,6 +95,7 @@ class Simplifier {
   bool cut_along(const Corners& cycle);
   [[nodiscard]] bool joined_elsewhere(const Corners& cycle);
   void collapse_to(std::size_t wanted);
+  double see_area(std::size_t wanted);
 
   std::vector<glm::dvec3> positions_;
   std::vector<Corners> triangles_;
@@ -99,7 +104,7 @@ class Simplifier {
   std::vector<std::uint32_t> head_, tail_, next_;  // the corners of a vertex, as a list
   std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
   std::uint32_t searches_ = 0;
-  std::vector<bool> rim_;
+  std::vector<bool> rim_, kept_;
   Care care_ = kCare[0];
   double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
   std::uint32_t marks_ = 0;
@@ -107,5 +112,9 @@ class Simplifier {
   CostQueue queue_;
   std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
 };
+
+/// On the way to a mesh of `wanted` triangles: one of some times as many, made in `parts` (a power of two, at most 64)
+/// side by side. What is shared by two of them stays as it is. It is the same on any number of threads.
+[[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads);
 
 }  // namespace gs::qnv::displaced

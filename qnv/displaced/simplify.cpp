@@ -18,7 +18,7 @@ constexpr int kRepairs = 3;      // each with twice the measure
 
 }  // namespace
 
-Simplifier::Simplifier(const SurfaceMesh& mesh)
+Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept)
     : triangles_(mesh.triangles),
       quadrics_(mesh.positions.size()),
       areas_(mesh.positions.size(), 0.0),
@@ -28,6 +28,7 @@ Simplifier::Simplifier(const SurfaceMesh& mesh)
       stamp_(mesh.positions.size(), 0),
       mark_(mesh.positions.size(), 0),
       rim_(mesh.positions.size(), false),
+      kept_(std::move(kept)),
       count_(mesh.triangles.size()) {
   // In units of the box, so that costs are of one size.
   Box box;
@@ -173,6 +174,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
 }
 
 bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
+  if (!kept_.empty() && (kept_[u] || kept_[v])) return false;
   gather(u, at_u_);
   gather(v, at_v_);
   if (!linked_well(u, v)) return false;
@@ -204,12 +206,24 @@ bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
   return true;
 }
 
-void Simplifier::run(std::size_t wanted) {
+/// The area of a triangle of the mesh that is wanted.
+double Simplifier::see_area(std::size_t wanted) {
   double area = 0;
   for (const double a : areas_) area += a;
-  noise_ = kNoise * 2 * area / static_cast<double>(std::max<std::size_t>(wanted, 1));
+  area /= static_cast<double>(std::max<std::size_t>(wanted, 1));
+  noise_ = kNoise * 2 * area;
+  return area;
+}
+
+void Simplifier::thin(std::size_t wanted, std::size_t left) {
+  (void)see_area(wanted);
+  collapse_to(left);
+}
+
+void Simplifier::run(std::size_t wanted) {
+  const double area = see_area(wanted);
   // Scanned noise has holes and tunnels that no collapse may close, and that would take all triangles in the end.
-  double edge = std::sqrt(2.31 * area / static_cast<double>(std::max<std::size_t>(wanted, 1)));
+  double edge = std::sqrt(2.31 * area);
   for (const std::size_t more : {16, 8, 4, 2}) {
     collapse_to(more * wanted);
     repair(edge);
@@ -239,13 +253,13 @@ void Simplifier::collapse_to(std::size_t wanted) {
   }
 }
 
-SurfaceMesh Simplifier::result(const SurfaceMesh& mesh) const {
+SurfaceMesh Simplifier::result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const {
   Box box;
   for (const glm::vec3& p : mesh.positions) box.add(p);
   const glm::dvec3 size(glm::dvec3(box.upper) - glm::dvec3(box.lower));
   const double scale = std::max({size.x, size.y, size.z, 1e-300});
   SurfaceMesh out;
-  std::vector<std::uint32_t> places(positions_.size(), kNone);
+  places.assign(positions_.size(), kNone);
   for (const Corners& t : triangles_) {
     if (t[0] == kNone) continue;
     Corners corners;
@@ -260,12 +274,6 @@ SurfaceMesh Simplifier::result(const SurfaceMesh& mesh) const {
     out.triangles.push_back(corners);
   }
   return out;
-}
-
-SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles) {
-  Simplifier simplifier(mesh);
-  simplifier.run(triangles);
-  return simplifier.result(mesh);
 }
 
 }  // namespace gs::qnv::displaced

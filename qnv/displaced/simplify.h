@@ -11,6 +11,7 @@ namespace gs::qnv::displaced {
 /// and every component keeps at least a tetrahedron or a triangle, so that more triangles may be left than were asked
 /// for. The topology stays, but for holes and tunnels too small to be seen in what was asked for: they are closed.
 /// `mesh` is as `MeshBuilder::finish` gives it, and so is what comes back.
-[[nodiscard]] SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles);
+/// `threads`: that work on it, 0: one a core; what comes out does not depend on them.
+[[nodiscard]] SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads = 0);
 
 }  // namespace gs::qnv::displaced

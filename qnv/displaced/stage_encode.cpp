@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
 // A residual below this part of a step is left out; of deeper levels, where it would only make the surface rough, more.
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
+constexpr std::size_t kPartVertices = 8192;  // of a level, for a thread at a time
 // Triangles within this cosine of the direction looked for are the same side of the surface.
 constexpr float kSameSide = 0.2f;
 constexpr float kShortLook = 1.0f / 8;  // of the reach
@@ -26,8 +27,30 @@ constexpr float kCreaseReach = 0.12f;
 // Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
 constexpr float kShadedApart = 0.94f;
 
-// Places of the target at which the error is looked at.
+// Places of the target at which the error is looked at, about.
 constexpr std::size_t kErrorSamples = 20'000;
+
+/// Where the error is looked at: cells of a grid of the box, one in so many.
+class ErrorCells {
+ public:
+  ErrorCells(float side, std::size_t one_in) : per_side_(1 / std::max(side, 1e-6f)), one_in_(one_in) {}
+  [[nodiscard]] bool has(const glm::vec3& p) const {
+    const glm::uvec3 cell(glm::ivec3(glm::floor(p * per_side_)));
+    const std::uint64_t number = (std::uint64_t{cell.x} << 42) ^ (std::uint64_t{cell.y} << 21) ^ cell.z;
+    return (number * 0x9e3779b97f4a7c15u >> 32) % one_in_ == 0;
+  }
+  /// Whether a place is nearer to such a cell than so much, or somewhat farther; less than half a side.
+  [[nodiscard]] bool near(const glm::vec3& p, float reach) const {
+    if (one_in_ == 1) return true;
+    for (int corner = 0; corner < 8; ++corner)
+      if (has(p + reach * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1))) return true;
+    return false;
+  }
+
+ private:
+  float per_side_;
+  std::size_t one_in_;
+};
 
 SurfaceMesh lines_of(const SurfaceMesh& mesh) {
   SurfaceMesh lines;
@@ -162,66 +185,61 @@ void StageEncoder::displace_base(Surface& surface) {
 void StageEncoder::displace(Surface& surface, int level) {
   const Patches& patches = surface.patches();
   normals_ = slot_normals(patches, surface.slots(), level - 1, places_);
-  std::vector<NewVertex> fresh;
   std::vector<glm::vec3> next(patches.vertices_at(level));
   std::array<std::vector<glm::vec3>, kLayers> next_shifts;
   for (int layer = 1; layer < options_.layers; ++layer)
     next_shifts[static_cast<std::size_t>(layer)].resize(next.size());
-  visit_level(
-      patches, surface.slots(), level, [&](const NewVertex& v) { fresh.push_back(v); },
-      [&](std::uint32_t v, std::uint32_t before) {
-        next[v] = places_[before];
-        for (std::size_t layer = 1; layer < static_cast<std::size_t>(options_.layers); ++layer)
-          next_shifts[layer][v] = shifts_[layer][before];
-      });
   std::array<LevelNumbers*, kLayers> numbers{};
   for (int layer = 0; layer < options_.layers; ++layer)
     numbers[static_cast<std::size_t>(layer)] = &surface.numbers(layer, level);
   const std::size_t lines_at = patches.base_vertices();
-  constexpr std::size_t kBlock = 4096;
-  parallel_for((fresh.size() + kBlock - 1) / kBlock,
-               [&](std::size_t block) {
-                 for (std::size_t i = block * kBlock; i < std::min(fresh.size(), (block + 1) * kBlock); ++i) {
-                   const NewVertex& v = fresh[i];
-                   const bool line = v.edge != kNone && patches.edges()[v.edge].line();
-                   const Prediction p = predict(v, line, places_, normals_);
-                   const float length = glm::length(places_[v.b] - places_[v.a]);
-                   glm::vec3 at = p.position;
-                   std::uint32_t triangle = kNone;
-                   for (std::size_t layer = 0; layer < static_cast<std::size_t>(options_.layers); ++layer) {
-                     const float step = surface.step(static_cast<int>(layer));
-                     const float dead = level > 2 && step * 4 > length * 0.5f ? kDeeperDeadZone : kDeadZone;
-                     glm::vec3 from = at;
-                     if (layer > 0) from += 0.5f * (shifts_[layer][v.a] + shifts_[layer][v.b]);
-                     glm::vec3 by(0);
-                     if (line) {
-                       const SurfacePoint there = target_.line(from, 0.7f * length);
-                       if (there.triangle != kNone) {
-                         const glm::vec3 off = there.position - from;
-                         const std::int16_t q = quantised(glm::dot(off, p.normal), step, dead);
-                         const std::int16_t s = quantised(glm::dot(off, p.sideways), step, dead);
-                         numbers[layer]->normal[v.vertex] = q;
-                         numbers[layer]->sideways[v.vertex - lines_at] = s;
-                         by = step * (static_cast<float>(q) * p.normal + static_cast<float>(s) * p.sideways);
-                       }
-                     } else {
-                       const float d = target_.distance(from, p.normal, 0.5f * length, triangle);
-                       const std::int16_t q = quantised(d, step, dead);
-                       numbers[layer]->normal[v.vertex] = q;
-                       by = step * static_cast<float>(q) * p.normal;
-                     }
-                     if (layer == 0) {
-                       at += by;
-                       next[v.vertex] = at;
-                     } else {
-                       // What this layer adds, every finer one has, too.
-                       next_shifts[layer][v.vertex] = from + by - next[v.vertex];
-                       at += by;
-                     }
-                   }
-                 }
-               },
-               options_.threads);
+  const auto visit = [&](const NewVertex& v) {
+    const bool line = v.edge != kNone && patches.edges()[v.edge].line();
+    const Prediction p = predict(v, line, places_, normals_);
+    const float length = glm::length(places_[v.b] - places_[v.a]);
+    glm::vec3 at = p.position;
+    std::uint32_t triangle = kNone;
+    for (std::size_t layer = 0; layer < static_cast<std::size_t>(options_.layers); ++layer) {
+      const float step = surface.step(static_cast<int>(layer));
+      const float dead = level > 2 && step * 4 > length * 0.5f ? kDeeperDeadZone : kDeadZone;
+      glm::vec3 from = at;
+      if (layer > 0) from += 0.5f * (shifts_[layer][v.a] + shifts_[layer][v.b]);
+      glm::vec3 by(0);
+      if (line) {
+        const SurfacePoint there = target_.line(from, 0.7f * length);
+        if (there.triangle != kNone) {
+          const glm::vec3 off = there.position - from;
+          const std::int16_t q = quantised(glm::dot(off, p.normal), step, dead);
+          const std::int16_t s = quantised(glm::dot(off, p.sideways), step, dead);
+          numbers[layer]->normal[v.vertex] = q;
+          numbers[layer]->sideways[v.vertex - lines_at] = s;
+          by = step * (static_cast<float>(q) * p.normal + static_cast<float>(s) * p.sideways);
+        }
+      } else {
+        const float d = target_.distance(from, p.normal, 0.5f * length, triangle);
+        const std::int16_t q = quantised(d, step, dead);
+        numbers[layer]->normal[v.vertex] = q;
+        by = step * static_cast<float>(q) * p.normal;
+      }
+      if (layer == 0) {
+        at += by;
+        next[v.vertex] = at;
+      } else {
+        // What this layer adds, every finer one has, too.
+        next_shifts[layer][v.vertex] = from + by - next[v.vertex];
+        at += by;
+      }
+    }
+  };
+  const auto keep = [&](std::uint32_t v, std::uint32_t before) {
+    next[v] = places_[before];
+    for (std::size_t layer = 1; layer < static_cast<std::size_t>(options_.layers); ++layer)
+      next_shifts[layer][v] = shifts_[layer][before];
+  };
+  const std::size_t parts = std::max<std::size_t>(1, next.size() / kPartVertices);
+  parallel_for(
+      parts, [&](std::size_t part) { visit_level(patches, surface.slots(), level, visit, keep, part, parts); },
+      options_.threads);
   places_ = std::move(next);
   for (std::size_t layer = 1; layer < static_cast<std::size_t>(options_.layers); ++layer)
     shifts_[layer] = std::move(next_shifts[layer]);
@@ -334,27 +352,32 @@ float StageEncoder::error_of(const Surface& surface) const {
   SurfaceMesh made;
   const int depth = surface.header().depth;
   made.positions = level_places_[static_cast<std::size_t>(depth)];
+  const std::vector<glm::vec3>& places = target_.mesh().positions;
+  const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
   std::vector<std::uint32_t> grid;
   const std::size_t n = std::size_t{1} << depth;
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (cells.near(made.positions[a], 4 * target_.edge())) made.triangles.push_back({a, b, c});
+  };
   for (std::uint32_t p = 0; p < surface.patches().size(); ++p) {
     surface.patches().grid(p, depth, grid);
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t i = 0; i + j < n; ++i) {
         const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
-        made.triangles.push_back({grid[row], grid[row + 1], grid[above]});
-        if (i + j + 1 < n) made.triangles.push_back({grid[row + 1], grid[above + 1], grid[above]});
+        add(grid[row], grid[row + 1], grid[above]);
+        if (i + j + 1 < n) add(grid[row + 1], grid[above + 1], grid[above]);
       }
   }
-  const TriangleTree tree(made);
-  const std::vector<glm::vec3>& places = target_.mesh().positions;
-  const std::size_t step = std::max<std::size_t>(1, places.size() / kErrorSamples);
+  const TriangleTree tree(made, options_.threads);
   double sum = 0;
   std::size_t count = 0;
   const float most = 20 * target_.edge();
-  for (std::size_t v = 0; v < places.size(); v += step, ++count) {
-    const SurfacePoint near = tree.nearest(places[v], most, glm::vec3(0), -1.0f);
+  for (const glm::vec3& place : places) {
+    if (!cells.has(place)) continue;
+    const SurfacePoint near = tree.nearest(place, most, glm::vec3(0), -1.0f);
     const auto d = static_cast<double>(near.triangle == kNone ? most : near.distance);
     sum += d * d;
+    ++count;
   }
   return static_cast<float>(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1))));
 }

@@ -53,12 +53,16 @@ struct NewVertex {
 };
 
 /// Calls visit(NewVertex) for every new vertex of a level (1 and up), and keep(vertex, before) for every other one,
-/// which has the number `before` at the level before. `slots`: patches.cut().
+/// which has the number `before` at the level before. `slots`: patches.cut(). Of `parts` parts of the level, which
+/// have no vertex in common, the one given.
 template <class Visit, class Keep>
-void visit_level(const Patches& patches, const Patches& slots, int level, Visit visit, Keep keep) {
+void visit_level(const Patches& patches, const Patches& slots, int level, Visit visit, Keep keep, std::size_t part = 0,
+                 std::size_t parts = 1) {
   const auto n = std::uint32_t{1} << level, half = n / 2;
-  for (std::uint32_t v = 0; v < patches.base_vertices(); ++v) keep(v, v);
-  for (std::uint32_t e = 0; e < patches.edges().size(); ++e) {
+  const auto begin = [&](std::size_t of, std::size_t i) { return static_cast<std::uint32_t>(of * i / parts); };
+  const std::size_t base = patches.base_vertices(), edges = patches.edges().size(), all = patches.size();
+  for (std::uint32_t v = begin(base, part); v < begin(base, part + 1); ++v) keep(v, v);
+  for (std::uint32_t e = begin(edges, part); e < begin(edges, part + 1); ++e) {
     const Patches::Edge& edge = patches.edges()[e];
     const auto start = static_cast<std::uint32_t>(patches.edge_start(e, level));
     const EdgeWalk walk(patches, e, edge.owner, patches, level - 1), slot(patches, e, edge.owner, slots, level - 1);
@@ -72,7 +76,7 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
     }
   }
   std::vector<std::uint32_t> grid, slot_grid;
-  for (std::uint32_t p = 0; p < patches.size() && level > 1; ++p) {
+  for (std::uint32_t p = begin(all, part); p < begin(all, part + 1) && level > 1; ++p) {
     patches.grid(p, level - 1, grid);
     slots.grid(p, level - 1, slot_grid);
     auto v = static_cast<std::uint32_t>(patches.inner_start(p, level));

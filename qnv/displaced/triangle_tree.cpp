@@ -216,8 +216,7 @@ SurfacePoint TriangleTree::along(const glm::vec3& from, const glm::vec3& directi
   float nearest = reach;
   std::array<float, 3> inverse{};
   for (int axis = 0; axis < 3; ++axis)
-    inverse[static_cast<std::size_t>(axis)] =
-        1 / (std::abs(direction[axis]) > 1e-20f ? direction[axis] : 1e-20f);
+    inverse[static_cast<std::size_t>(axis)] = 1 / (std::abs(direction[axis]) > 1e-20f ? direction[axis] : 1e-20f);
   std::array<Waiting, kDeepest> stack;
   std::size_t top = 0;
   stack[top++] = {0, 0, 0};

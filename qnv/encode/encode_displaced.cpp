@@ -219,7 +219,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
         }
         parts = displaced::split_components(mesh, kLeastPart);
         const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
-        coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()));
+        coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()), options.threads);
       },
       options.threads);
   const displaced::Target& target = *made;

@@ -1,10 +1,19 @@
 #include "qnv/displaced/simplify.h"
 
+#include "qnv/displaced/simplifier.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 
 #include <glm/geometric.hpp>
 
 #include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <vector>
 
 namespace gs::qnv::displaced::simplify_test {
 namespace {
@@ -62,6 +71,54 @@ TEST_CASE("every component stays, however few triangles are asked for") {
   CHECK(small.triangles.size() < 12 * 30);
   // A tetrahedron each but the last.
   CHECK(euler_characteristic(small.triangles) == 12 * 2 + 1);
+}
+
+TEST_CASE("what is thinned in parts is whole, and the same on any number of threads") {
+  const std::array<SurfaceMesh, 3> meshes{mesh_of(ball(24)), mesh_of(torus(60, 30)), mesh_of(sheet(50))};
+  for (const SurfaceMesh& mesh : meshes)
+    for (const std::size_t parts : {2, 8}) {
+      const SurfaceMesh thin = thinned(mesh, 200, parts, 1), other = thinned(mesh, 200, parts, 3);
+      CHECK(thin.triangles == other.triangles);
+      CHECK(thin.positions == other.positions);
+      check_manifold(thin);
+      CHECK(euler_characteristic(thin.triangles) == euler_characteristic(mesh.triangles));
+      CHECK(components_of(thin.triangles) == 1);
+      CHECK((rims_of(thin.triangles) == 0) == (rims_of(mesh.triangles) == 0));
+      CHECK(thin.triangles.size() < mesh.triangles.size() * 3 / 4);
+      CHECK(thin.triangles.size() > 750);  // four times as many as are wanted, but for rounding
+    }
+}
+
+TEST_CASE("costs come out in their order, those alike in that in which they came") {
+  CostQueue queue;
+  std::mt19937 random(5);
+  std::vector<double> costs;
+  Candidate next{};
+  CHECK(!queue.pop(next));
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    costs.push_back(i % 50 == 0 ? 0.0
+                                : std::ldexp(1 + static_cast<double>(random() % 1000) / 1000,
+                                             static_cast<int>(random() % 60) - 50));
+    queue.push(costs.back(), {i, 0, 0});
+  }
+  double last = 0;
+  std::size_t count = 0;
+  for (; queue.pop(next); ++count) {
+    CHECK(costs[next.u] >= last / 1.032);
+    last = std::max(last, costs[next.u]);
+    // What costs less than what is next comes at once.
+    if (count == 1500) {
+      queue.push(1e-40, {77, 1, 0});
+      REQUIRE(queue.pop(next));
+      CHECK(next.v == 1);
+    }
+  }
+  CHECK(count == 3000);
+  for (std::uint32_t i = 0; i < 10; ++i) queue.push(0.25, {i, 0, 0});
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    REQUIRE(queue.pop(next));
+    CHECK(next.u == i);
+  }
 }
 
 TEST_CASE("nothing is simplified to nothing") {

@@ -1,5 +1,5 @@
-#include "qnv/displaced/stage_encode.h"
 #include "qnv/displaced/surface.h"
+#include "qnv/displaced/stage_encode.h"
 
 #include "qnv/displaced/cluster_coder.h"
 #include "qnv/displaced/simplify.h"
