@@ -146,7 +146,7 @@ void release_lists(vrml::SceneGraph& scene) {
     if (content) release_lists(*content);
 }
 
-render::Camera orbiting(const Options& options, const vrml::Bounds& bounds) {
+render::Camera orbiting(const Options& options, const render::WorldBounds& bounds) {
   constexpr float kFieldOfView = 0.785398f;
   return render::orbit_camera(bounds, glm::radians(static_cast<float>(options.orbit->first)),
                               glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView,

@@ -44,7 +44,7 @@ inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32
   qnv::VolumeLayout layout;
   layout.dimensions = {nx, ny, nz};
   layout.axes = {glm::vec3(0.5f, 0.1f, 0), glm::vec3(-0.2f, 0.8f, 0.1f), glm::vec3(0.1f, 0.2f, 1.5f)};
-  layout.origin = glm::vec3(10, -20, 30);
+  layout.origin = glm::dvec3(10, -20, 30);
   return layout;
 }
 
