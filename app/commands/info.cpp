@@ -241,7 +241,9 @@ std::string json_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.7g", value.get<double>());
+    // Where float32 ends, so that a millimetre shows of a place thousands of kilometres away.
+    const double number = value.get<double>();
+    std::snprintf(text, sizeof text, std::abs(number) < 1e5 ? "%.7g" : "%.11g", number);
     return text;
   }
   if (!value.is_structured()) return value.dump();

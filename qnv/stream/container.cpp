@@ -216,6 +216,8 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{11, "holds a displaced volume; expected records or voxels, or a surface"};
   if (kind == 1 && payload == 2)
     return StreamProblem{11, "holds outlines of a volume; expected records or voxels, or a surface"};
+  if (version != kVersionWithoutOrigin && payload == 2)
+    return StreamProblem{8, "is of version 2 and holds outlines, which have lattices of their own; expected version 1"};
   StreamHeader header;
   Description& d = header.description;
   d.kind = static_cast<Kind>(kind);

@@ -50,7 +50,7 @@ inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32
 
 /// The place of a voxel, by the definition.
 inline glm::vec3 place_of(const qnv::VolumeLayout& layout, float x, float y, float z) {
-  return layout.origin + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
+  return glm::vec3(layout.origin) + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
 }
 
 }  // namespace gs::test
