@@ -55,7 +55,8 @@ class MeshPass {
     kEmissive = 64,
     kFog = 128,
     kSmoothEdges = 256,
-    kFirstLightBit = 512,  // from here on: LightSets::variant
+    kMask = 512,
+    kFirstLightBit = 1024,  // from here on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
@@ -154,8 +155,10 @@ class MeshPass {
   std::vector<Batch> batches_;
   std::vector<Instance> instances_;
   std::vector<std::uint32_t> sorted_indices_;
+  // Of texts; so many of them are of this frame: they are not made empty, which would fill them with zeros again.
   std::vector<MeshStore::StreamedVertex> text_vertices_;
   std::vector<std::uint32_t> text_indices_;
+  std::size_t text_vertex_count_ = 0, text_index_count_ = 0;
   std::vector<MeshStore::Slice> text_slices_;  // one for each run of texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;

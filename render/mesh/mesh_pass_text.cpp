@@ -3,7 +3,9 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 // Small texts, each of a few rectangles: as one draw, since a call of OpenGL takes longer than the corners of a label.
 namespace gs::render {
@@ -55,7 +57,7 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
   }
   if (!find_glyphs()) return true;
   DrawState& state = prepared.state;
-  state.variant = kTexture | kCutOut | (fog_.on ? kFog : 0u) | (several_samples_ ? kSmoothEdges : 0u);
+  state.variant = kTexture | kCutOut | kMask | (fog_.on ? kFog : 0u) | (several_samples_ ? kSmoothEdges : 0u);
   state.texture = texture_number({}, *glyphs_);
   if (!program(state.variant)) return true;
   for (int i = 0; i < 3; ++i) prepared.instance.base_color[i] = color[i];
@@ -69,32 +71,42 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
 
 void MeshPass::add_text(const Prepared& prepared) {
   const vrml::Mesh& mesh = *prepared.mesh;
-  const auto first = static_cast<std::uint32_t>(text_vertices_.size());
-  const std::size_t count = mesh.positions.size();
-  text_vertices_.resize(first + count);
+  const auto first = static_cast<std::uint32_t>(text_vertex_count_);
+  const std::size_t count = mesh.positions.size(), corners = mesh.indices.size();
+  const auto room = [](auto& list, std::size_t size) {
+    if (list.size() < size) list.resize(std::max(size, 2 * list.size()));
+  };
+  room(text_vertices_, text_vertex_count_ + count);
+  room(text_indices_, text_index_count_ + corners);
   const glm::vec3* positions = mesh.positions.data();
   const glm::vec2* places = mesh.texture_coordinates.data();
-  const auto& rows = prepared.instance.camera_from_node;
-  const auto& color = prepared.instance.base_color;
-  for (std::size_t i = 0; i < count; ++i) {
-    MeshStore::StreamedVertex& to = text_vertices_[first + i];
-    const glm::vec3 p = positions[i] - prepared.origin;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float* r = rows[axis];
-      to.position[axis] = r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
-      to.color[axis] = color[axis];
-    }
-    to.texture_coordinate[0] = places[i].x;
-    to.texture_coordinate[1] = places[i].y;
+  // Copies: floats that are written might be any others.
+  const auto row = [&](int axis) {
+    const auto& r = prepared.instance.camera_from_node[axis];
+    return glm::vec4(r[0], r[1], r[2], r[3]);
+  };
+  const glm::vec4 x = row(0), y = row(1), z = row(2);
+  const auto& base = prepared.instance.base_color;
+  const glm::vec3 color(base[0], base[1], base[2]), origin = prepared.origin;
+  MeshStore::StreamedVertex* to = text_vertices_.data() + first;
+  for (std::size_t i = 0; i < count; ++i, ++to) {
+    const glm::vec3 p = positions[i] - origin;
+    *to = {{x.x * p.x + x.y * p.y + x.z * p.z + x.w, y.x * p.x + y.y * p.y + y.z * p.z + y.w,
+            z.x * p.x + z.y * p.y + z.z * p.z + z.w},
+           {places[i].x, places[i].y},
+           {color.x, color.y, color.z}};
   }
-  for (const std::uint32_t index : mesh.indices) text_indices_.push_back(first + index);
+  const std::uint32_t* from = mesh.indices.data();
+  std::uint32_t* index = text_indices_.data() + text_index_count_;
+  for (std::size_t i = 0; i < corners; ++i) index[i] = first + from[i];
+  text_vertex_count_ += count;
+  text_index_count_ += corners;
 }
 
 /// Triangles of the texts in camera space, those of one layer and state as one slice, the nearest first; behind all
 /// instances that which leaves them where they are.
 void MeshPass::merge_texts() {
-  text_vertices_.clear();
-  text_indices_.clear();
+  text_vertex_count_ = text_index_count_ = 0;
   text_slices_.clear();
   for (std::size_t begin = 0; begin < opaque_.size();) {
     const SortKey& first = opaque_[begin];
@@ -104,12 +116,12 @@ void MeshPass::merge_texts() {
     }
     MeshStore::Slice slice;
     slice.streamed = slice.colors = slice.texture_coordinates = true;
-    slice.first_index = text_indices_.size();
+    slice.first_index = text_index_count_;
     std::size_t end = begin;
     while (end < opaque_.size() && opaque_[end].mesh == kMergedMesh && opaque_[end].state == first.state &&
            opaque_[end].layer == first.layer)
       add_text(prepared_[opaque_[end++].prepared]);
-    slice.index_count = static_cast<GLsizei>(text_indices_.size() - slice.first_index);
+    slice.index_count = static_cast<GLsizei>(text_index_count_ - slice.first_index);
     text_slices_.push_back(slice);
     begin = end;
   }
@@ -126,7 +138,8 @@ void MeshPass::merge_texts() {
                       opaque_[i - 1].layer == key.layer;
     if (!same) prepared_[key.prepared].slice = &text_slices_[run++];
   }
-  meshes_.set_streamed(text_vertices_, text_indices_);
+  meshes_.set_streamed(std::span(text_vertices_).first(text_vertex_count_),
+                       std::span(text_indices_).first(text_index_count_));
 }
 
 }  // namespace gs::render

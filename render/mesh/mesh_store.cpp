@@ -253,7 +253,7 @@ void MeshStore::set_sorted_indices(const std::vector<std::uint32_t>& indices) {
                  GL_STREAM_DRAW);
 }
 
-void MeshStore::set_streamed(const std::vector<StreamedVertex>& vertices, const std::vector<std::uint32_t>& indices) {
+void MeshStore::set_streamed(std::span<const StreamedVertex> vertices, std::span<const std::uint32_t> indices) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const bool fresh = !streamed_;
   if (fresh)
@@ -261,10 +261,10 @@ void MeshStore::set_streamed(const std::vector<StreamedVertex>& vertices, const 
   gl_.BindVertexArray(streamed_->vertex_array.name());
   bound_page_ = kStreamedPage;
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, streamed_->indices.name());
-  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
                  indices.data(), GL_STREAM_DRAW);
   gl_.BindBuffer(GL_ARRAY_BUFFER, streamed_->vertices.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(StreamedVertex)), vertices.data(),
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
                  GL_STREAM_DRAW);
   if (!fresh) return;
   const auto point_at = [&](GLuint location, GLint components, std::size_t offset) {

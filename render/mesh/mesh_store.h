@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -66,7 +67,7 @@ class MeshStore {
   };
   /// Triangles of one frame, with indices; slices of them have `streamed` set, count from index 0 and have colours and
   /// texture coordinates.
-  void set_streamed(const std::vector<StreamedVertex>& vertices, const std::vector<std::uint32_t>& indices);
+  void set_streamed(std::span<const StreamedVertex> vertices, std::span<const std::uint32_t> indices);
   /// Draws `count` instances from number `first` on with the program in use.
   void draw(const Slice& slice, std::size_t first, std::size_t count);
   /// To be called before the first `draw` after somebody else used vertex arrays.
