@@ -128,7 +128,7 @@ int run_animate(const Options& given_options) {
     return fail_unless_told(*problem);
   world.run(series ? 0 : steps.front().time);
   render::Camera camera = world.own_camera();
-  const vrml::Bounds bounds = world.list().bounds;
+  const render::WorldBounds bounds = world.list().bounds;
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0) : glm::dvec3(bounds.center()), up = world.up();
   auto tour = tour_of(options, world.list());
   if (auto* problem = std::get_if<std::string>(&tour)) return fail(*problem);

@@ -28,9 +28,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-Json json_of(const glm::vec3& p) { return {p.x, p.y, p.z}; }
+Json json_of(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
-void put_box(Json& json, const glm::vec3& lower, const glm::vec3& upper) {
+void put_box(Json& json, const glm::dvec3& lower, const glm::dvec3& upper) {
   if (lower.x <= upper.x) json["box"] = {{"lower", json_of(lower)}, {"upper", json_of(upper)}};
 }
 
@@ -54,7 +54,8 @@ void put_cloud(Json& json, const qnv::Cloud& cloud) {
     json["two_sided"] = d.two_sided;
     json["colors"] = cloud.colors.empty() ? "one" : "of each vector";
   }
-  put_box(json, d.box.lower, d.box.upper);
+  put_box(json, d.origin + glm::dvec3(d.box.lower), d.origin + glm::dvec3(d.box.upper));
+  if (d.origin != glm::dvec3(0)) json["local_origin"] = json_of(d.origin);
 }
 
 // What has arrived of one level of the octree, or one layer.
@@ -196,7 +197,7 @@ void describe_volume(Json& json, const qnv::VolumeSource& volume, Clock::time_po
   json["dimensions"] = {layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]};
   json["type_of_voxels"] = std::string(name_of(layout.type)) + (layout.big_endian ? "be" : "");
   json["axes"] = {json_of(layout.axes[0]), json_of(layout.axes[1]), json_of(layout.axes[2])};
-  json["origin"] = json_of(layout.origin);
+  json["origin"] = json_of(layout.base + layout.origin);
   float least = std::numeric_limits<float>::infinity(), most = -least;
   std::uint64_t missing = 0, seen = 0;
   std::vector<std::byte> scratch;
@@ -240,7 +241,9 @@ std::string json_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.7g", value.get<double>());
+    // Where float32 ends, so that a millimetre shows of a place thousands of kilometres away.
+    const double number = value.get<double>();
+    std::snprintf(text, sizeof text, std::abs(number) < 1e5 ? "%.7g" : "%.11g", number);
     return text;
   }
   if (!value.is_structured()) return value.dump();

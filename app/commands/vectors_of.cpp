@@ -119,13 +119,17 @@ struct Surface {
   qnv::TriangleSource source;
   std::size_t triangles = 0;
   bool two_sided = false;
+  glm::dvec3 origin{0};  // from which triangles count
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
 
 Surface surface_of(const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   Surface surface;
-  surface.source = [&opened](const qnv::TriangleSink& sink) { return for_each_triangle(opened.list, sink); };
+  surface.origin = qnv::local_origin(summary.box);
+  surface.source = [&opened, origin = surface.origin](const qnv::TriangleSink& sink) {
+    return for_each_triangle(opened.list, sink, origin);
+  };
   surface.triangles = summary.triangles;
   surface.two_sided = summary.two_sided;
   return surface;
@@ -135,6 +139,7 @@ Surface surface_of(const OpenedSurface& opened) {
 Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
   Surface surface;
   surface.two_sided = true;
+  surface.origin = volume.layout.base;
   surface.source = [&volume, isovalue, problem = surface.problem, &progress](const qnv::TriangleSink& sink) {
     qnv::IsosurfaceOptions options;
     options.isovalue = isovalue;
@@ -155,6 +160,7 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
 std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const Options& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
+  encode_options.origin = surface.origin;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);
   const auto encode_as = [&](qnv::Payload payload) {
@@ -280,7 +286,13 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
   const qnv::TriangleSource bounded = [&](const qnv::TriangleSink& sink) {
     return surface.source([&](std::span<const qnv::Triangle> triangles) {
       const std::uint64_t bytes = triangles.size() * kOutlineTriangleBytes;
-      if (budget.take(vrml::Resource::meshes, bytes)) return sink(triangles);
+      if (budget.take(vrml::Resource::meshes, bytes)) {
+        if (surface.origin == glm::dvec3(0)) return sink(triangles);
+        std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons count from 0
+        for (qnv::Triangle& triangle : moved)
+          for (glm::vec3& p : triangle.positions) p = glm::vec3(surface.origin + glm::dvec3(p));
+        return sink(moved);
+      }
       *surface.problem = "has a surface that takes " + budget.refusal(vrml::Resource::meshes);
       return false;
     });

@@ -43,7 +43,9 @@ struct SurfaceCorner {
 
 class Emitter {
  public:
-  Emitter(const render::DrawItem& item, const qnv::TriangleSink& sink) : item_(item), sink_(sink) {
+  Emitter(const render::DrawItem& item, const qnv::TriangleSink& sink, const glm::dvec3& origin)
+      : item_(item), sink_(sink), place_(item.world_from_node) {
+    place_[3] -= glm::dvec4(origin, 0);
     world_from_node_ = glm::mat3(item.world_from_node);
     // The adjugate stands for the inverse transpose and exists for singular matrices too.
     const glm::mat3& m = world_from_node_;
@@ -69,7 +71,7 @@ class Emitter {
  private:
   SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
     SurfaceCorner c{};
-    c.position = glm::vec3(item_.world_from_node * glm::dvec4(mesh.positions[index], 1));
+    c.position = glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
     if (mesh.normals.size() == mesh.positions.size()) {
       const glm::vec3 n = normal_matrix_ * mesh.normals[index];
       const float length = std::sqrt(glm::dot(n, n));
@@ -142,6 +144,7 @@ class Emitter {
 
   const render::DrawItem& item_;
   const qnv::TriangleSink& sink_;
+  glm::dmat4 place_;  // from the node's space to the world's from the origin
   glm::mat3 world_from_node_{1.0f}, normal_matrix_{1.0f};
   bool flipped_ = false, textured_ = false;
   std::vector<qnv::Triangle> batch_;
@@ -157,9 +160,9 @@ std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(
 
 qnv::Rgb8 to_rgb8(const glm::vec3& color) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z)}; }
 
-bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink) {
+bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink, const glm::dvec3& origin) {
   for (const render::DrawItem& item : list.items)
-    if (has_surface(item) && !Emitter(item, sink).run()) return false;
+    if (has_surface(item) && !Emitter(item, sink, origin).run()) return false;
   return true;
 }
 
@@ -172,7 +175,7 @@ SurfaceSummary summarize_surface(const render::RenderList& list) {
     summary.two_sided = summary.two_sided || !mesh.solid;
     summary.textured = summary.textured || item.texture.image != nullptr;
     for (const std::uint32_t index : mesh.indices) {
-      const glm::vec3 p(item.world_from_node * glm::dvec4(mesh.positions[index], 1));
+      const glm::dvec3 p(item.world_from_node * glm::dvec4(mesh.positions[index], 1));
       if (finite(p)) summary.box.add(p);
     }
   }

@@ -11,15 +11,16 @@
 
 namespace gs::app {
 
-/// The triangles of everything that a render list draws, in world space, with the colour that a viewer would see
+/// The triangles of everything that a render list draws, in world space from `origin`, with the colour that a viewer would see
 /// under plain white light baked into the corners: material, vertex colours and textures (large textured triangles
 /// are divided so that the texture is not lost). Lines and points have no surface and are left out.
 /// False when the sink wanted no more. Deterministic; reads the list only.
-bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink);
+bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink,
+                       const glm::dvec3& origin = glm::dvec3(0));
 
 /// What for_each_triangle is about to give.
 struct SurfaceSummary {
-  qnv::Box box;               // of the corners that are used
+  qnv::WideBox box;           // of the corners that are used
   std::size_t triangles = 0;  // before division
   bool two_sided = false;     // some mesh is to be seen from behind too
   bool textured = false;

@@ -90,7 +90,7 @@ class Inspection final : public SessionGuest {
     std::vector<PixelLine> lines;
   };
   [[nodiscard]] const std::vector<Mark>& marks() const { return marks_; }
-  [[nodiscard]] const vrml::Bounds& selected_bounds() const { return bounds_; }
+  [[nodiscard]] const render::WorldBounds& selected_bounds() const { return bounds_; }
 
   /// The value that is shown of an interface of the chosen node; null: an eventIn has none. Until the world goes on.
   [[nodiscard]] const vrml::FieldValue* value_of(const vrml::InterfaceDeclaration& interface) const;
@@ -146,7 +146,7 @@ class Inspection final : public SessionGuest {
   bool finds_ = false;  // the first match is to be chosen
   bool reveal_ = false, picking_ = false, fly_ = false, more_ = false, routes_only_ = false;
   std::optional<std::size_t> revealed_, match_;
-  vrml::Bounds bounds_;
+  render::WorldBounds bounds_;
   NodeAt bounds_of_;
   double bounds_due_ = 0, last_news_ = 0, shown_at_ = 0, clock_ = 0;
   bool news_ = false;

@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-vrml::Bounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
+render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
   // PROTO instances are drawn as the nodes that they stand for.
   std::vector<NodeAt> drawn;
   for (const NodeAt& node : nodes)
@@ -24,14 +24,14 @@ vrml::Bounds bounds_in(const render::RenderList& list, std::span<const NodeAt> n
   };
   std::size_t best = drawn.size();
   for (const render::Place& place : list.places) best = std::min(best, rank_of(place));
-  vrml::Bounds bounds;
+  render::WorldBounds bounds;
   if (best == drawn.size()) return bounds;
   std::vector<bool> inside(list.places.size());
   for (std::size_t i = 0; i < list.places.size(); ++i) {
     const render::Place& place = list.places[i];
     inside[i] = (place.parent < i && inside[place.parent]) || rank_of(place) == best;
   }
-  const auto add = [&](const vrml::Bounds& one) { bounds.add(one); };
+  const auto add = [&](const render::WorldBounds& one) { bounds.add(one); };
   for (const render::DrawItem& item : list.items)
     if (item.place < inside.size() && inside[item.place] && item.mesh && item.seen)
       add(render::world_bounds(item.mesh->bounds, item.world_from_node));
@@ -43,7 +43,7 @@ vrml::Bounds bounds_in(const render::RenderList& list, std::span<const NodeAt> n
   return bounds;
 }
 
-std::vector<PixelLine> edges_of(const vrml::Bounds& box, const Pose& pose, const Viewport& viewport) {
+std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose, const Viewport& viewport) {
   std::vector<PixelLine> lines;
   if (box.empty()) return lines;
   const glm::dquat viewer_from_world = glm::conjugate(glm::dquat(pose.orientation));

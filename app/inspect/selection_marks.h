@@ -17,11 +17,11 @@ namespace gs::app {
 
 /// World space: all that a list shows of the first of these nodes of which it shows anything, with all its USEs.
 /// Empty: it shows nothing of them. Takes time in proportion to the list.
-[[nodiscard]] vrml::Bounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
+[[nodiscard]] render::WorldBounds bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
 
 /// A line from one framebuffer pixel to another.
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// The edges of a box as one who looks sees them in a viewport, as far as they lie before him; they may leave it.
-[[nodiscard]] std::vector<PixelLine> edges_of(const vrml::Bounds& box, const Pose& pose, const Viewport& viewport);
+[[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose, const Viewport& viewport);
 
 }  // namespace gs::app

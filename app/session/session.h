@@ -182,7 +182,7 @@ class Session {
   /// Nothing: there is nothing to be met, or the pixel is no viewport's.
   [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
   /// Flies the active viewport's viewer to where all of this is in sight.
-  void fly_to(const vrml::Bounds& bounds);
+  void fly_to(const render::WorldBounds& bounds);
   /// Takes the viewer of the active viewport there, at once.
   void move_viewer_to(const glm::dvec3& place);
 

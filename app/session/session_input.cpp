@@ -183,7 +183,7 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
 void Session::approach(View& seen, const Ray& ray, const glm::vec2& size) {
   const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
   if (!hit) return;
-  vrml::Bounds bounds;
+  render::WorldBounds bounds;
   if (hit->splat) {
     const render::SplatItem& splat = seen.list->splats[*hit->splat];
     const qnv::Box& box = splat.cloud->description.box;
@@ -248,7 +248,7 @@ void Session::fit() {
   if (const View* seen = view()) fly_to(seen->list->bounds);
 }
 
-void Session::fly_to(const vrml::Bounds& bounds) {
+void Session::fly_to(const render::WorldBounds& bounds) {
   View* seen = view();
   if (!seen || bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
   const Viewport place = place_of(panes_.active());

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-bool usable(const vrml::Bounds& bounds) {
+bool usable(const render::WorldBounds& bounds) {
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   return size > 0 && std::isfinite(size);
 }
@@ -77,7 +77,7 @@ void follow_navigation_info(View& view) {
 }
 
 /// As the whole that is in sight is first seen.
-void choose_home(View& view, const vrml::Bounds& whole, const glm::vec2& viewport) {
+void choose_home(View& view, const render::WorldBounds& whole, const glm::vec2& viewport) {
   view.home = first_pose(whole, viewport);
   view.home_size = viewport;
   view.framed = whole;
@@ -88,13 +88,13 @@ void choose_home(View& view, const vrml::Bounds& whole, const glm::vec2& viewpor
 void follow_growth(View& view) {
   constexpr float kMostGrowth = 32;  // of the diagonal: one thing that flies away does not make a dot of all others
   constexpr float kAir = 0.05f;      // of the diagonal, and half of the growth: so that he does not go with each step
-  const vrml::Bounds& now = view.list->bounds;
+  const render::WorldBounds& now = view.list->bounds;
   if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // Who holds something in the world needs a picture that stays.
   if (view.document->living->execution().pointed_at().active) return;
-  vrml::Bounds whole = view.framed;
+  render::WorldBounds whole = view.framed;
   whole.add(now);
   if (!usable(view.framed)) {
     whole = now;
@@ -102,7 +102,7 @@ void follow_growth(View& view) {
   }
   if (glm::length(whole.size()) > kMostGrowth * view.first_size) return;
   const float air = kAir * glm::length(whole.size());
-  const vrml::Bounds before = std::exchange(view.framed, whole);
+  const render::WorldBounds before = std::exchange(view.framed, whole);
   for (int axis = 0; axis < 3 && usable(before); ++axis) {
     if (const float growth = before.lower[axis] - whole.lower[axis]; growth > 0)
       view.framed.lower[axis] -= growth / 2 + air;
@@ -273,7 +273,7 @@ bool follow_bound_viewpoint(View& view) {
   return true;
 }
 
-Pose linked_pose(const Pose& pose, const vrml::Bounds& from, const vrml::Bounds& to) {
+Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render::WorldBounds& to) {
   if (!usable(from) || !usable(to) || (from.lower == to.lower && from.upper == to.upper)) return pose;
   const double scale = double{glm::length(to.size())} / double{glm::length(from.size())};
   Pose result = pose;
@@ -286,7 +286,7 @@ Pose linked_pose(const Pose& pose, const vrml::Bounds& from, const vrml::Bounds&
 void link_view(View& view, const View& leader) {
   if (!view.document || !leader.document || view.navigation.mode == NavigationMode::none) return;
   // Of the documents: what a view has gathered for itself may differ from place to place.
-  const vrml::Bounds &from = leader.document->list->bounds, &to = view.document->list->bounds;
+  const render::WorldBounds &from = leader.document->list->bounds, &to = view.document->list->bounds;
   view.navigation = with_mode(view.navigation, view.navigation.mode);
   view.navigation.transition.reset();
   view.navigation.pose = linked_pose(leader.navigation.pose, from, to);

@@ -27,7 +27,7 @@ struct View {
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
-  vrml::Bounds framed;                   // what the latter has in view
+  render::WorldBounds framed;                   // what the latter has in view
   float first_size = 0;                  // of the whole as it was first seen: its diagonal
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
   glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it
@@ -79,7 +79,7 @@ bool follow_bound_viewpoint(View& view);
 
 /// The pose that stands to `to` as `pose` stands to `from`: moved with the centre and grown with the diagonal. The
 /// same where both bounds are equal, or one of them is empty.
-[[nodiscard]] Pose linked_pose(const Pose& pose, const vrml::Bounds& from, const vrml::Bounds& to);
+[[nodiscard]] Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render::WorldBounds& to);
 
 /// Makes `view` look at its world as `leader` looks at the leader's, and stops what it was doing. Does nothing in a
 /// world whose author lets nobody move.

@@ -263,7 +263,7 @@ bool Navigation::moving() const {
   return transition || body.moving() || zoom_left != 0 || velocity != glm::vec3(0) || turning != glm::vec2(0);
 }
 
-Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bounds, const Pose& pose) {
+Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds, const Pose& pose) {
   Navigation state;
   state.mode = rules.start;
   state.pose = valid(pose, Pose{});
@@ -344,7 +344,7 @@ Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   return state;
 }
 
-Navigation approach(Navigation state, const glm::dvec3& point, const vrml::Bounds& bounds, const glm::vec2& viewport) {
+Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds, const glm::vec2& viewport) {
   if (!finite(point)) return state;
   constexpr double kNearer = 1.0 / 3;  // of the way is left to who is inside
   const glm::dvec3 position = state.pose.position;
@@ -380,7 +380,7 @@ Navigation look_at_point(Navigation state, const glm::dvec3& point) {
   return travel_to(std::move(state), to);
 }
 
-Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport) {
+Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport) {
   if (bounds.empty()) return pose;
   const glm::vec3 back = -pose.forward();
   const glm::vec3 heading = std::abs(back.y) > 0.999f ? pose.up() * (back.y > 0 ? -1.0f : 1.0f) : back;
@@ -391,7 +391,7 @@ Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec
   return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
 }
 
-Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport) {
+Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport) {
   const Pose pose;
   if (bounds.empty()) return pose;
   const render::Camera camera =

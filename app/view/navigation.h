@@ -53,7 +53,7 @@ struct NavigationRules {
 [[nodiscard]] NavigationRules navigation_rules(const render::NavigationState& navigation);
 /// For a world without a NavigationInfo: everything is allowed, and the speed crosses `bounds` in about
 /// eight seconds. Starts as the standard's default does when the author chose a Viewpoint, else in EXAMINE.
-[[nodiscard]] NavigationRules default_navigation_rules(const vrml::Bounds& bounds, bool has_viewpoint);
+[[nodiscard]] NavigationRules default_navigation_rules(const render::WorldBounds& bounds, bool has_viewpoint);
 
 /// Where the viewer is: world space, metres; looks along -Z of `orientation`. Always finite and normalised.
 struct Pose {
@@ -136,7 +136,7 @@ struct Navigation {
 };
 
 /// A Navigation for a world of these bounds, with its viewer at `pose`.
-[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const vrml::Bounds& bounds, const Pose& pose);
+[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds, const Pose& pose);
 
 /// The state `seconds` later. Pure, and independent of how a span of time is cut into steps up to rounding
 /// (paths that turn and move at once: to second order). `seconds` counts as at most a quarter second, so
@@ -156,18 +156,18 @@ struct Navigation {
 /// Starts a way to where a thing that fills `bounds`, of which `point` is seen, fills most of the picture: looking at
 /// it from the present side, level. Who is inside of `bounds` goes nearer to the point. It is what EXAMINE turns about
 /// then.
-[[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const vrml::Bounds& bounds,
+[[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
                                   const glm::vec2& viewport);
 /// Makes `point` what EXAMINE turns about, and slides the view until it is in the middle.
 [[nodiscard]] Navigation look_at_point(Navigation state, const glm::dvec3& point);
 /// Where the whole of `bounds` is seen from the present direction, level.
-[[nodiscard]] Pose pose_that_fits(const Pose& pose, const vrml::Bounds& bounds, const glm::vec2& viewport);
+[[nodiscard]] Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport);
 /// The camera of the bound Viewpoint; of the first one where that is not shown, inside a Switch for example; of a world
 /// without any, one that has the whole in view in a picture of this size.
 [[nodiscard]] render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound,
                                               const glm::vec2& size);
 /// Where a world without a Viewpoint is first seen from: all of it, from +Z.
-[[nodiscard]] Pose first_pose(const vrml::Bounds& bounds, const glm::vec2& viewport);
+[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport);
 
 /// The Viewpoints that a list for the user has: those with a description, and the first, which is bound at
 /// start (VRML97 6.53). Indices into `viewpoints`.

@@ -67,7 +67,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
     render::VolumeOptions look;
     look.opacity = options.clouds.opacity * (1 - item.material.transparency);
     look.least_magnitude = options.clouds.least_magnitude;
-    if (options.clouds.clip) look.clip = glm::vec4(glm::dvec4(*options.clouds.clip) * item.world_from_node);
+    if (options.clouds.clip) look.clip = glm::vec4(*options.clouds.clip * item.world_from_node);
     const render::VolumeTransfer transfer = render::volume_transfer(item.cloud->description, options.clouds.transfer);
     look.transfer = &transfer;
     const auto veil = render::pick_volume(*item.cloud, model_of(item.cloud), look, item.world_from_node, looking);

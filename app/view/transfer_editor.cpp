@@ -77,11 +77,11 @@ constexpr std::array<TransferPreset, 4> kPresets{{
 }};
 
 /// How far the bounds reach along a direction.
-std::pair<float, float> extent(const glm::vec3& direction, const vrml::Bounds& bounds) {
-  if (bounds.empty()) return {-1.0f, 1.0f};
-  float least = 0, most = 0;
+std::pair<double, double> extent(const glm::dvec3& direction, const render::WorldBounds& bounds) {
+  if (bounds.empty()) return {-1.0, 1.0};
+  double least = 0, most = 0;
   for (int i = 0; i < 3; ++i) {
-    const float a = direction[i] * bounds.lower[i], b = direction[i] * bounds.upper[i];
+    const double a = direction[i] * bounds.lower[i], b = direction[i] * bounds.upper[i];
     least += std::min(a, b);
     most += std::max(a, b);
   }
@@ -220,13 +220,13 @@ LogScale magnitude_scale(const VolumeSummary& summary) {
   return scale;
 }
 
-glm::vec4 clip_plane(const ClipChoice& choice, const vrml::Bounds& bounds) {
+glm::dvec4 clip_plane(const ClipChoice& choice, const render::WorldBounds& bounds) {
   const glm::vec3 direction = direction_of(choice);
   const auto [least, most] = extent(direction, bounds);
-  return {direction, -(least + unit(choice.place) * (most - least))};
+  return {direction, -(least + static_cast<double>(unit(choice.place)) * (most - least))};
 }
 
-ClipChoice clip_choice(const glm::vec4& plane, const vrml::Bounds& bounds) {
+ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bounds) {
   ClipChoice choice;
   const glm::vec3 normal(plane);
   const float length = std::sqrt(glm::dot(normal, normal));
@@ -239,7 +239,7 @@ ClipChoice clip_choice(const glm::vec4& plane, const vrml::Bounds& bounds) {
     choice.flip = choice.view[i] < 0;
   }
   const auto [least, most] = extent(direction_of(choice), bounds);
-  choice.place = most > least ? unit((-plane.w / length - least) / (most - least)) : 0.0f;
+  choice.place = most > least ? unit(static_cast<float>((-plane.w / static_cast<double>(length) - least) / (most - least))) : 0.0f;
   return choice;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
-#include "vrml/mesh/mesh.h"
+#include "render/scene/world_bounds.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -90,9 +90,9 @@ struct ClipChoice {
 };
 
 /// The plane, world space, for CloudLook::clip: kept is what has xyz . position + w >= 0.
-[[nodiscard]] glm::vec4 clip_plane(const ClipChoice& choice, const vrml::Bounds& bounds);
+[[nodiscard]] glm::dvec4 clip_plane(const ClipChoice& choice, const render::WorldBounds& bounds);
 /// The choice that makes this plane.
-[[nodiscard]] ClipChoice clip_choice(const glm::vec4& plane, const vrml::Bounds& bounds);
+[[nodiscard]] ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bounds);
 /// The plane stays where it is, and the other side is kept.
 [[nodiscard]] ClipChoice flipped(ClipChoice choice);
 

@@ -26,6 +26,23 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
+/// The same of places as a source has them.
+struct WideBox {
+  glm::dvec3 lower{std::numeric_limits<double>::infinity()};
+  glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
+
+  [[nodiscard]] bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+  void add(const glm::dvec3& p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+};
+
+/// From where the coordinates of what lies in a box are to count, so that float32 keeps them: along an axis on which the
+/// box lies far from 0 for its size, its middle, which is a float32 itself; else 0. What float32 kept of the places
+/// about such an origin it keeps of the differences, too, without rounding.
+[[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
+
 /// Display-referred sRGB, 8 bits a component.
 struct Rgb8 {
   std::uint8_t r = 204, g = 204, b = 204;  // VRML97 6.27: diffuseColor 0.8
@@ -51,7 +68,10 @@ struct TransferPoint {
 struct Description {
   Kind kind = Kind::surface;
   bool two_sided = false;                     // surface: seen from behind too (VRML97 `solid FALSE`)
-  Box box;                                    // of the source; every position lies in it
+  /// Where 0 of all positions, boxes and lattices lies, in the space of the source: what is far from that one's own 0
+  /// keeps its details in float32 so. Places of the source are origin + position, in double.
+  glm::dvec3 origin{0};
+  Box box;                                    // of the source, from `origin`; every position lies in it
   double total = 0;                           // surface: integrated area (units^2); volume: sum of all magnitudes
   float spacing = 0;                          // volume: smallest distance of two voxels; surface: 0
   std::pair<float, float> value_range{0, 1};  // volume: the values that classes 0 and 255 stand for
@@ -71,7 +91,7 @@ struct SurfacePatches;
 
 /// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
 ///
-/// Units and space are the source's. `weights` is the area of the disc (units^2) or the magnitude of the
+/// Units are the source's, places count from `description.origin`. `weights` is the area of the disc (units^2) or the magnitude of the
 /// gradient (value per unit of length). A volume has `classes` (its value, 0..255 over value_range), a
 /// surface may have `colors`; without them it has the colour `color`.
 struct Cloud {

@@ -230,6 +230,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   header.color = s.color;
   header.cube = Cube::around(s.box);
   header.description.two_sided = options.two_sided && !s.closed();
+  header.description.origin = options.origin;
   header.description.box = s.box;
   header.description.total = s.area;
   header.description.metadata = options.metadata;

@@ -302,6 +302,7 @@ class GradientEncoder {
     Description about;
     about.kind = Kind::volume;
     about.two_sided = true;
+    about.origin = layout_.base;
     about.box = voxel_box(layout_);
     about.total = all_.length;
     about.spacing =

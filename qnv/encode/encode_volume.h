@@ -44,10 +44,10 @@ struct GradientOptions {
 /// are transparent: noise about an empty background.
 [[nodiscard]] std::vector<TransferPoint> default_transfer(float least, float most);
 
-/// The box of the centres of all voxels of a sound layout.
+/// The box of the centres of all voxels of a sound layout, from its base.
 [[nodiscard]] Box voxel_box(const VolumeLayout& layout);
 
-/// The centre of voxel (x, y, z), world units; fractions are between voxels.
+/// The centre of voxel (x, y, z), world units from the layout's base; fractions are between voxels.
 [[nodiscard]] inline glm::vec3 voxel_position(const VolumeLayout& layout, double x, double y, double z) {
   const auto along = [&](int i) {
     return static_cast<float>(((layout.origin[i] + layout.axes[0][i] * x) + layout.axes[1][i] * y) +

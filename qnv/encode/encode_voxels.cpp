@@ -42,7 +42,7 @@ float middle_weight(const Cloud& cloud) {
 VoxelLattice lattice_of(const VolumeVectors& volume) {
   VoxelLattice lattice;
   const VolumeLayout& layout = volume.layout;
-  lattice.origin = layout.origin;
+  lattice.origin = glm::vec3(layout.origin);
   lattice.axes = layout.axes;
   lattice.dimensions = layout.dimensions;
   lattice.unit = middle_weight(volume.cloud);

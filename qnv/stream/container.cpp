@@ -17,8 +17,9 @@ constexpr std::array<unsigned char, 8> kMagic{0x89, 'Q', 'N', 'V', 0x0d, 0x0a, 0
 constexpr std::uint16_t kSync = 0x4351;  // "QC"
 constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
+constexpr double kMostOrigin = 1e18;  // a coordinate of it: so is a volume's farthest place
 constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
-enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4, kBase = 5, kLattice = 6 };
+enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4, kBase = 5, kLattice = 6, kOrigin = 7 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
@@ -47,13 +48,16 @@ Rgb8 get_color(ByteReader& read) {
   return c;
 }
 
+bool has_origin(const Description& d) { return d.origin != glm::dvec3(0); }
+
 bool all_finite(std::initializer_list<float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// False where the outlines of a stream of outlines, the base of a displaced one, or the lattice of one of voxels are
-/// missing or impossible.
-bool read_sections(ByteReader& read, StreamHeader& header) {
+/// False where the outlines of a stream of outlines, the base of a displaced one, the lattice of one of voxels, or the
+/// origin of one of version 2 are missing or impossible.
+bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
+  bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines, lattice = header.payload != Payload::voxels;
   bool base = header.payload != Payload::displaced;
   while (read.left() >= 6) {
@@ -93,10 +97,16 @@ bool read_sections(ByteReader& read, StreamHeader& header) {
       if (!decoded) return false;
       header.lattice = *decoded;
       lattice = true;
+    } else if (tag == kOrigin && !origin) {
+      if (section.left() < 3 * sizeof(double)) return false;
+      for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
+      origin = true;
+      for (int i = 0; i < 3; ++i)
+        if (!(std::abs(header.description.origin[i]) <= kMostOrigin)) return false;
     }
     // Sections of later versions are passed over.
   }
-  return outlines && base && lattice;
+  return outlines && base && lattice && origin;
 }
 
 }  // namespace
@@ -113,7 +123,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   ByteWriter write(out);
   const Description& d = header.description;
   for (const unsigned char c : kMagic) write.integer(c);
-  write.integer(kVersion);
+  write.integer(has_origin(d) ? kVersion : kVersionWithoutOrigin);
   write.integer(static_cast<std::uint8_t>(d.kind));
   write.integer(static_cast<std::uint8_t>(header.payload));
   write.integer(std::uint32_t{0});  // length, below
@@ -144,6 +154,11 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
     section.f32(point.opacity);
   }
   if (!data.empty()) put_section(out, kTransfer, data);
+  data.clear();
+  if (has_origin(d)) {
+    for (int i = 0; i < 3; ++i) section.f64(d.origin[i]);
+    put_section(out, kOrigin, data);
+  }
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
   if (header.payload == Payload::voxels) put_section(out, kLattice, encode_voxel_lattice(header.lattice));
@@ -175,8 +190,9 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   ByteReader read(bytes);
   (void)read.bytes(kMagic.size());
   const auto version = read.integer<std::uint16_t>();
-  if (version != kVersion)
-    return StreamProblem{8, "is QNV version " + std::to_string(version) + "; expected " + std::to_string(kVersion)};
+  if (version != kVersion && version != kVersionWithoutOrigin)
+    return StreamProblem{8, "is QNV version " + std::to_string(version) + "; expected " +
+                                std::to_string(kVersionWithoutOrigin) + " or " + std::to_string(kVersion)};
   const auto kind = read.integer<std::uint8_t>(), payload = read.integer<std::uint8_t>();
   header_bytes = read.integer<std::uint32_t>();
   if (header_bytes < kFixedHeaderBytes || header_bytes > kMostHeaderBytes)
@@ -200,6 +216,8 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{11, "holds a displaced volume; expected records or voxels, or a surface"};
   if (kind == 1 && payload == 2)
     return StreamProblem{11, "holds outlines of a volume; expected records or voxels, or a surface"};
+  if (version != kVersionWithoutOrigin && payload == 2)
+    return StreamProblem{8, "is of version 2 and holds outlines, which have lattices of their own; expected version 1"};
   StreamHeader header;
   Description& d = header.description;
   d.kind = static_cast<Kind>(kind);
@@ -228,11 +246,13 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
       !std::isfinite(d.total) || b.empty() || !(header.cube.edge > 0))
     return StreamProblem{26, "the header holds an impossible box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
-  if (!read_sections(sections, header))
+  if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
                                                 (header.payload == Payload::voxels      ? "the lattice"
                                                  : header.payload == Payload::displaced ? "the base"
-                                                                                        : "outlines") +
+                                                 : header.payload == Payload::outlines  ? "outlines"
+                                                                                        : "the origin") +
+                                                (version == kVersionWithoutOrigin ? "" : ", or of the origin,") +
                                                 " is missing or impossible"};
   return header;
 }

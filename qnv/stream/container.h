@@ -19,7 +19,8 @@ namespace gs::qnv {
 // The container of a QNV stream: a header, chunks that stand alone, most important first, and a directory at the
 // end. The bytes are defined in FORMAT.md, "Container".
 
-constexpr std::uint16_t kVersion = 1;
+/// That is written where a stream has an origin (Description::origin), and where it has none. Both are read.
+constexpr std::uint16_t kVersion = 2, kVersionWithoutOrigin = 1;
 /// More than this no header has, and no chunk's payload.
 constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20, kMostChunkBytes = 65535;
 constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;

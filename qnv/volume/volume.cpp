@@ -96,9 +96,9 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   if (layout.type > VoxelType::f64) return VolumeError{"the volume is of an unknown type"};
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
-  if (!finite(layout.origin)) return VolumeError{"the origin of the volume is not finite"};
-  constexpr float kLeastStep = 1e-15f, kMostStep = 1e15f, kFarthest = 1e18f;  // beyond, areas are no finite floats
-  if (glm::length(glm::dvec3(layout.origin)) > kFarthest)
+  if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
+  constexpr double kLeastStep = 1e-15, kMostStep = 1e15, kFarthest = 1e18;  // beyond, areas are no finite floats
+  if (glm::length(layout.origin + layout.base) > kFarthest)
     return VolumeError{"the origin of the volume is farther than 1e18 from that of the world"};
   for (const glm::vec3& axis : layout.axes) {
     if (!finite(axis)) return VolumeError{"an axis of the volume is not finite"};

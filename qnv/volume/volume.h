@@ -24,7 +24,8 @@ struct VolumeLayout {
   std::array<std::uint32_t, 3> dimensions{};  // voxels along x, y, z; x varies fastest
   std::array<glm::vec3, 3> axes{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0),
                                 glm::vec3(0, 0, 1)};  // one voxel's step, world units
-  glm::vec3 origin{0};                                // centre of voxel (0, 0, 0), world units
+  glm::dvec3 origin{0};                               // centre of voxel (0, 0, 0), world units, from `base`
+  glm::dvec3 base{0};                                 // Description::origin of what is made of it
   VoxelType type = VoxelType::u8;
   bool big_endian = false;
   double slope = 1, intercept = 0;                            // value = stored * slope + intercept

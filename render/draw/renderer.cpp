@@ -340,7 +340,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
 // What is fixed to the viewer has depths of its own, before all others.
 void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
                              FrameStatistics& statistics) {
-  vrml::Bounds bounds;
+  WorldBounds bounds;
   for (const DrawItem& item : list.items)
     if (item.overlay && item.mesh) bounds.add(world_bounds(item.mesh->bounds, item.world_from_node));
   const bool reversed = state_->gl.ClipControl != nullptr;

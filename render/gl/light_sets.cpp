@@ -156,12 +156,29 @@ std::uint32_t LightSets::choose(const std::vector<std::uint16_t>& directional, c
   return last_number_;
 }
 
+/// VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
+LightSets::ShaderLight LightSets::headlight() {
+  ShaderLight result = directional_light({0, 0, 1});
+  result.color = glm::vec3(1);
+  result.intensity = 1;
+  return result;
+}
+
+glm::vec3 LightSets::color_of(std::uint32_t set, const glm::vec3& normal, const glm::vec3& diffuse,
+                              const glm::vec3& emissive, float ambient_intensity) const {
+  glm::vec3 sum = emissive;
+  const Choice& choice = sets_[set];
+  for (std::size_t k = 0; k < choice[0]; ++k) {
+    const ShaderLight light = choice[k + 1] == kHeadlight ? headlight() : lights_[choice[k + 1]];
+    sum += light.color * (light.ambient_intensity * ambient_intensity * diffuse +
+                          light.intensity * std::max(glm::dot(normal, light.location), 0.0f) * diffuse);
+  }
+  return sum;
+}
+
 void LightSets::upload() {
   const PhaseScope phase(gl_.phases, Phase::upload);
-  // VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view
-  ShaderLight headlight = directional_light({0, 0, 1});
-  headlight.color = glm::vec3(1);
-  headlight.intensity = 1;
+  const ShaderLight ahead = headlight();
   // Behind the last set as much as a whole uniform block may be bound.
   std::vector<std::byte> bytes(bytes_ + sizeof(ShaderSet));
   for (std::size_t i = 0; i < sets_.size(); ++i) {
@@ -170,7 +187,7 @@ void LightSets::upload() {
     std::memcpy(to, &count, sizeof count);
     for (std::size_t k = 0; k < sets_[i][0]; ++k) {
       const std::uint16_t index = sets_[i][k + 1];
-      const ShaderLight& light = index == kHeadlight ? headlight : lights_[index];
+      const ShaderLight& light = index == kHeadlight ? ahead : lights_[index];
       std::memcpy(to + offsetof(ShaderSet, lights) + k * sizeof light, &light, sizeof light);
     }
   }

@@ -41,6 +41,10 @@ class LightSets {
   [[nodiscard]] std::size_t count(std::uint32_t set) const { return sets_[set][0]; }
   /// Whether a set has only directional lights, so that the light is the same everywhere.
   [[nodiscard]] bool directional_only(std::uint32_t set) const { return directional_only_[set]; }
+  /// What the shader makes of a surface of one direction (camera space, unit, towards the viewer) without a specular
+  /// colour in a set that has directional lights only: the colour of all its pixels, which may exceed 1.
+  [[nodiscard]] glm::vec3 color_of(std::uint32_t set, const glm::vec3& normal, const glm::vec3& diffuse,
+                                   const glm::vec3& emissive, float ambient_intensity) const;
   /// Sends all sets to the GPU. Between `choose` and `bind`.
   void upload();
   void bind(std::uint32_t set);
@@ -70,6 +74,7 @@ class LightSets {
     std::size_t operator()(const Choice& choice) const;
   };
 
+  static ShaderLight headlight();
   static ShaderLight directional_light(const glm::vec3& to_light);
 
   static constexpr std::uint16_t kHeadlight = 0xFFFF;

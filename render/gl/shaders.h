@@ -102,6 +102,9 @@ layout(location = 9) in vec4 specular;
 uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
+#ifdef MASK
+flat
+#endif
 out vec4 surface_color;
 #ifdef POSITION
 out vec3 camera_position;
@@ -166,10 +169,13 @@ void main() {
 )glsl";
 
 /// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first,
-/// and SMOOTH_EDGES, where alpha becomes samples. Colours as in VRML97 Tables 4.5 and 4.6.
+/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out. Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
+#endif
+#ifdef MASK
+flat
 #endif
 in vec4 surface_color;
 #ifdef TEXTURE
@@ -215,8 +221,10 @@ void main() {
   vec4 color = surface_color;
 #ifdef TEXTURE
   vec4 texel = texture(image, texture_place);
+#ifndef MASK
   color.rgb = replaces.x != 0 ? texel.rgb : color.rgb * texel.rgb;
   if (replaces.y != 0) color.a = texel.a;
+#endif
 #ifdef CUT_OUT
 #ifdef SMOOTH_EDGES
   // How much of the pixel is inside becomes that many of its samples.

@@ -55,8 +55,8 @@ void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* a
 
 /// How badly bytes compress, as libpng guesses it: the sum of how far they are from 0.
 std::size_t row_roughness(const std::vector<std::uint8_t>& bytes) {
-  std::size_t sum = 0;
-  for (const std::uint8_t byte : bytes) sum += byte < 128 ? byte : 256u - byte;
+  std::uint32_t sum = 0;  // of fewer than 2^25 bytes, each 128 at most
+  for (const std::uint8_t byte : bytes) sum += std::min(byte, static_cast<std::uint8_t>(-byte));
   return sum;
 }
 
@@ -105,7 +105,7 @@ PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end, bo
     load(y, row);
     std::uint8_t chosen = kUnfiltered;
     std::size_t least = SIZE_MAX;
-    for (std::uint8_t filter = kUnfiltered; filter < kRowFilters; ++filter) {
+    for (std::uint8_t filter = kUnfiltered; filter < kRowFilters && least > 0; ++filter) {
       filter_row(static_cast<RowFilter>(filter), row.data() + pixel, above.data() + pixel, count, pixel, tried.data());
       if (const std::size_t sum = row_roughness(tried); sum < least) {
         least = sum;

@@ -1,7 +1,6 @@
 #include "render/mesh/mesh_pass.h"
 
 #include "render/gl/shaders.h"
-#include "render/text/system_fonts.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -23,7 +22,7 @@ constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn wi
 // Transparent triangles of one frame that are sorted within their meshes; the meshes behind keep their order.
 constexpr std::size_t kMostSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",     "LOCAL_LIGHTS",
-                                    "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES"};
+                                    "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK"};
 
 /// The affine product in double: the difference of two large coordinates must survive. Of the node's space about
 /// `origin`.
@@ -160,6 +159,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const float depth = -sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
+  if (item.mesh->pictured && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
   if (item.surface && item.surface->patches) {
     mesh_seen = view.surfaces ? view.surfaces->mesh_of(item) : nullptr;
@@ -183,11 +183,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
   const TextureStore::Entry* texture = nullptr;
   if ((*mesh_seen)->pictured) {
-    if (!glyphs_) {
-      glyph_picture_ = system_fonts().glyph_picture();
-      glyphs_ = textures_.find_mask(glyph_picture_);
-    }
-    if (!glyphs_) return;
+    if (!find_glyphs()) return;
   } else if (surface && item.texture.image && last_slice_->texture_coordinates) {
     texture = textures_.find(item.texture.image);
   }
@@ -307,6 +303,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   instances_.clear();
   for (const auto* order : {&opaque_, &transparent_})
     for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
+  merge_texts();
   return true;
 }
 
@@ -383,6 +380,11 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
       while (end < order.size() && joins(order[end])) ++end;
     batches_.push_back({first.layer, first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth,
                         first_instance + begin, end - begin, first.prepared});
+    if (first.mesh == kMergedMesh) {
+      Batch& merged = batches_.back();
+      merged.merged = std::exchange(merged.count, 1);
+      merged.first = instances_.size() - 1;
+    }
     begin = end;
   }
 }

@@ -27,7 +27,8 @@
 namespace gs::render {
 
 /// Draws the items of a RenderList: opaque ones grouped so that items of the same mesh, texture,
-/// lights and shader are one instanced draw, then transparent ones from back to front.
+/// lights and shader are one instanced draw, and small texts of one colour one draw, then transparent ones from back to
+/// front.
 class MeshPass {
  public:
   static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
@@ -54,7 +55,8 @@ class MeshPass {
     kEmissive = 64,
     kFog = 128,
     kSmoothEdges = 256,
-    kFirstLightBit = 512,  // from here on: LightSets::variant
+    kMask = 512,
+    kFirstLightBit = 1024,  // from here on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
@@ -83,6 +85,7 @@ class MeshPass {
     DrawState state;
     const MeshStore::Slice* slice;
     const vrml::Mesh* mesh;
+    glm::vec3 origin{0};             // of a text that is merged: from which its positions count
     std::size_t sorted = kUnsorted;  // where its triangles begin in sorted_indices_, the farthest first
   };
   struct SortKey {
@@ -100,7 +103,10 @@ class MeshPass {
     float depth;               // of the nearest
     std::size_t first, count;  // instances
     std::uint32_t prepared;    // one of them
+    std::size_t merged = 0;    // items whose triangles are one slice, drawn as one instance; 0: they are not
   };
+  /// As SortKey::mesh: of items that are drawn together whatever their meshes are.
+  static constexpr std::uint64_t kMergedMesh = UINT64_MAX;
   struct View {
     glm::dmat4 camera_from_world;
     glm::vec2 tangents, center;  // of half the angles of view; of what is in the middle
@@ -119,6 +125,11 @@ class MeshPass {
   [[nodiscard]] unsigned variant_of_all(const RenderList& list);
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
+  [[nodiscard]] bool prepare_text(const DrawItem& item, const glm::vec3& center, float radius,
+                                  const glm::vec3& origin, Prepared& prepared);
+  [[nodiscard]] bool find_glyphs();
+  void merge_texts();
+  void add_text(const Prepared& prepared);
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();
@@ -144,6 +155,11 @@ class MeshPass {
   std::vector<Batch> batches_;
   std::vector<Instance> instances_;
   std::vector<std::uint32_t> sorted_indices_;
+  // Of texts; so many of them are of this frame: they are not made empty, which would fill them with zeros again.
+  std::vector<MeshStore::StreamedVertex> text_vertices_;
+  std::vector<std::uint32_t> text_indices_;
+  std::size_t text_vertex_count_ = 0, text_index_count_ = 0;
+  std::vector<MeshStore::Slice> text_slices_;  // one for each run of texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order

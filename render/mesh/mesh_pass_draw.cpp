@@ -83,7 +83,7 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
       draw_first(slice, first, left, primitives, pacer);
     }
     draw_slices(slice, primitives, first, left, pacer);
-    statistics.items += count;
+    statistics.items += batch.merged > 0 ? batch.merged : count;
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
   }

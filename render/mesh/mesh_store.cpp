@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace gs::render {
@@ -252,12 +253,43 @@ void MeshStore::set_sorted_indices(const std::vector<std::uint32_t>& indices) {
                  GL_STREAM_DRAW);
 }
 
-void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
-  const Page& page = *pages_[slice.page];
-  if (bound_page_ != slice.page) {
-    gl_.BindVertexArray(page.vertex_array.name());
-    bound_page_ = slice.page;
+void MeshStore::set_streamed(std::span<const StreamedVertex> vertices, std::span<const std::uint32_t> indices) {
+  const PhaseScope phase(gl_.phases, Phase::upload);
+  const bool fresh = !streamed_;
+  if (fresh)
+    streamed_ = std::make_unique<Streamed>(Streamed{make_vertex_array(gl_), make_buffer(gl_), make_buffer(gl_)});
+  gl_.BindVertexArray(streamed_->vertex_array.name());
+  bound_page_ = kStreamedPage;
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, streamed_->indices.name());
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
+                 indices.data(), GL_STREAM_DRAW);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, streamed_->vertices.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
+                 GL_STREAM_DRAW);
+  if (!fresh) return;
+  const auto point_at = [&](GLuint location, GLint components, std::size_t offset) {
+    gl_.EnableVertexAttribArray(location);
+    gl_.VertexAttribPointer(location, components, GL_FLOAT, GL_FALSE, sizeof(StreamedVertex), offset_pointer(offset));
+  };
+  point_at(kPosition, 3, offsetof(StreamedVertex, position));
+  point_at(kTextureCoordinate, 2, offsetof(StreamedVertex, texture_coordinate));
+  point_at(kColor, 3, offsetof(StreamedVertex, color));
+  for (GLuint i = 0; i < kInstanceVectors; ++i) {
+    gl_.EnableVertexAttribArray(kFirstInstance + i);
+    gl_.VertexAttribDivisor(kFirstInstance + i, 1);
   }
+  point_at_instances(0);
+}
+
+void MeshStore::bind(const Slice& slice) {
+  const std::uint32_t page = slice.streamed ? kStreamedPage : slice.page;
+  if (bound_page_ == page) return;
+  gl_.BindVertexArray(slice.streamed ? streamed_->vertex_array.name() : pages_[page]->vertex_array.name());
+  bound_page_ = page;
+}
+
+void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
+  bind(slice);
   if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_indices_.name());
   const void* indices = offset_pointer(slice.first_index * sizeof(std::uint32_t));
   if (gl_.DrawElementsInstancedBaseVertexBaseInstance) {
@@ -269,7 +301,7 @@ void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
     gl_.DrawElementsInstancedBaseVertex(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
                                         static_cast<GLsizei>(count), slice.base_vertex);
   }
-  if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, page.index_buffer.name());  // the vertex array keeps it
+  if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());  // the vertex array keeps it
 }
 
 }  // namespace gs::render

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -41,7 +42,8 @@ class MeshStore {
     GLsizei index_count = 0;
     GLenum primitive = GL_TRIANGLES;
     bool normals = false, colors = false, texture_coordinates = false;
-    bool sorted = false;  // first_index counts in the sorted indices, not in the page
+    bool streamed = false;  // it lies in what set_streamed was given, not in a page
+    bool sorted = false;    // first_index counts in the sorted indices, not in the page
     glm::vec3 origin{0};  // from which its positions count; see local_origin
   };
 
@@ -59,6 +61,13 @@ class MeshStore {
   void set_instances(const std::vector<Instance>& instances);
   /// Likewise, the indices of slices that are sorted.
   void set_sorted_indices(const std::vector<std::uint32_t>& indices);
+  /// A corner of what is drawn once: position, place in the texture, colour.
+  struct StreamedVertex {
+    float position[3], texture_coordinate[2], color[3];
+  };
+  /// Triangles of one frame, with indices; slices of them have `streamed` set, count from index 0 and have colours and
+  /// texture coordinates.
+  void set_streamed(std::span<const StreamedVertex> vertices, std::span<const std::uint32_t> indices);
   /// Draws `count` instances from number `first` on with the program in use.
   void draw(const Slice& slice, std::size_t first, std::size_t count);
   /// To be called before the first `draw` after somebody else used vertex arrays.
@@ -79,17 +88,23 @@ class MeshStore {
     std::size_t vertices = 0;
     bool drawable = false;
   };
-  static constexpr std::uint32_t kNoPage = UINT32_MAX;
+  static constexpr std::uint32_t kNoPage = UINT32_MAX, kStreamedPage = UINT32_MAX - 1;
 
   void upload(const vrml::Mesh& mesh, Entry& entry);
   void release(Entry& entry);
   bool place(unsigned format, std::size_t vertices, std::size_t indices, Entry& entry);
   bool place_in(std::uint32_t page, std::size_t vertices, std::size_t indices, Entry& entry);
   bool add_page(unsigned format, std::size_t vertices, std::size_t indices);
+  void bind(const Slice& slice);
   void point_at_instances(std::size_t first);
 
   const Gl& gl_;
   Buffer instances_, sorted_indices_;
+  struct Streamed {
+    VertexArray vertex_array;
+    Buffer vertices, indices;
+  };
+  std::unique_ptr<Streamed> streamed_;  // null until something was
   std::vector<std::unique_ptr<Page>> pages_;  // null where a page was freed
   std::unordered_map<const vrml::Mesh*, Entry> entries_;
   std::uint32_t bound_page_ = kNoPage, next_order_ = 0;

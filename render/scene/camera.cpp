@@ -28,7 +28,7 @@ HalfAngles half_angles(float field_of_view, float width, float height) {
   return aspect >= 1 ? HalfAngles{smaller * aspect, smaller} : HalfAngles{smaller, smaller / aspect};
 }
 
-std::array<glm::dvec3, 8> corners(const vrml::Bounds& bounds) {
+std::array<glm::dvec3, 8> corners(const WorldBounds& bounds) {
   std::array<glm::dvec3, 8> points;
   for (int i = 0; i < 8; ++i)
     points[i] = {i & 1 ? bounds.upper.x : bounds.lower.x, i & 2 ? bounds.upper.y : bounds.lower.y,
@@ -85,7 +85,7 @@ float pixels_per_radian(float field_of_view, float width, float height) {
   return std::min(width, height) / (2 * std::tan(field_of_view / 2));
 }
 
-Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view, float width,
+Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, float field_of_view, float width,
                     float height) {
   const double ca = std::cos(double{azimuth}), sa = std::sin(double{azimuth});
   const double ce = std::cos(double{elevation}), se = std::sin(double{elevation});
@@ -112,14 +112,14 @@ Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, 
   return camera;
 }
 
-Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height) {
+Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height) {
   constexpr float kFlat = 0.03f, kFromAbove = 0.6f;
   const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
   const bool flat = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
   return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
 }
 
-bool has_in_view(const Camera& camera, const vrml::Bounds& bounds, float width, float height) {
+bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, float height) {
   if (bounds.empty()) return true;
   const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -130,7 +130,7 @@ bool has_in_view(const Camera& camera, const vrml::Bounds& bounds, float width, 
   return true;
 }
 
-Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed) {
+Camera fit_depth(Camera camera, const WorldBounds& bounds, bool reversed) {
   double nearest = kDefaultNear, farthest = kDefaultFar;
   if (!bounds.empty()) {
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);

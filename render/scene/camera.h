@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/mesh/mesh.h"
+#include "render/scene/world_bounds.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -58,19 +58,19 @@ struct Projection {
 [[nodiscard]] float pixels_per_radian(float field_of_view, float width, float height);
 
 /// A camera at `azimuth`, `elevation` (radians; 0, 0 looks from +Z) that has the whole of `bounds` in view.
-[[nodiscard]] Camera orbit_camera(const vrml::Bounds& bounds, float azimuth, float elevation, float field_of_view,
+[[nodiscard]] Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, float field_of_view,
                                   float width, float height);
 
 /// Where a world without a Viewpoint is first seen from: orbit_camera from +Z, or from somewhat above where
 /// the world is so flat that it would be seen edge on.
-[[nodiscard]] Camera first_camera(const vrml::Bounds& bounds, float field_of_view, float width, float height);
+[[nodiscard]] Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height);
 
 /// True when all of `bounds` is within the sides of a picture of these proportions, and before the camera; of no bounds
 /// all is.
-[[nodiscard]] bool has_in_view(const Camera& camera, const vrml::Bounds& bounds, float width, float height);
+[[nodiscard]] bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, float height);
 
 /// `camera` with near and far planes that enclose `bounds` as tightly as depth precision wants. `reversed`: for
 /// Projection::reversed, which lets the viewer come as near as wanted.
-[[nodiscard]] Camera fit_depth(Camera camera, const vrml::Bounds& bounds, bool reversed = false);
+[[nodiscard]] Camera fit_depth(Camera camera, const WorldBounds& bounds, bool reversed = false);
 
 }  // namespace gs::render

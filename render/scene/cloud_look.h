@@ -25,7 +25,7 @@ struct CloudLook {
   // Volumes only.
   float opacity = 2;                         // times the optical depth
   float least_magnitude = 0;                 // shorter gradients are left out
-  std::optional<glm::vec4> clip;             // world space: what has clip.xyz . position + clip.w < 0 is left out
+  std::optional<glm::dvec4> clip;            // world space: what has clip.xyz . position + clip.w < 0 is left out
   std::vector<qnv::TransferPoint> transfer;  // in place of their own; sorted by value; empty: their own
   friend bool operator==(const CloudLook&, const CloudLook&) = default;
 };

@@ -48,17 +48,22 @@ bool fits_float(const dmat4& m) {
   return sum < std::numeric_limits<float>::max();  // false for NaN too
 }
 
-vrml::Bounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
-  vrml::Bounds result;
+dmat4 world_from_cloud(const dmat4& world_from_node, const qnv::Cloud& cloud) {
+  const dvec3& origin = cloud.description.origin;
+  return origin == dvec3(0) ? world_from_node : glm::translate(world_from_node, origin);
+}
+
+WorldBounds world_bounds(const vrml::Bounds& bounds, const dmat4& matrix) {
+  WorldBounds result;
   if (bounds.empty()) return result;
   const dvec3 center = (dvec3(bounds.lower) + dvec3(bounds.upper)) * 0.5,
               half = (dvec3(bounds.upper) - dvec3(bounds.lower)) * 0.5;
   const dvec3 moved(matrix * glm::dvec4(center, 1));
   dvec3 extent(0);
   for (int i = 0; i < 3; ++i) extent += glm::abs(dvec3(matrix[i])) * half[i];
-  result.lower = glm::vec3(moved - extent);
-  result.upper = glm::vec3(moved + extent);
-  return std::isfinite(glm::dot(result.lower, result.upper) * 0.0f) ? result : vrml::Bounds{};
+  result.lower = moved - extent;
+  result.upper = moved + extent;
+  return std::isfinite(glm::dot(glm::vec3(result.lower), glm::vec3(result.upper)) * 0.0f) ? result : WorldBounds{};
 }
 
 RenderList Collector::collect(const vrml::SceneGraph& scene) {
@@ -381,6 +386,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   dmat4 world_from_node = parent.world_from_local;
   if (vectors) {
     item.surface = cloud->second;
+    world_from_node = world_from_cloud(world_from_node, *cloud->second);
     item.detail = detail_of(schemas_.view(*parent.scene, geometry));
     item.mesh = resources_.surface_mesh(cloud->second);
     dress_surface(item);
@@ -437,11 +443,12 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
 void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
                            const std::shared_ptr<const qnv::Cloud>& cloud, float detail,
                            const RenderSources::Item& source) {
-  if ((cloud->empty() && !cloud->levels) || !fits_float(parent.world_from_local)) return;
+  const dmat4 world = world_from_cloud(parent.world_from_local, *cloud);
+  if ((cloud->empty() && !cloud->levels) || !fits_float(world)) return;
   if (list_.splats.size() >= budget_->limit(vrml::Resource::items)) return;
   SplatItem item;
   item.cloud = cloud;
-  item.world_from_node = parent.world_from_local;
+  item.world_from_node = world;
   // Discs have normals, so they are lit even where no Material asks for it.
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
@@ -451,7 +458,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.place = add_place(parent, id);
   const qnv::Box& box = cloud->description.box;
   RenderSources::Item kept = source;
-  kept.bounds = world_bounds({box.lower, box.upper}, parent.world_from_local);
+  kept.bounds = world_bounds({box.lower, box.upper}, world);
   if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);
   list_.splats.push_back(std::move(item));
   if (sources_) sources_->splats.push_back(kept);

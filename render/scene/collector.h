@@ -30,7 +30,7 @@ struct RenderSources {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // of a primitive, whose mesh has the default measures
-    vrml::Bounds bounds;    // world space
+    WorldBounds bounds;     // world space
     std::uint8_t text_level = 0;
   };
   struct Local {  // of a light, Viewpoint, NavigationInfo, Background or Fog
@@ -152,7 +152,7 @@ class Collector {
 
 /// Whether no number of the matrix is too large for a float, or none.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
-/// Around the transformed box; empty where that is no finite numbers.
-[[nodiscard]] vrml::Bounds world_bounds(const vrml::Bounds& bounds, const glm::dmat4& world_from_local);
+/// From the space of a cloud's positions, which count from its origin.
+[[nodiscard]] glm::dmat4 world_from_cloud(const glm::dmat4& world_from_node, const qnv::Cloud& cloud);
 
 }  // namespace gs::render

@@ -4,6 +4,7 @@
 #include "render/image/image.h"
 #include "render/scene/fog.h"
 #include "render/scene/mesh_cache.h"
+#include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -160,7 +161,7 @@ struct RenderList {
   NavigationState navigation;
   bool has_navigation = false;  // of a node, and not what the standard says where there is none
   Fog fog;
-  vrml::Bounds bounds;                                          // world space, of all items that are no overlays
+  WorldBounds bounds;                                           // world space, of all items that are no overlays
   bool overlays = false;                                        // some items are
   std::vector<LeftOut> left_out;                                // one for each reason
   std::vector<Place> places;                                    // of everything above, parents before children

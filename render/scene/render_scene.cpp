@@ -263,7 +263,9 @@ void RenderScene::place_item(std::uint32_t i) {
   if (item.place == kNoPlace) return;
   RenderSources::Item& source = sources_.items[i];
   const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
-  const dmat4 world_from_node = source.scale == glm::vec3(1) ? world : glm::scale(world, dvec3(source.scale));
+  const dmat4 world_from_node = item.surface                       ? world_from_cloud(world, *item.surface)
+                                : source.scale == glm::vec3(1) ? world
+                                                               : glm::scale(world, dvec3(source.scale));
   if (!fits_float(world_from_node)) {
     frame_lost_ = true;
     return;
@@ -276,7 +278,8 @@ void RenderScene::place_item(std::uint32_t i) {
 void RenderScene::place_splat(std::uint32_t i) {
   SplatItem& splat = list_->splats[i];
   if (splat.place == kNoPlace) return;
-  const dmat4& world = list_->world_from_frame[list_->places[splat.place].frame];
+  const dmat4 world =
+      world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
   splat.world_from_node = world;
   const qnv::Box& box = splat.cloud->description.box;
   sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);
@@ -420,7 +423,7 @@ void RenderScene::sum_bounds() {
   if (stale_blocks_.empty() && !splat_moved_) return;
   for (const std::uint32_t block : stale_blocks_) {
     block_stale_[block] = false;
-    vrml::Bounds& sum = block_bounds_[block] = {};
+    WorldBounds& sum = block_bounds_[block] = {};
     const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
     for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
       if (fills_bounds(i)) sum.add(sources_.items[i].bounds);
@@ -428,7 +431,7 @@ void RenderScene::sum_bounds() {
   stale_blocks_.clear();
   splat_moved_ = false;
   list_->bounds = {};
-  for (const vrml::Bounds& block : block_bounds_)
+  for (const WorldBounds& block : block_bounds_)
     if (!block.empty()) list_->bounds.add(block);
   for (const RenderSources::Item& splat : sources_.splats)
     if (!splat.bounds.empty()) list_->bounds.add(splat.bounds);

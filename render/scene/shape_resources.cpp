@@ -221,7 +221,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
   entry.texture_coordinates = options.texture_coordinates;
 }
 
-std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const vrml::Bounds& bounds,
+std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WorldBounds& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
   constexpr double kMostPixels = 0.4;  // that outlines may be off
   constexpr double kLeastLetters = 4;  // pixels of an em, of which small letters take half: below, nobody reads any

@@ -89,7 +89,7 @@ class ShapeResources {
 /// font is at the nearest place of its box. `bounds` in world space. `pixels_per_radian`: of the picture, in its
 /// middle. `pictures`: small text may be cut out of the picture of glyphs.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node,
-                                     const vrml::Bounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
+                                     const WorldBounds& bounds, const glm::dvec3& viewer, float pixels_per_radian,
                                      bool pictures);
 
 }  // namespace gs::render

@@ -208,7 +208,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
   if (layer.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   lights_.begin(list.lights, camera_from_world, options.headlight);
-  const vrml::Bounds bounds = world_bounds(item.mesh->bounds, item.world_from_node);
+  const WorldBounds bounds = world_bounds(item.mesh->bounds, item.world_from_node);
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
   const std::uint32_t set =
       lights_.choose(item.directional_lights, glm::vec3(camera_from_world * glm::dvec4(center, 1)),

@@ -121,7 +121,7 @@ void VolumePass::gather(const RenderList& list, const glm::dmat4& camera_from_wo
     VolumeOptions own;
     own.opacity = look.opacity * (1 - item.material.transparency);
     own.least_magnitude = look.least_magnitude;
-    if (look.clip) own.clip = glm::vec4(glm::dvec4(*look.clip) * item.world_from_node);
+    if (look.clip) own.clip = glm::vec4(*look.clip * item.world_from_node);
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)));

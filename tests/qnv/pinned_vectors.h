@@ -10,8 +10,8 @@
 namespace gs::qnv {
 
 /// The bytes of a file of the pinned test vectors.
-inline std::vector<std::byte> read_bytes(const std::string& name) {
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name, std::ios::binary);
+inline std::vector<std::byte> read_bytes(const std::string& name, const std::string& version = "v1") {
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/" + version + "/" + name, std::ios::binary);
   const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
   std::vector<std::byte> bytes(text.size());
   std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });

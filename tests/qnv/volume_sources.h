@@ -44,13 +44,13 @@ inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32
   qnv::VolumeLayout layout;
   layout.dimensions = {nx, ny, nz};
   layout.axes = {glm::vec3(0.5f, 0.1f, 0), glm::vec3(-0.2f, 0.8f, 0.1f), glm::vec3(0.1f, 0.2f, 1.5f)};
-  layout.origin = glm::vec3(10, -20, 30);
+  layout.origin = glm::dvec3(10, -20, 30);
   return layout;
 }
 
 /// The place of a voxel, by the definition.
 inline glm::vec3 place_of(const qnv::VolumeLayout& layout, float x, float y, float z) {
-  return layout.origin + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
+  return glm::vec3(layout.origin) + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
 }
 
 }  // namespace gs::test

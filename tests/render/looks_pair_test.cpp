@@ -1,5 +1,6 @@
 // Pairs of worlds that must look alike: what one says with a field of Text, Fog or Background, the other says without.
 
+#include "render/scene/render_scene.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"
 
@@ -124,6 +125,51 @@ TEST_CASE("Text is lit from both sides, and mirrored from behind") {  // 6.47.1
             behind.pixels[(std::size_t{y} * behind.width + behind.width - 1 - x) * 3 + c];
   CHECK(difference(front, mirrored) < 5);
   CHECK(difference(front, behind) > 5);
+}
+
+TEST_CASE("Small texts that are drawn at once look as those that are drawn one by one") {
+  const std::string lights =
+      "DirectionalLight { direction 1 -1 -1 color 1 0.3 0.2 ambientIntensity 0.5 } NavigationInfo { headlight TRUE } ";
+  const auto label = [](const std::string& transform, const std::string& material, const std::string& word) {
+    return "Transform { " + transform + " children Shape { appearance Appearance { material Material { " + material +
+           " } } geometry Text { string \"" + word + "\" fontStyle FontStyle { size 0.1 } } } } ";
+  };
+  const std::string labels =
+      label("translation -1 0.5 0", "diffuseColor 0.9 0.8 0.1", "north") +
+      label("translation -1 0 1 rotation 0 1 0 0.8", "diffuseColor 0.2 0.8 0.9 emissiveColor 0.1 0 0.2", "harbour") +
+      label("translation 1 -0.4 0 rotation 0 1 0 2.6", "ambientIntensity 1", "turned") +
+      label("translation 1 0.4 0 scale -1 1 1", "diffuseColor 1 1 1", "mirrored") +
+      label("translation -0.6 -0.8 0 scale 1.5 1 1 rotation 1 0 0 0.7", "", "stretched") +
+      label("translation 0 -0.2 -1", "emissiveColor 0 0 0.6", "22.4 m");
+  const std::string fog = "Fog { visibilityRange 30 color 0.2 0.3 0.2 } ";
+  for (const std::string& about : {lights, fog, lights + fog, "PointLight { location 0 0 3 } " + lights})
+    for (const int samples : {1, 4}) {
+      INFO(about << samples);
+      ParsedWorld world(about + labels);
+      const Clouds clouds;
+      RenderScene gathered(*world.scene, world.images, clouds, world.meshes);
+      gathered.gather({}, {0, 0, 10});
+      RenderList list = gathered.list();
+      REQUIRE(list.items.size() == 6);
+      for (const DrawItem& item : list.items) REQUIRE(item.mesh->pictured);
+      Drawing drawing;
+      drawing.options.width = 480;
+      drawing.options.height = 360;
+      drawing.options.samples = samples;
+      Camera camera = camera_at({0, 0, 10});
+      camera.field_of_view = 0.3f;
+      const Image merged = drawing.draw(list, camera);
+      // A point light is not the same for all pixels of a text.
+      CHECK((drawing.statistics.draw_calls == 1) == (about.find("Point") == std::string::npos));
+      CHECK(drawing.statistics.items == 6);
+      // What shines a little has a colour for each pixel.
+      for (DrawItem& item : list.items) item.material.specular = glm::vec3(1e-6f);
+      list.generation = 0;
+      const Image single = drawing.draw(list, camera);
+      CHECK(drawing.statistics.draw_calls == 6);
+      CHECK(shown(merged) > 300);
+      CHECK(difference(merged, single) < 0.1);
+    }
 }
 
 TEST_CASE("Fog looks the same in a scaled space, and as the colour that it gives") {

@@ -65,7 +65,10 @@ class PlyTextSource {
   static constexpr bool is_text = true;
   PlyTextSource(TextCursor cursor, const char* file) : cursor_(cursor), lines_(file) {}
 
-  [[nodiscard]] bool read(PlyType, float& value) { return cursor_.skip_space() && cursor_.number(value); }
+  template <class Number>
+  [[nodiscard]] bool read(PlyType, Number& value) {
+    return cursor_.skip_space() && cursor_.number(value);
+  }
   [[nodiscard]] bool read_index(PlyType, std::int32_t& value) {
     if (!cursor_.skip_space()) return false;
     std::int32_t whole = 0;

@@ -23,11 +23,11 @@ struct HeaderReading {
 };
 
 /// Passes `rows` rows of a text; the number that were whole.
-std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::size_t rows, std::vector<float>* values) {
+std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::size_t rows, std::vector<double>* values) {
   const std::size_t width = element.properties.size();
   for (std::size_t row = 0; row < rows; ++row)
     for (std::size_t i = 0; i < width; ++i) {
-      float value = 0;
+      double value = 0;
       if (!source.read(element.properties[i].type, value)) {
         if (values) values->resize(row * width);
         return row;
@@ -37,16 +37,38 @@ std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::siz
   return rows;
 }
 
-template <bool big>
-void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<float>& values) {
+template <bool big, class Number>
+void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<Number>& values) {
   if (table.rows == 0) return;  // there may be no data at all
   const std::size_t stride = table.element.least_row_bytes();
   const std::byte* from = table.data.data() + offset;
   with_type(type, [&](auto kind) {
     using T = decltype(kind);
     for (std::size_t row = 0; row < table.rows; ++row)
-      values[row] = static_cast<float>(load<T, big>(from + row * stride));
+      values[row] = static_cast<Number>(load<T, big>(from + row * stride));
   });
+}
+
+template <class Number>
+std::vector<Number> column_of(const PlyTable& table, std::string_view property) {
+  std::size_t offset = 0, index = 0;
+  for (const PlyProperty& p : table.element.properties) {
+    if (p.name != property) {
+      offset += size_of(p.type);
+      ++index;
+      continue;
+    }
+    std::vector<Number> result(table.rows);
+    if (table.header.format == PlyFormat::little_endian)
+      read_binary<false>(table, p.type, offset, result);
+    else if (table.header.format == PlyFormat::big_endian)
+      read_binary<true>(table, p.type, offset, result);
+    else
+      for (std::size_t row = 0; row < table.rows; ++row)
+        result[row] = static_cast<Number>(table.values[row * table.element.properties.size() + index]);
+    return result;
+  }
+  return {};
 }
 
 /// Finds the element; the rows of those before it are in `before`.
@@ -65,24 +87,10 @@ bool PlyTable::has(std::string_view property) const {
                      [&](const PlyProperty& p) { return !p.is_list && p.name == property; });
 }
 
-std::vector<float> PlyTable::column(std::string_view property) const {
-  std::size_t offset = 0, index = 0;
-  for (const PlyProperty& p : element.properties) {
-    if (p.name != property) {
-      offset += size_of(p.type);
-      ++index;
-      continue;
-    }
-    std::vector<float> result(rows);
-    if (header.format == PlyFormat::little_endian)
-      read_binary<false>(*this, p.type, offset, result);
-    else if (header.format == PlyFormat::big_endian)
-      read_binary<true>(*this, p.type, offset, result);
-    else
-      for (std::size_t row = 0; row < rows; ++row) result[row] = values[row * element.properties.size() + index];
-    return result;
-  }
-  return {};
+std::vector<float> PlyTable::column(std::string_view property) const { return column_of<float>(*this, property); }
+
+std::vector<double> PlyTable::wide_column(std::string_view property) const {
+  return column_of<double>(*this, property);
 }
 
 std::optional<PlyHeader> ply_header_of(std::span<const std::byte> bytes) {
@@ -107,9 +115,9 @@ std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> by
   before.pop_back();
 
   if (table.header.format == PlyFormat::ascii) {
-    // A digit and a blank become a float, in a list that doubles.
+    // A digit and a blank become a double, in a list that doubles.
     table.share = vrml::Share(budget, vrml::Resource::files);
-    if (!table.share.grow(4 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
+    if (!table.share.grow(8 * bytes.size())) return "the numbers take " + budget->refusal(vrml::Resource::files);
     PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));
     for (const PlyElement* element : before) {
       if (element->properties.empty()) continue;

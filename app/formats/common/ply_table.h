@@ -19,12 +19,14 @@ struct PlyTable {
   PlyElement element;
   std::size_t rows = 0;             // whole rows that are there, at most element.count
   std::span<const std::byte> data;  // binary: the rows
-  std::vector<float> values;        // ascii: all values, row by row
+  std::vector<double> values;       // ascii: all values, row by row
   vrml::Share share;                // that these take
 
   [[nodiscard]] bool has(std::string_view property) const;
   /// A property of every row as floats; empty where there is none or it is a list.
   [[nodiscard]] std::vector<float> column(std::string_view property) const;
+  /// The same without rounding.
+  [[nodiscard]] std::vector<double> wide_column(std::string_view property) const;
 };
 
 /// Opens element `name`, which may not have lists, nor any before it. A file that ends early has fewer rows.

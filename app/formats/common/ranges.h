@@ -7,7 +7,7 @@
 namespace gs::app {
 
 /// Squares of differences of such coordinates are still finite floats.
-inline constexpr float kMostCoordinate = 1e18f;
+inline constexpr double kMostCoordinate = 1e18;
 
 /// 0..1 as 0..255, to the nearest.
 [[nodiscard]] inline std::uint8_t byte_of(float value) {

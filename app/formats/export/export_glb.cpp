@@ -82,7 +82,7 @@ void add_all(const std::vector<ExportSplat>& splats, Attributes& to) {
   });
 }
 
-Json document_of(const Attributes& attributes, const ExportOptions& options) {
+Json document_of(const Attributes& attributes, const glm::dvec3& origin, const ExportOptions& options) {
   Json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "GhostSpace"}};
   document["scene"] = 0;
@@ -95,6 +95,7 @@ Json document_of(const Attributes& attributes, const ExportOptions& options) {
   document["scenes"] = {{{"nodes", {0}}}};
   Json node = {{"mesh", 0}};
   if (!options.title.empty()) node["name"] = options.title;
+  if (origin != glm::dvec3(0)) node["translation"] = {origin.x, origin.y, origin.z};
   document["nodes"] = {std::move(node)};
   Json primitive = {{"mode", kPoints}, {"attributes", attributes.attributes}};
   primitive["extensions"][extension] = {{"kernel", "ellipse"},
@@ -119,7 +120,7 @@ Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
   const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightUpBack);
   Attributes attributes(splats);
   if (!splats.empty()) add_all(splats, attributes);
-  std::string text = document_of(attributes, options).dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
 
   std::vector<std::byte> bytes;

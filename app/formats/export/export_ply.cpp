@@ -15,13 +15,27 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
   to.insert(to.end(), first, first + text.size());
 }
 
-void put_header(std::vector<std::byte>& to, std::size_t count, std::initializer_list<const char*> properties,
-                std::size_t faces = 0) {
+/// In double where float32 would lose what the origin is for.
+const char* place_type(const glm::dvec3& origin) { return origin != glm::dvec3(0) ? "double" : "float"; }
+
+void put_header(std::vector<std::byte>& to, std::size_t count, const glm::dvec3& origin,
+                std::initializer_list<const char*> properties, std::size_t faces = 0) {
   put_text(to,
            "ply\nformat binary_little_endian 1.0\ncomment GhostSpace\nelement vertex " + std::to_string(count) + "\n");
+  for (const char* axis : {" x", " y", " z"}) put_text(to, std::string("property ") + place_type(origin) + axis + "\n");
   for (const char* property : properties) put_text(to, std::string("property ") + property + "\n");
   if (faces > 0) put_text(to, "element face " + std::to_string(faces) + "\nproperty list uchar uint vertex_indices\n");
   put_text(to, "end_header\n");
+}
+
+void put_place(std::vector<std::byte>& to, const glm::dvec3& origin, const glm::vec3& position) {
+  const bool wide = origin != glm::dvec3(0);
+  for (int k = 0; k < 3; ++k) {
+    if (wide)
+      put_little(to, origin[k] + static_cast<double>(position[k]));
+    else
+      put_little(to, position[k]);
+  }
 }
 
 void put_vector(std::vector<std::byte>& to, const glm::vec3& v) {
@@ -34,17 +48,16 @@ void put_vector(std::vector<std::byte>& to, const glm::vec3& v) {
 
 Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
   const ExportDiscs discs(cloud);
-  constexpr std::size_t kRowBytes = 31, kFaceBytes = 13, kHeaderRoom = 512;
+  const glm::dvec3& origin = cloud.description.origin;
+  constexpr std::size_t kRowBytes = 43, kFaceBytes = 13, kHeaderRoom = 512;
   const std::size_t faces = cloud.triangles.size() / 3;
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderRoom + discs.size() * kRowBytes + faces * kFaceBytes);
-  put_header(bytes, discs.size(),
-             {"float x", "float y", "float z", "float nx", "float ny", "float nz", "uchar red", "uchar green",
-              "uchar blue", "float area"},
-             faces);
+  put_header(bytes, discs.size(), origin,
+             {"float nx", "float ny", "float nz", "uchar red", "uchar green", "uchar blue", "float area"}, faces);
   for (std::size_t i = 0; i < discs.size(); ++i) {
     const ExportDisc disc = discs[i];
-    put_vector(bytes, disc.position);
+    put_place(bytes, origin, disc.position);
     put_vector(bytes, disc.normal);
     put_little(bytes, disc.color.r);
     put_little(bytes, disc.color.g);
@@ -60,15 +73,16 @@ Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions&) {
 
 Exported export_splats_ply(const qnv::Cloud& cloud, const ExportOptions&) {
   const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightDownForward);
-  constexpr std::size_t kRowBytes = 68, kHeaderRoom = 512;
+  const glm::dvec3 origin = cloud.description.origin * glm::dvec3(kFromRightDownForward);
+  constexpr std::size_t kRowBytes = 80, kHeaderRoom = 512;
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderRoom + splats.size() * kRowBytes);
-  put_header(bytes, splats.size(),
-             {"float x", "float y", "float z", "float nx", "float ny", "float nz", "float f_dc_0", "float f_dc_1",
+  put_header(bytes, splats.size(), origin,
+             {"float nx", "float ny", "float nz", "float f_dc_0", "float f_dc_1",
               "float f_dc_2", "float opacity", "float scale_0", "float scale_1", "float scale_2", "float rot_0",
               "float rot_1", "float rot_2", "float rot_3"});
   for (const ExportSplat& splat : splats) {
-    put_vector(bytes, splat.position);
+    put_place(bytes, origin, splat.position);
     put_vector(bytes, splat.normal);
     put_vector(bytes, splat.dc);
     put_little(bytes, std::log(splat.opacity / (1 - splat.opacity)));

@@ -22,6 +22,7 @@ using PlaneBytes = std::vector<std::byte>;
 
 constexpr int kZstdLevel = 12;  // the reference writer's
 constexpr int kMostFractionBits = 23;
+constexpr float kFewestSteps = 4096;  // along what lies far from 0, if it is to be recognised
 constexpr std::int32_t kMostFixed = (1 << 23) - 1;
 
 std::byte quantized(float value) { return static_cast<std::byte>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
@@ -119,6 +120,13 @@ Exported checked(const qnv::Cloud& cloud, std::vector<ExportSplat>& splats) {
   if (splats.size() > kMostSplats)
     return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
            std::to_string(kMostSplats);
+  const glm::dvec3& origin = cloud.description.origin;
+  const glm::vec3 size = cloud.description.box.size();
+  for (ExportSplat& splat : splats) splat.position = glm::vec3(origin + glm::dvec3(splat.position));
+  const float step = std::ldexp(1.0f, -fraction_bits_for(splats));
+  if (origin != glm::dvec3(0) && step * kFewestSteps > std::max({size.x, size.y, size.z}))
+    return "SPZ has 24 bits for a coordinate, and so far from 0 steps of " + std::to_string(step) +
+           "; expected .ply, .3dgs.ply or .glb, which keep these places";
   return std::vector<std::byte>();
 }
 

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -110,8 +112,14 @@ void put_viewpoint(const qnv::Box& box, Vrml97Text& text) {
   text.add("}\n");
 }
 
-void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Vrml97Text& text) {
+/// `moved`: all numbers are as they are stored, below a Transform to their origin, which float32 has without rounding.
+void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool moved, Vrml97Text& text) {
   text.add("}\n");
+  if (moved) {
+    text.add("Transform {\n translation ");
+    text.vector(glm::vec3(cloud.description.origin));
+    text.add(" children [\n");
+  }
   if (!cloud.description.box.empty()) put_viewpoint(cloud.description.box, text);
   text.add("Shape {\n  appearance Appearance { material Material { } }\n  geometry QNV {\n");
   if (!options.stream_url.empty()) {
@@ -127,9 +135,25 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, Vrml97T
     text.vector(box.size());
   }
   text.add("  }\n}\n");
+  if (moved) text.add(" ]\n}\n");
 }
 
-std::vector<std::byte> world_of(const qnv::Cloud& cloud, const ExportOptions& options, bool patches) {
+/// The cloud with its places counted from 0, as float32 has them.
+qnv::Cloud about_zero(qnv::Cloud cloud) {
+  const glm::dvec3 origin = std::exchange(cloud.description.origin, glm::dvec3(0));
+  const auto move = [&](glm::vec3& p) { p = glm::vec3(origin + glm::dvec3(p)); };
+  for (glm::vec3& p : cloud.positions) move(p);
+  move(cloud.description.box.lower);
+  move(cloud.description.box.upper);
+  return cloud;
+}
+
+std::vector<std::byte> world_of(const qnv::Cloud& given, const ExportOptions& options, bool patches) {
+  // A stream brings its origin itself where its node is known.
+  const bool far = given.description.origin != glm::dvec3(0), moved = far && options.stream_url.empty();
+  std::optional<qnv::Cloud> near;
+  if (far && !moved) near = about_zero(given);
+  const qnv::Cloud& cloud = near ? *near : given;
   const ExportDiscs all(cloud);
   const std::vector<ExportDisc> discs = visible_discs(all);
   Vrml97Text text;
@@ -144,7 +168,7 @@ std::vector<std::byte> world_of(const qnv::Cloud& cloud, const ExportOptions& op
     put_patches(discs, text);
   else
     put_points(discs, cloud.colors.empty() && !all.balls(), text);
-  put_instance(cloud, options, text);
+  put_instance(cloud, options, moved, text);
   return text.bytes();
 }
 

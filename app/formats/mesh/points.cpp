@@ -1,5 +1,6 @@
 #include "app/formats/mesh/points.h"
 
+#include "app/formats/common/local_places.h"
 #include "app/formats/common/ply_table.h"
 #include "app/formats/common/ranges.h"
 #include "app/formats/mesh/point_areas.h"
@@ -17,14 +18,15 @@ namespace {
 /// Points as a file has them; `areas` and `colors` may be empty.
 struct Points {
   const char* format = "";
-  std::vector<glm::vec3> positions, normals, colors;  // colours 0..255
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::vec3> normals, colors;  // colours 0..255
   std::vector<float> areas;
   std::size_t announced = 0;
   vrml::Share share;
 
   /// Draws memory for `count` more points; why there is not so much.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count) {
-    constexpr std::uint64_t kBytes = 180;
+    constexpr std::uint64_t kBytes = 230;
     if (share.amount() == 0) share = vrml::Share(budget, vrml::Resource::vectors);
     if (share.grow(count * kBytes)) return std::nullopt;
     return std::string(format) + ": the points take " + budget->refusal(vrml::Resource::vectors);
@@ -32,10 +34,10 @@ struct Points {
 };
 
 /// True for all but the first of the points that stand in one place.
-std::vector<bool> doubles(std::span<const glm::vec3> points) {
+std::vector<bool> doubles(std::span<const glm::dvec3> points) {
   const auto bits = [&](std::size_t i) {
-    std::array<std::uint32_t, 3> key{};
-    for (std::size_t k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint32_t>(points[i][static_cast<int>(k)] + 0.0f);
+    std::array<std::uint64_t, 3> key{};
+    for (std::size_t k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint64_t>(points[i][static_cast<int>(k)] + 0.0);
     return key;  // adding 0 made one of 0 and -0
   };
   std::vector<std::size_t> order(points.size());
@@ -58,15 +60,15 @@ class Gatherer {
   }
 
   ImportedCloud take() {
-    if (cloud_.empty())
+    if (places_.empty())
       return std::string(points_.format) + ": no point that can be shown; expected finite x y z and nx ny nz";
+    set_places(cloud_, places_);
     if (points_.areas.empty()) cloud_.weights = point_areas(cloud_.positions);
     qnv::Description& description = cloud_.description;
     description.two_sided = true;
     for (std::size_t i = 0; i < cloud_.size(); ++i) {
       // Points closer than numbers can tell still need an area.
       if (!std::isnormal(cloud_.weights[i])) cloud_.weights[i] = std::numeric_limits<float>::min();
-      description.box.add(cloud_.positions[i]);
       description.total += cloud_.weights[i];
     }
     description.metadata.emplace_back("source", points_.format);
@@ -79,7 +81,8 @@ class Gatherer {
 
  private:
   void add(std::size_t i) {
-    const glm::vec3 p = points_.positions[i], n = points_.normals[i];
+    const glm::dvec3 p = points_.positions[i];
+    const glm::vec3 n = points_.normals[i];
     const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     const bool placed =
         std::abs(p.x) <= kMostCoordinate && std::abs(p.y) <= kMostCoordinate && std::abs(p.z) <= kMostCoordinate;
@@ -93,7 +96,7 @@ class Gatherer {
       ++doubled_;
       return;
     }
-    cloud_.positions.push_back(p);
+    places_.push_back(p);
     cloud_.normals.push_back(n / length);
     if (!points_.areas.empty()) cloud_.weights.push_back(points_.areas[i]);
     if (!points_.colors.empty()) {
@@ -110,6 +113,7 @@ class Gatherer {
 
   const Points& points_;
   qnv::Cloud cloud_;
+  std::vector<glm::dvec3> places_;
   std::vector<bool> doubled_places_;
   std::size_t broken_ = 0, doubled_ = 0;
 };
@@ -126,6 +130,17 @@ std::vector<glm::vec3> vectors(const PlyTable& table, const std::array<const cha
   return result;
 }
 
+std::vector<glm::dvec3> places(const PlyTable& table) {
+  std::vector<glm::dvec3> result(table.rows);
+  int k = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    const std::vector<double> values = table.wide_column(name);
+    for (std::size_t i = 0; i < values.size(); ++i) result[i][k] = values[i];
+    ++k;
+  }
+  return result;
+}
+
 /// What makes 0..255 of the numbers of a colour.
 float color_scale(const PlyTable& table) {
   for (const PlyProperty& p : table.element.properties)
@@ -134,7 +149,7 @@ float color_scale(const PlyTable& table) {
 }
 
 /// The numbers of a line, at most nine; -1 where something else stands there.
-int point_numbers(std::string_view line, std::array<float, 9>& numbers) {
+int point_numbers(std::string_view line, std::array<double, 9>& numbers) {
   TextCursor cursor(line.data(), line.data() + line.size());
   int count = 0;
   while (cursor.skip_space() && count < 9)
@@ -167,7 +182,7 @@ ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBud
   if (auto problem = points.draw(budget, table.rows)) return std::move(*problem);
   points.format = "PLY points";
   points.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
-  points.positions = vectors(table, {"x", "y", "z"});
+  points.positions = places(table);
   points.normals = vectors(table, {"nx", "ny", "nz"});
   points.colors = vectors(table, {"red", "green", "blue"}, color_scale(table));
   points.areas = table.column("area");
@@ -188,14 +203,14 @@ ImportedCloud import_points_xyz(std::span<const std::byte> bytes, const WorldBud
     if (points.positions.size() % kStep == 0)
       if (auto problem = points.draw(budget, kStep)) return std::move(*problem);
     if (line.empty() || line.front() == '#') continue;
-    std::array<float, 9> values{};
+    std::array<double, 9> values{};
     const int count = point_numbers(line, values);
     if (count < 6)
       return "xyz points: line " + std::to_string(number) + ": expected x y z nx ny nz, six numbers or more";
     points.positions.emplace_back(values[0], values[1], values[2]);
-    points.normals.emplace_back(values[3], values[4], values[5]);
+    points.normals.emplace_back(glm::dvec3(values[3], values[4], values[5]));
     colored = colored && count == 9;
-    if (colored) points.colors.emplace_back(values[6], values[7], values[8]);
+    if (colored) points.colors.emplace_back(glm::dvec3(values[6], values[7], values[8]));
   }
   if (!colored) points.colors.clear();
   return Gatherer(points).take();

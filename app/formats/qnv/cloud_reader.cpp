@@ -290,7 +290,8 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
   if (cloud.description.kind == qnv::Kind::volume) scene.set<vrml::SFString>(qnv, "profile", "VOLUME");
   const qnv::Box& box = cloud.description.box;
   if (!box.empty()) {
-    scene.set<vrml::SFVec3f>(qnv, "bboxCenter", box.lower * 0.5f + box.upper * 0.5f);
+    const glm::dvec3 middle = (glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5;
+    scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(cloud.description.origin + middle));
     scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
   }
   scene.set<vrml::SFNode>(appearance, "material", material);
@@ -321,8 +322,10 @@ std::variant<qnv::Cloud, std::string> inline_cloud(const vrml::SceneGraph& scene
   if (words.size() < 2) return "vectors holds no record; expected two numbers each";
   const bool volume = scene.get<vrml::SFString>(node, "profile").view() == "VOLUME";
   const float largest = volume ? 1 : std::max({size.x * size.y, size.y * size.z, size.z * size.x});
-  d.box.lower = center - size * 0.5f;
-  d.box.upper = center + size * 0.5f;
+  const glm::dvec3 middle(center), half = glm::dvec3(size) * 0.5;
+  d.origin = qnv::local_origin({middle - half, middle + half});
+  d.box.lower = glm::vec3(middle - half - d.origin);
+  d.box.upper = glm::vec3(middle + half - d.origin);
   const bool framed = size.x >= 0 && size.y >= 0 && size.z >= 0 && largest > 0 && std::isfinite(largest) &&
                       std::isfinite(d.box.size().x + d.box.size().y + d.box.size().z);
   const qnv::RecordFrame frame = framed ? qnv::frame_for(d.box, largest) : qnv::RecordFrame{};

@@ -1,4 +1,5 @@
 #include "app/formats/splats/splats.h"
+#include "app/formats/common/local_places.h"
 #include "app/formats/common/ranges.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace {
 // Flatter than this across z: made as a disc, its normal along z.
 constexpr float kFlatDisc = 1.0f / 50;
 
-bool usable(const glm::vec3& v) {
+bool usable(const glm::dvec3& v) {
   return std::abs(v.x) <= kMostCoordinate && std::abs(v.y) <= kMostCoordinate && std::abs(v.z) <= kMostCoordinate;
 }
 
@@ -41,7 +42,8 @@ qnv::Rgb8 color_of(const glm::vec3& dc) {
 /// One splat as a disc, or why it is none.
 struct Disc {
   enum class Fate { kept, faint, broken } fate = Fate::broken;
-  glm::vec3 position{0}, normal{0};
+  glm::dvec3 place{0};
+  glm::vec3 normal{0};
   float area = 0;
   bool thick = false, flat_across_z = false;
 };
@@ -51,7 +53,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   const glm::vec3 scale = model.scales[i];
   const glm::vec4 q = model.rotations[i];
   const float length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (!usable(model.positions[i]) || !usable(scale) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0)) return disc;
+  if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0)) return disc;
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
   if (model.opacities[i] < kLeastOpacity) {
     disc.fate = Disc::Fate::faint;
@@ -62,7 +64,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
   const float normal_length = std::sqrt(dot(normal, normal));
   if (!std::isnormal(disc.area) || !(normal_length > 0.5f)) return disc;
-  disc.position = model.positions[i] * model.axes;
+  disc.place = model.positions[i] * glm::dvec3(model.axes);
   disc.normal = normal * model.axes / normal_length;
   disc.thick = scale[least] > kMostDiscThickness * scale[middle];
   disc.flat_across_z = least == 2 && scale[least] <= kFlatDisc * scale[middle];
@@ -99,7 +101,8 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
   std::size_t faint = 0, broken = 0, thick = 0;
   bool all_flat = true;
   std::vector<bool> sided;  // the sign of the normal is known
-  cloud.positions.reserve(model.size());
+  std::vector<glm::dvec3> places;
+  places.reserve(model.size());
   cloud.normals.reserve(model.size());
   cloud.weights.reserve(model.size());
   cloud.colors.reserve(model.size());
@@ -114,13 +117,13 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
     sided.push_back(side < 0 || side > 0);
     all_flat = all_flat && disc.flat_across_z;
     thick += disc.thick ? 1 : 0;
-    cloud.positions.push_back(disc.position);
+    places.push_back(disc.place);
     cloud.normals.push_back(disc.normal);
     cloud.weights.push_back(disc.area);
     cloud.colors.push_back(color_of(model.dc[i]));
-    description.box.add(disc.position);
     description.total += disc.area;
   }
+  set_places(cloud, places);
   if (!all_flat && !cloud.empty()) {
     const glm::vec3 middle = description.box.lower + description.box.size() * 0.5f;
     for (std::size_t i = 0; i < cloud.size(); ++i)

@@ -29,7 +29,7 @@ inline constexpr float kLeastOpacity = 1.0f / 255;
 /// A splat is a disc while its smallest standard deviation is no larger than this part of the middle one.
 inline constexpr float kMostDiscThickness = 0.3f;
 /// Memory that a splat takes on its way into a cloud.
-inline constexpr std::size_t kSplatMemory = 110;
+inline constexpr std::size_t kSplatMemory = 146;
 
 /// Factors for x, y, z that lead from a file's axes to those of VRML97 (x right, y up, z back).
 inline constexpr glm::vec3 kFromRightDownForward{1, -1, -1};
@@ -40,7 +40,7 @@ inline constexpr glm::vec3 kFromRightUpBack{1, 1, 1};
 struct SplatModel {
   std::string format;  // what the metadata call it
   glm::vec3 axes = kFromRightDownForward;
-  std::vector<glm::vec3> positions;
+  std::vector<glm::dvec3> positions;
   std::vector<glm::vec3> scales;     // standard deviations along the splat's own axes, linear
   std::vector<glm::vec4> rotations;  // quaternions x, y, z, w of any length
   std::vector<float> opacities;      // 0..1
@@ -55,7 +55,7 @@ struct SplatModel {
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
-/// The cloud of a model: kind surface, two-sided, with box and total. Each splat becomes the disc across its
+/// The cloud of a model: kind surface, two-sided, with origin, box and total. Each splat becomes the disc across its
 /// smallest axis, with area pi * s1 * s2 / kSigmaOfRadius^2 of the two larger standard deviations s1, s2. Left out:
 /// splats fainter than kLeastOpacity, and broken ones. The normal's sign: that of `normals`; else, where every
 /// splat is flat across its own z axis, that axis (our exports; 2DGS); else away from the middle of the box.

@@ -23,7 +23,7 @@ ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes, const W
   for (std::size_t i = 0; i < count; ++i) {
     const std::byte* from = bytes.data() + i * kRecordBytes;
     for (int k = 0; k < 3; ++k) {
-      model.positions[i][k] = load_little<float>(from + 4 * k);
+      model.positions[i][k] = static_cast<double>(load_little<float>(from + 4 * k));
       model.scales[i][k] = load_little<float>(from + 12 + 4 * k);
       model.dc[i][k] = color_coefficient(from[24 + k]);
     }

@@ -18,7 +18,8 @@ constexpr float kMostLogScale = 20;  // what the format's own writer clamps to
 
 /// The ranges that the packed numbers of a chunk lie in.
 struct Chunk {
-  glm::vec3 least_position{0}, most_position{0}, least_scale{0}, most_scale{0}, least_color{0}, most_color{1};
+  glm::dvec3 least_position{0}, most_position{0};
+  glm::vec3 least_scale{0}, most_scale{0}, least_color{0}, most_color{1};
 };
 
 float unit(std::uint32_t packed, int shift, int bits) {
@@ -29,7 +30,8 @@ float unit(std::uint32_t packed, int shift, int bits) {
 glm::vec3 unit_vector(std::uint32_t packed) {
   return {unit(packed, 21, 11), unit(packed, 11, 10), unit(packed, 0, 11)};
 }
-glm::vec3 between(const glm::vec3& least, const glm::vec3& most, const glm::vec3& t) {
+template <class Vector>
+Vector between(const Vector& least, const Vector& most, const Vector& t) {
   return {least.x + (most.x - least.x) * t.x, least.y + (most.y - least.y) * t.y, least.z + (most.z - least.z) * t.z};
 }
 
@@ -55,10 +57,14 @@ std::vector<Chunk> read_chunks(const PlyTable& table) {
     const std::vector<float> values = table.column(name);
     for (std::size_t i = 0; i < values.size(); ++i) (chunks[i].*member)[k] = values[i];
   };
+  const auto fill_places = [&](const std::string& name, glm::dvec3 Chunk::*member, int k) {
+    const std::vector<double> values = table.wide_column(name);
+    for (std::size_t i = 0; i < values.size(); ++i) (chunks[i].*member)[k] = values[i];
+  };
   for (int k = 0; k < 3; ++k) {
     const std::string axis = kAxes[k], color = kColors[k];
-    fill("min_" + axis, &Chunk::least_position, k);
-    fill("max_" + axis, &Chunk::most_position, k);
+    fill_places("min_" + axis, &Chunk::least_position, k);
+    fill_places("max_" + axis, &Chunk::most_position, k);
     fill("min_scale_" + axis, &Chunk::least_scale, k);
     fill("max_scale_" + axis, &Chunk::most_scale, k);
     // Older files have no range of colours: it is 0 to 1.
@@ -86,7 +92,7 @@ bool find_packed(const PlyElement& element, std::array<std::size_t, 4>& offsets)
 
 void unpack(const Chunk& chunk, const std::array<std::uint32_t, 4>& packed, SplatModel& model, std::size_t i) {
   const auto [position, rotation, scale, color] = packed;
-  model.positions[i] = between(chunk.least_position, chunk.most_position, unit_vector(position));
+  model.positions[i] = between(chunk.least_position, chunk.most_position, glm::dvec3(unit_vector(position)));
   model.rotations[i] = rotation_of(rotation);
   const glm::vec3 log_scale = between(chunk.least_scale, chunk.most_scale, unit_vector(scale));
   const glm::vec3 rgb =

@@ -101,12 +101,14 @@ void read_splat(const std::byte* from, std::size_t mode, const Section& section,
     return mode == 0 ? load_little<float>(from + offset + 4 * k)
                      : float_of_half(load_little<std::uint16_t>(from + offset + 2 * k));
   };
-  glm::vec3 position, scale, dc;
+  glm::dvec3 position;
+  glm::vec3 scale, dc;
   for (int k = 0; k < 3; ++k) {
     position[k] =
-        mode == 0 ? load_little<float>(from + 4 * k)
-                  : (static_cast<float>(load_little<std::uint16_t>(from + 2 * k)) - section.range) * section.quantum +
-                        center[k];
+        mode == 0 ? static_cast<double>(load_little<float>(from + 4 * k))
+                  : static_cast<double>((static_cast<float>(load_little<std::uint16_t>(from + 2 * k)) - section.range) *
+                                        section.quantum) +
+                        static_cast<double>(center[k]);
     scale[k] = number(at.scale, k);
     dc[k] = (byte_value(from[at.color + static_cast<std::size_t>(k)]) / 255 - 0.5f) / kSphericalHarmonic0;
   }

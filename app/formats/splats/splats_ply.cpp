@@ -54,7 +54,8 @@ ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBud
   constexpr const char* kRotations[] = {"rot_1", "rot_2", "rot_3", "rot_0"};  // the file has w first
   if (table.has("nx") && table.has("ny") && table.has("nz")) model.normals.resize(table.rows);
   for (int k = 0; k < 3; ++k) {
-    for_column(table, kPositions[k], [&](std::size_t i, float v) { model.positions[i][k] = v; });
+    const std::vector<double> places = table.wide_column(kPositions[k]);
+    for (std::size_t i = 0; i < places.size(); ++i) model.positions[i][k] = places[i];
     for_column(table, kScales[k], [&](std::size_t i, float v) { model.scales[i][k] = std::exp(v); });
     for_column(table, kColors[k], [&](std::size_t i, float v) { model.dc[i][k] = v; });
     if (!model.normals.empty())

@@ -67,12 +67,12 @@ void read_extensions(Bytes bytes, SplatModel& model) {
   }
 }
 
-float unpack_position(const std::byte* from, const Header& header) {
-  if (header.version == 1) return float_of_half(load_little<std::uint16_t>(from));
+double unpack_position(const std::byte* from, const Header& header) {
+  if (header.version == 1) return static_cast<double>(float_of_half(load_little<std::uint16_t>(from)));
   const std::uint32_t low = std::to_integer<std::uint32_t>(from[0]) | std::to_integer<std::uint32_t>(from[1]) << 8 |
                             std::to_integer<std::uint32_t>(from[2]) << 16;
   const auto fixed = static_cast<std::int32_t>(low << 8) >> 8;  // the sign is bit 23
-  return std::ldexp(static_cast<float>(fixed), -static_cast<int>(header.fraction_bits));
+  return std::ldexp(static_cast<double>(fixed), -static_cast<int>(header.fraction_bits));
 }
 
 glm::vec4 unpack_rotation(const std::byte* from, std::uint32_t version) {

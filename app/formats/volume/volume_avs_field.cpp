@@ -131,7 +131,7 @@ bool place(const FieldHeader& header, const Extent& extent, qnv::VolumeLayout& l
     constexpr double kLeast = 1e-15, kMost = 1e15;
     const double lower = extent.lower[i], upper = extent.upper[i];
     if (!(std::abs(lower) < kMost && std::abs(upper) < kMost)) return false;
-    placed.origin[static_cast<int>(i)] = static_cast<float>(lower);
+    placed.origin[static_cast<int>(i)] = lower;
     if (header.sizes[i] < 2) continue;
     const double step = (upper - lower) / (header.sizes[i] - 1);
     if (!(std::abs(step) > kLeast)) return false;

@@ -57,6 +57,19 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   return !voxels.content.file || !voxels.content.file->changed();
 }
 
+/// Has a volume far from its space's origin count from near itself.
+void set_base(qnv::VolumeLayout& layout) {
+  qnv::WideBox box;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    glm::dvec3 place = layout.origin;
+    for (unsigned i = 0; i < 3; ++i)
+      if (corner >> i & 1) place += glm::dvec3(layout.axes[i]) * (static_cast<double>(layout.dimensions[i]) - 1);
+    box.add(place);
+  }
+  layout.base = qnv::local_origin(box);
+  layout.origin -= layout.base;
+}
+
 }  // namespace
 
 std::size_t size_of(StoredType type) { return type < StoredType::u64 ? qnv::size_of(voxel_type_of(type)) : 8; }
@@ -164,6 +177,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
            "; there are " + std::to_string(there);
   }
   mend(layout);
+  set_base(layout);
   layout.type = voxel_type_of(voxels.type);
   const bool wide = voxels.type >= StoredType::u64;
   layout.big_endian = wide ? std::endian::native == std::endian::big : voxels.big_endian;
@@ -201,7 +215,7 @@ std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte
 }
 
 void mend(qnv::VolumeLayout& layout) {
-  if (!finite(layout.origin)) layout.origin = glm::vec3(0);
+  if (!finite(layout.origin)) layout.origin = glm::dvec3(0);
   if (!std::isfinite(layout.slope) || layout.slope == 0) layout.slope = 1;
   if (!std::isfinite(layout.intercept)) layout.intercept = 0;
   qnv::VolumeLayout space;
@@ -210,7 +224,7 @@ void mend(qnv::VolumeLayout& layout) {
   if (qnv::check(space)) layout.axes = qnv::VolumeLayout{}.axes;
   space.axes = layout.axes;
   space.origin = layout.origin;
-  if (qnv::check(space)) layout.origin = glm::vec3(0);
+  if (qnv::check(space)) layout.origin = glm::dvec3(0);
 }
 
 std::vector<double> numbers_of(std::string_view text, std::size_t most) {

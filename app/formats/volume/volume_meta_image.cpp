@@ -83,7 +83,7 @@ void place(const MetaHeader& header, qnv::VolumeLayout& layout) {
       for (std::size_t k = 0; k < 3; ++k)
         layout.axes[i][static_cast<int>(k)] = k < n ? static_cast<float>(header.matrix[i * n + k]) : 0.0f;
     layout.axes[i] *= static_cast<float>(step);
-    if (i < header.origin.size()) layout.origin[static_cast<int>(i)] = static_cast<float>(header.origin[i]);
+    if (i < header.origin.size()) layout.origin[static_cast<int>(i)] = header.origin[i];
   }
 }
 

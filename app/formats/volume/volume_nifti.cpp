@@ -203,7 +203,7 @@ void place(const NiftiHeader& header, qnv::VolumeLayout& layout) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto row = static_cast<int>(i);
     for (std::size_t axis = 0; axis < 3; ++axis) layout.axes[axis][row] = static_cast<float>(matrix[i][axis]);
-    layout.origin[row] = static_cast<float>(matrix[i][3]);
+    layout.origin[row] = matrix[i][3];
   }
   qnv::VolumeLayout mended = layout;
   mend(mended);

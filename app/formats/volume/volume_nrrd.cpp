@@ -169,10 +169,10 @@ void place(const NrrdHeader& header, const NrrdAxes& axes, qnv::VolumeLayout& la
       layout.axes[i] = *vectors[axis];
     else if (axis < spacings.size() && std::isfinite(spacings[axis]) && spacings[axis] != 0)
       layout.axes[i] *= static_cast<float>(spacings[axis]);
-    if (axis < mins.size() && header.origin.empty()) layout.origin[along] = static_cast<float>(mins[axis]);
+    if (axis < mins.size() && header.origin.empty()) layout.origin[along] = mins[axis];
   }
   const std::vector<double> origin = numbers_of(header.origin, 3);
-  for (std::size_t i = 0; i < origin.size(); ++i) layout.origin[static_cast<int>(i)] = static_cast<float>(origin[i]);
+  for (std::size_t i = 0; i < origin.size(); ++i) layout.origin[static_cast<int>(i)] = origin[i];
 }
 
 /// The voxels behind header and skipped lines, unpacked.

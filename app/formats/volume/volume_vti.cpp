@@ -325,7 +325,7 @@ std::optional<std::string> place(const VtiHeader& header, bool of_points, qnv::V
       origin[k] += step * first;
     }
   }
-  for (std::size_t i = 0; i < 3; ++i) layout.origin[static_cast<int>(i)] = static_cast<float>(origin[i]);
+  for (std::size_t i = 0; i < 3; ++i) layout.origin[static_cast<int>(i)] = origin[i];
   const auto dimensions = dimensions_of(sizes);
   if (!dimensions)
     return "the extent is '" + header.whole_extent.substr(0, 80) + "'; expected at least one point an axis";

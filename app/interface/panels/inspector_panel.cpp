@@ -86,7 +86,7 @@ void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
     colored_text(UiColors::kQuiet, shortened(file.substr(file.rfind('/') + 1), 60) + ":" +
                                        std::to_string(node.location.line) + ":" + std::to_string(node.location.column));
   }
-  const vrml::Bounds& bounds = inspection.selected_bounds();
+  const render::WorldBounds& bounds = inspection.selected_bounds();
   ImGui::BeginDisabled(bounds.empty());
   if (ImGui::SmallButton("Fly to")) (void)inspection.fly_to_selected();
   ImGui::EndDisabled();

@@ -82,14 +82,14 @@ TEST_CASE("NIfTI places are taken from the sform, else the qform") {
   const qnv::VolumeSource turned = opened(folder.write("q.nii", string_of(header.bytes + data)));
   CHECK(turned.layout.axes[0] == glm::vec3(-1.5f, 0, 0));
   CHECK(turned.layout.axes[2] == glm::vec3(0, 0, -3.5f));
-  CHECK(turned.layout.origin == glm::vec3(1, 2, 3));
+  CHECK(turned.layout.origin == glm::dvec3(1, 2, 3));
   header.set<std::int16_t>(254, 1);  // sform_code
   const std::array<float, 12> rows = {0, -2, 0, 10, 3, 0, 0, 20, 0, 0, 4, 30};
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, rows[i]);
   const qnv::VolumeSource placed = opened(folder.write("s.nii", string_of(header.bytes + data)));
   CHECK(placed.layout.axes[0] == glm::vec3(0, 3, 0));
   CHECK(placed.layout.axes[1] == glm::vec3(-2, 0, 0));
-  CHECK(placed.layout.origin == glm::vec3(10, 20, 30));
+  CHECK(placed.layout.origin == glm::dvec3(10, 20, 30));
   // A matrix that does not span space: the steps count.
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, 0.0f);
   CHECK(opened(folder.write("s.nii", string_of(header.bytes + data))).layout.axes[1] == glm::vec3(0, 2.5f, 0));
@@ -227,7 +227,7 @@ TEST_CASE("VTI files of every type, byte order and encoding open") {
       "<DataArray type=\"Float32\" Name=\"v\" NumberOfComponents=\"3\" format=\"ascii\">1 2 3</DataArray>";
   const qnv::VolumeSource source = opened(folder.write("a.vti", vti(other + ascii, "", "")));
   check_values(source);
-  CHECK(source.layout.origin == glm::vec3(6, 6, 7));
+  CHECK(source.layout.origin == glm::dvec3(6, 6, 7));
   CHECK(source.layout.axes[2] == glm::vec3(0, 0, 3));
   CHECK(source.layout.metadata == std::vector<std::pair<std::string, std::string>>{{"array", "s"}});
 }
@@ -242,7 +242,7 @@ TEST_CASE("VTI values of cells stand at their centres") {
   check_values(source);
   CHECK(source.layout.axes[0] == glm::vec3(0, 2, 0));
   CHECK(source.layout.axes[1] == glm::vec3(-2, 0, 0));
-  CHECK(source.layout.origin == glm::vec3(-1, 1, 1));
+  CHECK(source.layout.origin == glm::dvec3(-1, 1, 1));
 }
 
 TEST_CASE("VTI files that are something else are told") {

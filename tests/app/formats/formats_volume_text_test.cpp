@@ -50,7 +50,7 @@ TEST_CASE("NRRD axes and components are taken as they are meant") {
                     string_of(pairs)));
   check_values(vectors);
   CHECK(vectors.layout.axes[1] == glm::vec3(0, 0.5f, 0.5f));
-  CHECK(vectors.layout.origin == glm::vec3(7, 8, 9));
+  CHECK(vectors.layout.origin == glm::dvec3(7, 8, 9));
   const Bytes data = voxels<std::uint8_t>(false);
   check_values(opened(folder.write("v.nrrd", start + "dimension: 4\nsizes: 3 2 2 1\n\n" + string_of(data))));
   const qnv::VolumeSource flat =
@@ -92,7 +92,7 @@ TEST_CASE("MetaImage files of every type and byte order open") {
       CHECK(local.layout.axes[0] == glm::vec3(0, 1, 0));
       CHECK(local.layout.axes[1] == glm::vec3(-2, 0, 0));
       CHECK(local.layout.axes[2] == glm::vec3(0, 0, 3));
-      CHECK(local.layout.origin == glm::vec3(4, 5, 6));
+      CHECK(local.layout.origin == glm::dvec3(4, 5, 6));
       folder.write("a data.raw", string_of(data));
       check_values(opened(folder.write("a.mhd", header + "ElementDataFile = a data.raw\n")));
       folder.write("a.zraw", string_of(zlib_packed(data)));
@@ -135,7 +135,7 @@ TEST_CASE("AVS fields open") {
       for (const float end : {-1.0f, 3.0f, 0.0f, 5.0f, 10.0f, 7.0f})
         big_endian ? test::put_big(data, end) : test::put(data, end);
       const qnv::VolumeSource source = field("byte", data);
-      CHECK(source.layout.origin == glm::vec3(-1, 0, 10));
+      CHECK(source.layout.origin == glm::dvec3(-1, 0, 10));
       CHECK(source.layout.axes[0] == glm::vec3(2, 0, 0));
       CHECK(source.layout.axes[1] == glm::vec3(0, 5, 0));
       CHECK(source.layout.axes[2] == glm::vec3(0, 0, -3));
@@ -147,7 +147,7 @@ TEST_CASE("AVS fields open") {
     Bytes data = voxels<float>(false);
     for (const float c : {0.0f, 1.0f, 8.0f, 2.0f, 3.0f, 4.0f, 6.0f}) test::put(data, c);
     const qnv::VolumeSource source = opened(folder.write("a.fld", header + string_of(data)));
-    CHECK(source.layout.origin == glm::vec3(0, 2, 4));
+    CHECK(source.layout.origin == glm::dvec3(0, 2, 4));
     CHECK(source.layout.axes[0] == glm::vec3(4, 0, 0));
     CHECK(source.layout.axes[2] == glm::vec3(0, 0, 2));
   }

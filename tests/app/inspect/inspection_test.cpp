@@ -145,7 +145,7 @@ TEST_CASE("The chosen node is marked in the picture, and flown to") {
   Inspected world(kLamp);
   // A geometry node is where its Shape is.
   world.choose("Ball");
-  const vrml::Bounds& bounds = world.inspection.selected_bounds();
+  const render::WorldBounds& bounds = world.inspection.selected_bounds();
   CHECK(bounds.lower.x == Approx(3).margin(0.1));
   CHECK(bounds.upper.x == Approx(7).margin(0.1));
   REQUIRE(world.inspection.marks().size() == 1);

@@ -407,7 +407,7 @@ TEST_CASE("What has come of a file shows, and who has not moved sees all of it")
   settle(panes);
   const glm::dvec3 second = panes.at(0).view()->navigation.pose.position;
   CHECK(glm::length(second) > 2 * glm::length(first));
-  CHECK(panes.at(0).view()->list->bounds.upper == glm::vec3(9));
+  CHECK(panes.at(0).view()->list->bounds.upper == glm::dvec3(9));
   // Who has moved stays.
   panes.at(0).view()->navigation.pose.position = {5, 6, 7};
   panes.at(0).view()->look.opacity = 3;

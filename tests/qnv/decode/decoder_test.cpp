@@ -1,10 +1,12 @@
 #include "qnv/decode/decoder.h"
 
 #include "qnv/base/morton.h"
+#include "tests/qnv/pinned_vectors.h"
 #include "tests/qnv/surface_shapes.h"
 #include "tests/watched.h"
 
 #include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
@@ -416,6 +418,34 @@ TEST_CASE("A stream of the first version decodes to its pinned numbers") {
   }
   CHECK(i == cloud.size());
   CHECK(cloud.description.metadata.at(0).first == "title");
+}
+
+// tests/qnv/vectors/v2: as above, with an origin; records_far.txt is what records_decode.py made of it.
+TEST_CASE("A stream of the second version decodes to its pinned places") {
+  const Bytes bytes = read_bytes("records_far.qnv", "v2");
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(bytes));
+  decoder.finish();
+  REQUIRE(decoder.problems().empty());
+  const Cloud cloud = decoder.cloud();
+  CHECK(cloud.description.origin == glm::dvec3(4'500'000.5, -4'500'000.5, 3'200'000));
+  std::ifstream text(GHOSTSPACE_TESTS "/qnv/vectors/v2/records_far.txt");
+  std::size_t i = 0;
+  for (std::string line; std::getline(text, line); ++i) {
+    std::istringstream numbers(line);
+    glm::dvec3 place, normal;
+    std::array<int, 3> color{};
+    numbers >> place.x >> place.y >> place.z >> normal.x >> normal.y >> normal.z;
+    for (int& c : color) numbers >> c;
+    REQUIRE(numbers);
+    REQUIRE(i < cloud.size());
+    // A tenth of a micrometre, four thousand kilometres from 0.
+    CHECK(glm::length(cloud.description.origin + glm::dvec3(cloud.positions[i]) - place) < 1e-7);
+    CHECK(glm::length(glm::dvec3(cloud.normals[i]) - normal) < 1e-5);
+    CHECK(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                                  static_cast<std::uint8_t>(color[2])});
+  }
+  CHECK(i == cloud.size());
 }
 
 }  // namespace

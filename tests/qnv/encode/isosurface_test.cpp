@@ -152,7 +152,7 @@ TEST_CASE("The surface of a ball has the ball's area and volume, and normals tha
   VolumeLayout layout;
   layout.dimensions = {44, 44, 24};
   layout.axes[2] = glm::vec3(0, 0, 2);
-  layout.origin = glm::vec3(-21.3f, -21.6f, -22.8f);
+  layout.origin = glm::dvec3(-21.3f, -21.6f, -22.8f);
   for (const bool mirrored : {false, true}) {
     if (mirrored) {
       layout.axes[0].x = -1;

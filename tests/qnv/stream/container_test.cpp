@@ -1,6 +1,7 @@
 #include "qnv/stream/container.h"
 
 #include <catch2/catch.hpp>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -134,6 +135,43 @@ TEST_CASE("The header lies as FORMAT.md says") {
   CHECK(u8(108) == 1);
   CHECK(u8(110) == 9);
   CHECK(u8(114 + 3) == 2);
+}
+
+// Readers from before know version 1 alone: they refuse what they would put elsewhere.
+TEST_CASE("A header with an origin is of version 2, one without of version 1") {
+  StreamHeader header = example_header();
+  const Bytes before = encode_header(header);
+  header.description.origin = {4'500'000.5, 0, -1e-3};
+  const Bytes bytes = encode_header(header);
+  CHECK(std::to_integer<int>(before[8]) == 1);
+  CHECK(std::to_integer<int>(bytes[8]) == 2);
+  CHECK(bytes.size() == before.size() + 6 + 24);
+  const auto read = decode(bytes);
+  REQUIRE(std::holds_alternative<StreamHeader>(read));
+  CHECK(std::get<StreamHeader>(read) == header);
+  // In a stream of version 1 the section means nothing; in one of version 2 it must be there.
+  const auto refused = [&](Bytes changed) {
+    std::fill_n(changed.begin() + 16, 4, std::byte{0});
+    const auto sum = static_cast<std::uint32_t>(
+        crc32_z(0, reinterpret_cast<const unsigned char*>(changed.data()), changed.size()));
+    std::memcpy(changed.data() + 16, &sum, 4);
+    return std::holds_alternative<StreamProblem>(decode(changed));
+  };
+  Bytes old = bytes, bare = before, unknown = bytes;
+  old[8] = std::byte{1};
+  bare[8] = std::byte{2};
+  unknown[8] = std::byte{3};
+  CHECK(!refused(old));
+  CHECK(refused(bare));
+  CHECK(refused(unknown));
+  StreamHeader outlines = plain_header();
+  outlines.payload = Payload::outlines;
+  outlines.description.origin = {1, 2, 3};
+  CHECK(std::holds_alternative<StreamProblem>(decode(encode_header(outlines))));
+  for (const double impossible : {std::numeric_limits<double>::infinity(), std::nan(""), 2e18, -2e18}) {
+    header.description.origin.y = impossible;
+    CHECK(std::holds_alternative<StreamProblem>(decode(encode_header(header))));
+  }
 }
 
 TEST_CASE("A header is read back") {

@@ -851,12 +851,14 @@ def main(name):
     assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
-    stages, pieces = {}, {}
+    stages, pieces, origin = {}, {}, None
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
         if tag == 5:
             stages[0] = Stage(data[at + 6:at + 6 + size])
+        if tag == 7 and data[8] == 2:
+            origin = struct.unpack_from("<3d", data, at + 6)
         at += 6 + size
     at = header
     while at < len(data):
@@ -890,7 +892,8 @@ def main(name):
             print("numbers", kind, layer, level, *(x for pair in told for x in pair))
     shown = max(of for of, stage in stages.items() if stage.come >= stage.clusters and not stage.beside)
     for v, p in list(enumerate(stages[shown].places()))[::11]:
-        print("place", v, *("%.9g" % (l + x * longest) for l, x in zip(lower, p)))
+        place = [l + x * longest for l, x in zip(lower, p)]
+        print("place", v, *("%.9g" % x for x in place) if not origin else ("%.17g" % (o + x) for o, x in zip(origin, place)))
     for v, c in list(enumerate(stages[shown].colours()))[::11]:
         print("colour", v, *c)
     if pieces:

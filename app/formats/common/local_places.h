@@ -1,0 +1,25 @@
+#pragma once
+
+#include "qnv/base/cloud.h"
+
+#include <glm/vec3.hpp>
+
+#include <span>
+
+namespace gs::app {
+
+/// The positions of a cloud that has none yet, from places of its source: about an origin where they are far from 0
+/// (qnv::local_origin). Its origin and box are those of the places. Any thread.
+inline void set_places(qnv::Cloud& cloud, std::span<const glm::dvec3> places) {
+  qnv::WideBox all;
+  for (const glm::dvec3& place : places) all.add(place);
+  qnv::Description& description = cloud.description;
+  description.origin = qnv::local_origin(all);
+  cloud.positions.reserve(places.size());
+  for (const glm::dvec3& place : places) {
+    cloud.positions.emplace_back(place - description.origin);
+    description.box.add(cloud.positions.back());
+  }
+}
+
+}  // namespace gs::app

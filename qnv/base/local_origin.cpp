@@ -1,0 +1,25 @@
+#include "qnv/base/cloud.h"
+
+#include <cmath>
+
+namespace gs::qnv {
+
+// Farther than this many half extents the differences of float32 are float32 themselves, and 5 bits of 24 would be lost
+// to the distance.
+constexpr double kFarOfExtents = 32;
+constexpr double kFarOfOne = 1024;  // units of a single place, which has no extent
+
+glm::dvec3 local_origin(const WideBox& box) {
+  glm::dvec3 origin(0);
+  if (box.empty()) return origin;
+  const glm::dvec3 half = (box.upper - box.lower) * 0.5;
+  const double extent = std::max({half.x, half.y, half.z});
+  for (int i = 0; i < 3; ++i) {
+    const double middle = box.lower[i] + half[i];
+    if (std::abs(middle) > (extent > 0 ? kFarOfExtents * extent : kFarOfOne) && std::isfinite(middle))
+      origin[i] = static_cast<double>(static_cast<float>(middle));
+  }
+  return origin;
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,144 @@
+// Clouds of a metre, thousands of kilometres from the origin of their files.
+#include "app/formats/export/export.h"
+#include "app/formats/mesh/points.h"
+#include "app/formats/splats/splats.h"
+#include "app/formats/volume/volume.h"
+#include "qnv/decode/decoder.h"
+#include "qnv/encode/encode_surface.h"
+#include "qnv/encode/encode_volume.h"
+#include "tests/app/clouds.h"
+#include "tests/app/scratch_folder.h"
+
+#include <nlohmann/json.hpp>
+
+namespace gs::app::formats_far_test {
+namespace {
+
+using namespace gs::test;
+
+const glm::dvec3 kFarPlace{4'500'000.25, -4'500'000.5, 3'200'000.125};
+
+/// `count` places of a source within half a metre of `kFarPlace`.
+std::vector<glm::dvec3> far_places(std::size_t count) {
+  std::vector<glm::dvec3> places;
+  const Cloud near = sphere(count, 0.5f);
+  for (const glm::vec3& p : near.positions) places.push_back(kFarPlace + glm::dvec3(p));
+  return places;
+}
+
+/// The farthest that places of the cloud are from these, which are in its order.
+double farthest(const Cloud& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
+  REQUIRE(cloud.size() == places.size());
+  double most = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const glm::dvec3 off = cloud.description.origin + glm::dvec3(cloud.positions[i]) - places[i] * axes;
+    for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(off[k]));
+  }
+  return most;
+}
+
+std::string text_of(const glm::dvec3& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.9f %.9f %.9f", p.x, p.y, p.z);
+  return text;
+}
+
+Bytes far_points(const std::vector<glm::dvec3>& places) {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(places.size()) +
+                     "\nproperty double x\nproperty double y\nproperty double z\nproperty float nx\n"
+                     "property float ny\nproperty float nz\nproperty float area\nend_header\n";
+  for (const glm::dvec3& p : places) text += text_of(p) + " 0 0 1 0.01\n";
+  return bytes_of(text);
+}
+
+Bytes exported(const Cloud& cloud, Exported (*write)(const Cloud&, const ExportOptions&),
+               const ExportOptions& options = {}) {
+  auto result = write(cloud, options);
+  REQUIRE(std::holds_alternative<Bytes>(result));
+  return std::move(std::get<Bytes>(result));
+}
+
+constexpr double kMicrometre = 1e-6;
+
+TEST_CASE("points far from 0 are read without loss, from text and binary") {
+  const auto places = far_places(200);
+  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
+  CHECK(farthest(cloud, places) < 0.1 * kMicrometre);
+  CHECK(cloud.description.box.size().x < 1.1f);
+  std::string xyz;
+  for (const glm::dvec3& p : places) xyz += text_of(p) + " 0 0 1\n";
+  CHECK(farthest(cloud_of(import_points_xyz, bytes_of(xyz)), places) < 0.1 * kMicrometre);
+  // What lies about 0 has no origin.
+  CHECK(cloud_of(import_points_xyz, bytes_of("1 2 3 0 0 1\n2 3 5 0 0 1\n-4 1 1 0 0 1\n")).description.origin ==
+        glm::dvec3(0));
+}
+
+TEST_CASE("points far from 0 are written as they were read") {
+  const auto places = far_places(200);
+  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
+  CHECK(farthest(cloud_of(import_points_ply, exported(cloud, export_points_ply)), places) < 0.1 * kMicrometre);
+  CHECK(farthest(cloud_of(import_splats_ply, exported(cloud, export_splats_ply)), places) < 0.1 * kMicrometre);
+  // glTF has doubles in its text only.
+  const Bytes glb = exported(cloud, export_glb);
+  const std::string text = string_of(glb);
+  const std::size_t at = text.find("\"translation\":[");
+  REQUIRE(at != std::string::npos);
+  const auto translation = nlohmann::json::parse(text.substr(at + 14, text.find(']', at) - at - 13));
+  for (int k = 0; k < 3; ++k)
+    CHECK(translation[static_cast<std::size_t>(k)].get<double>() == cloud.description.origin[k]);
+  // VRML97 has float32, and a Transform.
+  const std::string world = string_of(exported(cloud, export_vrml97_points));
+  CHECK(world.find("translation 4500000") != std::string::npos);
+  CHECK(world.find("point [\n450") == std::string::npos);
+  // 24 bits a coordinate are too few.
+  CHECK(std::holds_alternative<std::string>(export_spz(cloud, {})));
+}
+
+TEST_CASE("a stream of records keeps where its vectors are") {
+  const auto places = far_places(300);
+  const Cloud cloud = cloud_of(import_points_ply, far_points(places));
+  const auto made = gs::qnv::encode_cloud(cloud, {});
+  REQUIRE(std::holds_alternative<gs::qnv::EncodedStream>(made));
+  gs::qnv::StreamDecoder decoder;
+  REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
+  decoder.finish();
+  const Cloud read = decoder.cloud();
+  REQUIRE(read.size() == places.size());
+  double most = 0;  // from any vector to the nearest of the source
+  for (const glm::vec3& p : read.positions) {
+    double nearest = 1;
+    for (const glm::dvec3& q : places) {
+      const glm::dvec3 off = read.description.origin + glm::dvec3(p) - q;
+      nearest = std::min(nearest, std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}));
+    }
+    most = std::max(most, nearest);
+  }
+  CHECK(most < 0.6e-3);  // half a step of a record: of a box of a metre, 1/2048
+}
+
+TEST_CASE("a volume far from 0 is read with its place in double") {
+  std::string vti =
+      "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 3 0 3 0 3\" Origin=\"" + text_of(kFarPlace) +
+      "\" Spacing=\"0.01 0.01 0.01\"><Piece Extent=\"0 3 0 3 0 3\"><PointData Scalars=\"v\"><DataArray type=\"UInt8\" "
+      "Name=\"v\" format=\"ascii\">";
+  for (int i = 0; i < 64; ++i) vti += std::to_string(i * i % 97) + " ";
+  vti += "</DataArray></PointData></Piece></ImageData></VTKFile>";
+  const ScratchFolder folder;
+  const auto opened = open_volume(folder.write("far.vti", vti));
+  REQUIRE(std::holds_alternative<gs::qnv::VolumeSource>(opened));
+  const auto& source = std::get<gs::qnv::VolumeSource>(opened);
+  const glm::dvec3 first = source.layout.base + source.layout.origin - kFarPlace;
+  CHECK(std::max({std::abs(first.x), std::abs(first.y), std::abs(first.z)}) < kMicrometre);
+  const auto found = gs::qnv::gradient_vectors(source, {});
+  REQUIRE(std::holds_alternative<Cloud>(found));
+  const Cloud& cloud = std::get<Cloud>(found);
+  CHECK(cloud.description.origin == source.layout.base);
+  // On the lattice to a thousandth of a voxel.
+  for (const glm::vec3& p : cloud.positions) {
+    const glm::dvec3 at = (cloud.description.origin + glm::dvec3(p) - kFarPlace) / 0.01;
+    for (int k = 0; k < 3; ++k) REQUIRE_EACH(std::abs(at[k] - std::round(at[k])) < 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace gs::app::formats_far_test
