@@ -141,6 +141,13 @@ std::optional<double> UiOverlay::next_change() const {
   return next;
 }
 
+std::string UiOverlay::clipboard() const {
+  const char* text = ImGui::GetClipboardText();
+  return text ? text : "";
+}
+
+void UiOverlay::set_clipboard(const std::string& text) { ImGui::SetClipboardText(text.c_str()); }
+
 bool UiOverlay::run(Action action) {
   State& state = *state_;
   switch (action) {

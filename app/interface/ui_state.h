@@ -84,6 +84,7 @@ struct UiOverlay::State {
 
   void menu_bar(const UiModel& model, UiActions& actions);
   void menus(const UiModel& model, UiActions& actions);
+  void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
   void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
   void recent_menu(const UiModel& model, UiActions& actions);
   void bookmark_menu(const UiModel& model, UiActions& actions);
