@@ -90,6 +90,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.viewport_marks(model);
   if (model.inspection) draw_marks(*model.inspection);
   state.tool_marks(model);
+  state.axes_widget(model, actions);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())

@@ -122,6 +122,7 @@ struct UiOverlay::State {
   void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;
+  void axes_widget(const UiModel& model, UiActions& actions);
 
   // In the units of Dear ImGui.
   [[nodiscard]] float menu_bar_height() const;

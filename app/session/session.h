@@ -46,8 +46,8 @@ struct SessionOptions {
   bool audible = false;  // sounds are played on the system's device
   bool muted = false;    // until somebody wants to hear them
   double speed = 1;      // of the viewer, times what worlds say
-  ViewStyle style;       // of views of files
-  std::optional<Pose> camera;  // where the first file is first seen from
+  ViewStyle style{};     // of views of files
+  std::optional<Pose> camera{};  // where the first file is first seen from
 };
 
 /// What happens in a step of a session.

@@ -4,9 +4,11 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -18,6 +20,7 @@ namespace {
 constexpr std::string_view kExpectedCamera =
     "expected position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS and, for parallel rays, height=H, or the "
     "text of a Viewpoint";
+constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // that say what the text is
 constexpr std::size_t kMostCameraText = 4096;  // bytes
 
 std::string numbers_text(std::span<const double> numbers, char separator) {
@@ -116,7 +119,7 @@ std::variant<Pose, std::string> read_camera(std::string_view text) {
       if (words.next().empty()) return expected;
       continue;
     }
-    if (word == "Viewpoint" || word == "OrthoViewpoint") continue;
+    if (std::find(std::begin(kNodeWords), std::end(kNodeWords), word) != std::end(kNodeWords)) continue;
     Field* field = nullptr;
     for (Field& one : fields)
       if (one.name == word) field = &one;

@@ -3,6 +3,8 @@
 #include "app/base/console.h"
 #include "app/base/text.h"
 #include "app/view/camera_text.h"
+#include "app/view/color_bar.h"
+#include "app/view/ground_grid.h"
 #include "app/viewer/hand_over.h"
 
 #include <algorithm>
@@ -427,6 +429,11 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.speed = seen->navigation.speed;
   model.headlight = seen->headlight;
   model.style = seen->style;
+  model.pose = seen->navigation.pose;
+  model.upright = upright_of(*seen);
+  model.axes = seen->style.axes && !seen->document->world.authored;
+  if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
+    model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
   model.can_undo_move = session_.can_undo_move(-1);
   model.can_redo_move = session_.can_undo_move(1);
   model.has_sounds = !seen->list->sounds.empty();

@@ -92,6 +92,10 @@ const render::RenderList& ViewerTools::shown(std::size_t pane, const View& view)
   return slice_scenes_[pane].with_slices(*view.list, values_of(view).grid, view.slices);
 }
 
+std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) {
+  return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
+}
+
 // The value of a volume where it is seen, or where a plane or surface in it is.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
@@ -178,6 +182,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.clouds = seen.look;
   apply_style(seen, scene.draw);
+  scene.draw.guides = guides(seen);
   scene.draw.viewport = kMostViewports;
   const qnv::Description* const volume = first_volume(*seen.list);
   if (request.color_bar && volume)

@@ -70,6 +70,10 @@ struct UiModel {
   float speed = 1;  // metres a second
   bool headlight = false;
   ViewStyle style;
+  Pose pose;              // of the viewer
+  Upright upright;        // of what he looks at
+  bool axes = false;      // are shown in a corner
+  std::string grid_text;  // how large the squares on the ground are; empty: there are none
   bool can_undo_move = false, can_redo_move = false;
   bool has_sounds = false, muted = false;
 

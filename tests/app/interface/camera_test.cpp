@@ -57,7 +57,7 @@ TEST_CASE("Keys show a thing from its sides, and what is up for the user says wh
   CHECK(user.session().view()->navigation.mode == NavigationMode::examine);  // 1 alone chooses a mode
 }
 
-TEST_CASE("Who has not moved goes to the first view of what is up now; a Viewpoint stays where it is") {
+TEST_CASE("Who has not moved goes to the first view of what is up now, and a Viewpoint stays where it is") {
   Driver user;
   user.show_world(kBoxes);
   user.session().run(Action::up_minus_z);
@@ -150,7 +150,7 @@ TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
   CHECK_FALSE(user.session().seeking());
 }
 
-TEST_CASE("A camera is copied, and pasted elsewhere; what is no camera is told") {
+TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is told") {
   Driver user;
   user.show_world(kBoxes);
   user.press(letter_key('5'), false, true);
