@@ -302,12 +302,21 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
 }
 
 std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, OpenedInput input, ProgressBar& progress) {
+  const auto stand = [&](qnv::Cloud& cloud) {
+    Metadata& metadata = cloud.description.metadata;
+    if (stated_upright(metadata)) return;
+    for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
+  };
   if (auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{options.files.front() + " is no volume; --isovalue is for volumes"};
+    stand(*cloud);
     return std::move(*cloud);
   }
-  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue)
-    return gradients(*volume, options, progress);
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue) {
+    auto found = gradients(*volume, options, progress);
+    if (auto* cloud = std::get_if<qnv::Cloud>(&found)) stand(*cloud);
+    return found;
+  }
   auto encoded = encode_input(options, input, progress);
   if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);

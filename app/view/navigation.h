@@ -77,7 +77,7 @@ struct Pose {
 /// Without scale.
 [[nodiscard]] glm::dmat4 world_from_viewer(const Pose& pose);
 
-inline constexpr double kParallelReach = 4096;
+inline constexpr double kParallelReach = 1024;
 /// How wide a pixel is a unit along such a ray, in a viewport of `size` pixels.
 [[nodiscard]] float pixel_along_ray(const Pose& pose, const glm::vec2& size);
 /// The same seen by parallel rays, or in perspective: what is `distance` ahead is as large as before.

@@ -391,24 +391,6 @@ void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instan
   }
 }
 
-/// Of what has just been drawn: the edges of its triangles make it darker.
-void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
-  constexpr float kDarker = 0.45f;
-  gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  gl_.Enable(GL_BLEND);
-  gl_.BlendColor(0, 0, 0, kDarker);
-  gl_.BlendFuncSeparate(GL_ZERO, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
-  gl_.DepthMask(GL_FALSE);
-  anything_applied_ = false;
-  const std::size_t primitives = std::exchange(primitives_, 0);
-  FrameStatistics of_edges;
-  draw_batches(projection, of_edges, pacer);
-  primitives_ = primitives;
-  gl_.DepthMask(GL_TRUE);
-  gl_.Disable(GL_BLEND);
-  gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-}
-
 void MeshPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                     const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between,
                     const SurfacePass* surfaces, bool overlays) {

@@ -70,7 +70,7 @@ glm::dmat3 world_from_upright(const Upright& upright) {
 const std::array<UpAxisRow, 7>& up_axes() { return kUpAxes; }
 
 std::optional<UpAxis> find_up_axis(std::string_view name) {
-  if (name.starts_with('+')) name.remove_prefix(1);
+  if (name.starts_with('+') && !name.starts_with("+-")) name.remove_prefix(1);
   for (const UpAxisRow& row : kUpAxes)
     if (row.name == name) return row.axis;
   return std::nullopt;

@@ -95,7 +95,7 @@ TEST_CASE("Meshes by parallel rays hide each other by depth, however near they l
   Drawing drawing;
   // A picture of two metres of a scene of thousands: a camera that is merely far away could not tell these apart.
   RenderList list;
-  add(list, glowing(square(), {0, 1, 0}, translation({0, 0, 0.002f})));
+  add(list, glowing(square(), {0, 1, 0}, translation({0, 0, 0.02f})));
   add(list, glowing(square(), {1, 0, 0}));
   add(list, glowing(square(), {0, 0, 1}, translation({0, 0, -2000})));
   add(list, glowing(square(0.1f), {1, 1, 1}, translation({0.9f, 0.9f, 1000})));
