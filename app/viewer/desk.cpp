@@ -146,6 +146,7 @@ bool Desk::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
       return true;
     case Action::close:
+      if (session_.seeking()) return false;  // the session ends that
       if (!inspection_.picking()) return ui_.run(action) || window_.run_tool(action);
       inspection_.set_picking(false);
       return true;
