@@ -183,4 +183,45 @@ TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is to
   CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);
 }
 
+TEST_CASE("The axes in the corner of what no author has dressed show its sides, and the grid says how large it is") {
+  Driver user;
+  OpenedWorld world = world_of(kBoxes);
+  world.path = "part.stl";
+  world.authored = false;
+  world.up = UpRule::z;
+  auto document = hold_world(std::move(world));
+  begin_world(*document, 1000);
+  user.session().show(std::move(document));
+  user.settle();
+  CHECK(user.session().view()->style.backdrop);
+  CHECK(near(pose(user).up(), {0, 0, 1}));
+  const float em = ImGui::GetFontSize(), half = 3.2f * em, length = half - 0.8f * em;
+  const Viewport place = user.picture();
+  const glm::vec2 center(place.left + half, place.top + place.height - half);
+  user.click(center + glm::vec2(length, 0));  // +X
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {-1, 0, 0}));
+  CHECK(near(pose(user).up(), {0, 0, 1}));
+  user.click(center - glm::vec2(0, length));  // +Z is up now
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {0, 0, -1}));
+  CHECK_FALSE(user.sees("Grid:"));
+  user.press(letter_key('N'));
+  CHECK(user.sees("Grid: 0.5"));
+  // Without axes a click there turns the world, and does not choose a side.
+  user.click("View");
+  user.click("Axes in a corner");
+  CHECK_FALSE(user.session().view()->style.axes);
+  const Pose before = pose(user);
+  user.click(center + glm::vec2(length, 0));
+  user.wait(1);
+  CHECK(pose(user).orientation == before.orientation);
+  user.press(letter_key('X'));
+  CHECK(user.session().view()->style.display == render::DisplayMode::edges);
+  user.click("View");
+  user.click("How faces are drawn");
+  user.click("Faces: points");
+  CHECK(user.session().view()->style.display == render::DisplayMode::points);
+}
+
 }  // namespace gs::app::camera_interface_test
