@@ -11,8 +11,6 @@
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 
-#include <glm/trigonometric.hpp>
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -37,7 +35,8 @@ class AnimatedWorld {
     OpenedWorld world = load_world(*loading_, file);
     print_diagnostics(world.diagnostics);
     if (!world.scene) return std::string();
-    simulation_ = std::make_unique<Simulation>(std::move(world), glm::ivec2(options_.width, options_.height));
+    simulation_ = std::make_unique<Simulation>(std::move(world), glm::ivec2(options_.width, options_.height),
+                                               view_style(options_));
     simulation_->fetch_with(*loading_);
     if (viewpoint.empty() || options_.orbit) return std::nullopt;
     return simulation_->begin_at(viewpoint);
@@ -47,11 +46,8 @@ class AnimatedWorld {
   /// Where the viewer is before anything turns or tours.
   [[nodiscard]] render::Camera own_camera() {
     const View& seen = simulation_->look();
-    if (!options_.orbit) return simulation_->camera();
-    constexpr float kFieldOfView = 0.785398f;
-    return render::orbit_camera(seen.list->bounds, glm::radians(static_cast<float>(options_.orbit->first)),
-                                glm::radians(static_cast<float>(options_.orbit->second)), kFieldOfView,
-                                static_cast<float>(options_.width), static_cast<float>(options_.height));
+    const auto asked = camera_of_options(options_, *seen.list);
+    return asked ? *asked : simulation_->camera();
   }
   [[nodiscard]] const render::RenderList& list() { return *simulation_->look().list; }
   [[nodiscard]] glm::dvec3 up() { return glm::dvec3(simulation_->look().navigation.up); }
@@ -93,6 +89,8 @@ std::variant<std::vector<render::Camera>, std::string> tour_of(const Options& op
     camera.world_from_camera =
         world_from_viewer(pose_of(list.viewpoints[*found].world_from_camera, list.viewpoints[*found].field_of_view));
     camera.field_of_view = list.viewpoints[*found].field_of_view;
+    if (options.orthographic && !list.bounds.empty())
+      camera.height = fitting_height(camera, list.bounds, glm::vec2(options.width, options.height));
     cameras.push_back(camera);
   }
   return cameras;
@@ -102,7 +100,10 @@ int fail_unless_told(const std::string& problem) { return problem.empty() ? kFai
 
 }  // namespace
 
-std::optional<std::string> check_animate(const Options& options) { return check_animation_name(options.files.back()); }
+std::optional<std::string> check_animate(const Options& options) {
+  if (auto problem = check_camera(options)) return problem;
+  return check_animation_name(options.files.back());
+}
 
 int run_animate(const Options& given_options) {
   use_universal_time();

@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 #include "app/commands/commands.h"
+#include "app/commands/picture_world.h"
 #include "app/settings/user_folders.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/headless.h"
@@ -16,6 +17,7 @@ constexpr double kNoTimeout = 1e6;  // seconds
 }  // namespace
 
 std::optional<std::string> check_open(const Options& options) {
+  if (auto problem = check_camera(options)) return problem;
   const PictureRequest& picture = options.picture;
   const bool of_picture = picture.color_bar || !options.transfer.empty() || !options.slices.empty() ||
                           picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
@@ -39,6 +41,10 @@ int run_open(const Options& options) {
   viewer.headlight = options.headlight;
   viewer.background = options.background;
   viewer.viewpoint = options.viewpoint;
+  viewer.up = options.up;
+  viewer.orthographic = options.orthographic;
+  viewer.display = options.display;
+  viewer.camera = options.camera;
   viewer.muted = options.muted;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);

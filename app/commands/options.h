@@ -1,11 +1,14 @@
 #pragma once
 
 #include "app/base/exit_status.h"
+#include "app/formats/common/upright.h"
 #include "app/formats/volume/volume.h"
 #include "app/picture/animation_request.h"
 #include "app/picture/picture_request.h"
+#include "app/view/navigation.h"
 #include "app/view/slices.h"
 #include "net/base/address_space.h"
+#include "render/scene/draw_options.h"
 #include "net/cells/congestion.h"
 #include "vrml/scene/limits.h"
 
@@ -33,6 +36,11 @@ struct Options {
   bool press_sensors = false;                      // somebody tries all sensors meanwhile
   std::string input;                               // file of what somebody does meanwhile; empty: none
   std::optional<std::pair<double, double>> orbit;  // azimuth, elevation in degrees
+  std::optional<UpAxis> up;                        // none: as the settings say, or the file
+  bool orthographic = false;
+  std::optional<Pose> camera;
+  render::DisplayMode display = render::DisplayMode::surface;
+  bool backdrop = false;
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   std::string backend = "auto";
   std::string splats = "auto";

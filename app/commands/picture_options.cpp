@@ -1,6 +1,7 @@
 #include "app/commands/picture_options.h"
 
 #include "app/commands/option_values.h"
+#include "app/view/camera_text.h"
 #include "app/view/color_maps.h"
 
 #include <algorithm>
@@ -81,9 +82,10 @@ namespace {
 
 OptionProblem set_background(Options& options, const std::string& value) {
   options.picture.transparent = value == "transparent";
-  if (options.picture.transparent) return {};
+  options.backdrop = value == "gradient";
+  if (options.picture.transparent || options.backdrop) return {};
   options.background = read_color(value);
-  return options.background ? OptionProblem{} : "expected transparent, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
+  return options.background ? OptionProblem{} : "expected transparent, gradient, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
 }
 
 OptionProblem set_slice(Options& options, const std::string& value) {
@@ -131,9 +133,50 @@ OptionProblem set_animation_length(Options& options, const std::string& value) {
              : "expected seconds, more than 0";
 }
 
+OptionProblem set_up(Options& options, const std::string& value) {
+  options.up = find_up_axis(value);
+  if (options.up) return {};
+  std::string names;
+  for (const UpAxisRow& row : up_axes()) names += (names.empty() ? "expected " : ", ") + std::string(row.name);
+  return names;
+}
+
+OptionProblem set_display(Options& options, const std::string& value) {
+  static constexpr std::string_view kModes[] = {"surface", "edges", "wireframe", "points"};
+  const auto* const found = std::find(std::begin(kModes), std::end(kModes), value);
+  if (found == std::end(kModes)) return "expected surface, edges, wireframe or points";
+  options.display = static_cast<render::DisplayMode>(found - std::begin(kModes));
+  return {};
+}
+
+OptionProblem set_camera(Options& options, const std::string& value) {
+  auto camera = read_camera(value);
+  if (auto* problem = std::get_if<std::string>(&camera)) return std::move(*problem);
+  options.camera = std::get<Pose>(camera);
+  return {};
+}
+
 constexpr OptionRow kPictureOptions[] = {
+    {"--camera", "POSE", "",
+     "look from there: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, and height=H for parallel rays, "
+     "or the text of a Viewpoint; Copy camera in the window's menu gives both",
+     "open animate ", set_camera},
+    {"--display", "MODE", "surface",
+     "how faces are drawn: surface, edges (with the edges of their triangles), wireframe or points; clouds of discs and "
+     "volumes stay as they are",
+     "open animate ", set_display},
+    {"--up", "AXIS", "auto",
+     "what is up: x, -x, y, -y, z or -z; auto: as the file says, or as its format has it (docs/formats.md). --orbit and "
+     "--turntable follow it; encode writes it into streams",
+     "open animate encode ", set_up},
+    {"--orthographic", "", "", "parallel rays, without perspective", "open animate ",
+     [](Options& o, const std::string&) {
+       o.orthographic = true;
+       return OptionProblem{};
+     }},
     {"--background", "COLOR", "",
-     "one colour in place of the world's Background: R,G,B from 0 to 1, #rrggbb, or, of a picture, transparent",
+     "one colour in place of the world's Background: R,G,B from 0 to 1, #rrggbb; gradient: a neutral one; or, of a "
+     "picture, transparent",
      "open animate ", set_background},
     {"--stereo", "side-by-side|anaglyph", "",
      "a picture for two eyes: one half for each, or red for the left one and green and blue for the right one",

@@ -3,6 +3,8 @@
 #include "app/base/numbered_files.h"
 #include "app/commands/commands.h"
 
+#include <glm/trigonometric.hpp>
+
 namespace gs::app {
 
 render::DrawOptions picture_draw(const Options& options, const View& seen) {
@@ -14,9 +16,45 @@ render::DrawOptions picture_draw(const Options& options, const View& seen) {
   draw.visibility_limit = !options.orbit;
   draw.unit = static_cast<float>(seen.scale);
   draw.background = options.background;
+  draw.display = options.display;
+  draw.backdrop = options.backdrop;
   draw.budget = options.budget;
   draw.splats = splat_path(options.splats);
   return draw;
+}
+
+ViewStyle view_style(const Options& options) {
+  ViewStyle style;
+  style.up = options.up.value_or(UpAxis::automatic);
+  style.parallel = options.orthographic;
+  style.display = options.display;
+  return style;
+}
+
+std::optional<std::string> check_camera(const Options& options) {
+  if (options.camera && (options.orbit || !options.viewpoint.empty()))
+    return "expected --camera, --orbit or --viewpoint, one of them";
+  const bool parallel = options.orthographic || (options.camera && options.camera->height > 0);
+  if (parallel && options.picture.stereo != render::Stereo::none)
+    return "--stereo is of perspective; expected it without --orthographic and without a --camera with height";
+  return std::nullopt;
+}
+
+std::optional<render::Camera> camera_of_options(const Options& options, const render::RenderList& list) {
+  if (options.camera) {
+    if (!options.orthographic || options.camera->height > 0) return camera_of(*options.camera);
+    const glm::dvec3 center(list.bounds.empty() ? glm::dvec3(0) : list.bounds.center());
+    const double ahead = glm::dot(center - options.camera->position, glm::dvec3(options.camera->forward()));
+    return camera_of(with_parallel_rays(*options.camera, true, ahead > 0 ? ahead : 10));
+  }
+  if (!options.orbit) return std::nullopt;
+  constexpr float kFieldOfView = 0.785398f;
+  const glm::vec2 size(options.width, options.height);
+  render::Camera camera = orbit_camera_of(list.bounds, glm::radians(static_cast<float>(options.orbit->first)),
+                                          glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView, size,
+                                          upright_of(options.up.value_or(UpAxis::automatic)));
+  if (options.orthographic) camera.height = fitting_height(camera, list.bounds, size);
+  return camera;
 }
 
 std::optional<std::string> settle_size(Options& options) {

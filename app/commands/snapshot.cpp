@@ -17,7 +17,6 @@
 #include "render/scene/render_list.h"
 #include "vrml/scene/scene_graph.h"
 
-#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include <malloc.h>
@@ -147,13 +146,6 @@ void release_lists(vrml::SceneGraph& scene) {
     if (content) release_lists(*content);
 }
 
-render::Camera orbiting(const Options& options, const render::WorldBounds& bounds) {
-  constexpr float kFieldOfView = 0.785398f;
-  return render::orbit_camera(bounds, glm::radians(static_cast<float>(options.orbit->first)),
-                              glm::radians(static_cast<float>(options.orbit->second)), kFieldOfView,
-                              static_cast<float>(options.width), static_cast<float>(options.height));
-}
-
 /// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
 /// is a tenth of its time.
 void keep_memory() {
@@ -199,7 +191,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   print_diagnostics(world.diagnostics);
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
-  Simulation simulation(std::move(world), {options.width, options.height});
+  Simulation simulation(std::move(world), {options.width, options.height}, view_style(options));
   simulation.fetch_with(*loading);
   simulation.measure(measured);
   if (!options.viewpoint.empty() && !options.orbit)
@@ -217,7 +209,8 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   simulation.run(options.time);
   if (const int status = write_sound(options, sound); status != kDone) return status;
   tell_of_simulation(options, simulation);
-  const render::Camera camera = options.orbit ? orbiting(options, simulation.look().list->bounds) : simulation.camera();
+  const auto asked = camera_of_options(options, *simulation.look().list);
+  const render::Camera camera = asked ? *asked : simulation.camera();
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
   // Levels of detail and billboards follow the viewer, who is only known now.

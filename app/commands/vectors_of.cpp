@@ -98,15 +98,21 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
 }
 
 // What a stream says of where it comes from: before what the source says of itself.
-Metadata metadata_of(const OpenedInput& input, const std::string& path, const Metadata& own) {
+Metadata metadata_of(const Options& options, const OpenedInput& input, const std::string& path, const Metadata& own) {
+  const bool chosen_up = options.up && *options.up != UpAxis::automatic;
   Metadata all{{"title", input.title}, {"source", file_name(path)}};
   if (input.type == "VRML97" || input.type == "glTF") all.emplace_back("units", "m");  // VRML97 4.4.5; glTF 2.0, 3.4
   for (const auto& pair : own)
     if (pair.first == "title" && !pair.second.empty()) {
       all.front().second = pair.second;
-    } else if (pair.first != "source") {
+    } else if (pair.first != "source" && !(chosen_up && (pair.first == "up" || pair.first == "front"))) {
       all.push_back(pair);
     }
+  const Upright upright = chosen_up ? upright_of(*options.up) : input.upright;
+  if (chosen_up || !stated_upright(own))
+    for (auto& pair : metadata_of(upright)) all.push_back(std::move(pair));
+  // What stands as VRML97 has it need not say so, unless something else would.
+  if (chosen_up && upright == Upright{} && stated_upright(own)) all.emplace_back("up", name_of(*options.up));
   return all;
 }
 
@@ -234,6 +240,10 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
     return std::nullopt;
   }
   input.content = std::move(*opened);
+  glm::vec3 size(0);
+  if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
+    if (const render::WorldBounds& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
+  input.upright = upright_of(is_raw(options) ? UpRule::slices : type.up, size);
   return input;
 }
 
@@ -246,11 +256,11 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
-    encode_options.metadata = metadata_of(input, path, {});
+    encode_options.metadata = metadata_of(options, input, path, {});
     return encode(surface_of(**opened), options, std::move(encode_options), progress);
   }
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && options.isovalue) {
-    encode_options.metadata = metadata_of(input, path, volume->layout.metadata);
+    encode_options.metadata = metadata_of(options, input, path, volume->layout.metadata);
     char value[32];
     std::snprintf(value, sizeof value, "%.9g", *options.isovalue);
     encode_options.metadata.emplace_back("isovalue", value);
@@ -264,14 +274,14 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
                        " is for surfaces made of triangles; leave it out"};
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
-    encode_options.metadata = metadata_of(input, path, cloud->description.metadata);
+    encode_options.metadata = metadata_of(options, input, path, cloud->description.metadata);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
     return encode_vectors(*cloud, std::move(encode_options), progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   auto found = gradients(volume, options, progress);
   if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
-  encode_options.metadata = metadata_of(input, path, volume.layout.metadata);
+  encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   const auto& cloud = std::get<qnv::Cloud>(found);
   if (options.records) return encode_vectors(cloud, std::move(encode_options), progress);
@@ -304,12 +314,21 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const Options& optio
 }
 
 std::variant<qnv::Cloud, EncodeError> cloud_of_input(const Options& options, OpenedInput input, ProgressBar& progress) {
+  const auto stand = [&](qnv::Cloud& cloud) {
+    Metadata& metadata = cloud.description.metadata;
+    if (stated_upright(metadata)) return;
+    for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
+  };
   if (auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{options.files.front() + " is no volume; --isovalue is for volumes"};
+    stand(*cloud);
     return std::move(*cloud);
   }
-  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue)
-    return gradients(*volume, options, progress);
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && !options.isovalue) {
+    auto found = gradients(*volume, options, progress);
+    if (auto* cloud = std::get_if<qnv::Cloud>(&found)) stand(*cloud);
+    return found;
+  }
   auto encoded = encode_input(options, input, progress);
   if (auto* problem = std::get_if<EncodeError>(&encoded)) return std::move(*problem);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);

@@ -30,6 +30,7 @@ struct OpenedInput {
   std::string type;   // the content type's name
   std::string title;  // of a world, else the file's name
   std::size_t bytes = 0;
+  Upright upright{};  // by its format, where the file itself does not say
 };
 
 /// Opens a file of any type; as headerless volume where the options have dimensions. Prints what is wrong; nothing

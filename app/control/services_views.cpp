@@ -96,7 +96,9 @@ bool set_viewer(ServiceCall& call) {
     pose.orientation = glm::angleAxis(turn[3], axis / length);
   }
   // Made valid, whatever the numbers are.
+  const double height = pose.height;
   pose = pose_of(world_from_viewer(pose), pose.field_of_view);
+  pose.height = height;
   call.view->navigation.transition.reset();
   call.view->navigation.pose = pose;
   call.document->living->execution().viewer_jumped();

@@ -66,19 +66,21 @@ constexpr ContentType kTypes[] = {
     {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, ContentClass::cloud, nullptr,
      import_splats_compressed_ply},
     {"splats PLY", "application/x-ply", "", is_splats_ply, ContentClass::cloud, nullptr, import_splats_ply},
-    {"points PLY", "application/x-ply", "", is_points_ply, ContentClass::cloud, nullptr, import_points_ply},
-    {"PLY", "application/x-ply", ".ply ", is_ply, ContentClass::mesh, alone<import_ply>},
+    {"points PLY", "application/x-ply", "", is_points_ply, ContentClass::cloud, nullptr, import_points_ply, false,
+     UpRule::survey},
+    {"PLY", "application/x-ply", ".ply ", is_ply, ContentClass::mesh, alone<import_ply>, nullptr, false,
+     UpRule::by_shape},
     {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, import_gltf},
     {"OBJ", "model/obj", ".obj ", nullptr, ContentClass::mesh, import_obj},
     {"OFF", "model/x-off", ".off ", is_off, ContentClass::mesh, alone<import_off>},
-    {"STL", "model/stl", ".stl ", nullptr, ContentClass::mesh, alone<import_stl>},
+    {"STL", "model/stl", ".stl ", nullptr, ContentClass::mesh, alone<import_stl>, nullptr, false, UpRule::z},
     {"AVS geometry", "model/x-avs-geometry", ".mgf .geom .geo ", is_avs_geometry, ContentClass::mesh,
      alone<import_avs_geometry>},
     {"AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, ContentClass::mesh, alone<import_ucd>},
     {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, ContentClass::cloud, nullptr, import_splats_spz, true},
     {"splats", "model/x-splat", ".splat ", nullptr, ContentClass::cloud, nullptr, import_splats_antimatter},
     {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, ContentClass::cloud, nullptr, import_splats_ksplat},
-    {"points", "text/x-xyz", ".xyz ", nullptr, ContentClass::cloud, nullptr, import_points_xyz},
+    {"points", "text/x-xyz", ".xyz ", nullptr, ContentClass::cloud, nullptr, import_points_xyz, false, UpRule::survey},
 };
 
 // Splats as pictures of WebP, in a ZIP archive or beside their meta.json.
@@ -107,7 +109,8 @@ std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
     std::vector<ContentType> all(std::begin(kTypes), std::end(kTypes));
     for (const VolumeFormatName& volume : volume_format_names())
-      all.push_back({volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume});
+      all.push_back({volume.name, volume.mime, volume.extensions, volume.sniff, ContentClass::volume, nullptr, nullptr,
+                     false, volume.up});
     return all;
   }();
   return types;

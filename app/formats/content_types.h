@@ -2,6 +2,7 @@
 
 #include "app/base/read_file.h"
 #include "app/base/world_budget.h"
+#include "app/formats/common/upright.h"
 #include "app/formats/splats/splats.h"
 #include "vrml/scene/diagnostic.h"
 #include "vrml/scene/scene_graph.h"
@@ -37,6 +38,7 @@ struct ContentType {
   /// ContentClass::cloud: bytes to vectors.
   ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
   bool unpacks_itself = false;  // gzip is part of the format
+  UpRule up = UpRule::y;        // what is up, where the file itself does not say
 
   /// True for types that become vectors in the place of nodes.
   [[nodiscard]] bool is_cloud() const {

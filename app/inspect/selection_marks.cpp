@@ -56,10 +56,13 @@ std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose
     size = std::max(size, glm::length(corners[i]));
   }
   // The smaller side of the picture has the field of view.
-  const double pixels =
-      std::max(1, std::min(viewport.width, viewport.height)) / (2 * std::tan(double{pose.field_of_view} / 2));
+  const double smaller = std::max(1, std::min(viewport.width, viewport.height));
+  const double pixels = smaller / (2 * std::tan(double{pose.field_of_view} / 2));
   const double near = std::max(1e-4 * size, 1e-9);
   const auto pixel_of = [&](const glm::dvec3& point) {
+    if (pose.height > 0)
+      return glm::vec2(viewport.left + viewport.width * 0.5 + point.x * smaller / pose.height,
+                       viewport.top + viewport.height * 0.5 - point.y * smaller / pose.height);
     return glm::vec2(viewport.left + viewport.width * 0.5 - point.x / point.z * pixels,
                      viewport.top + viewport.height * 0.5 + point.y / point.z * pixels);
   };
@@ -67,6 +70,10 @@ std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose
     for (const unsigned side : {1U, 2U, 4U}) {
       if ((i & side) != 0) continue;
       glm::dvec3 a = corners[i], b = corners[i | side];
+      if (pose.height > 0) {
+        lines.emplace_back(pixel_of(a), pixel_of(b));
+        continue;
+      }
       if (a.z > -near && b.z > -near) continue;
       if (a.z > -near) a += (b - a) * ((-near - a.z) / (b.z - a.z));
       if (b.z > -near) b += (a - b) * ((-near - b.z) / (a.z - b.z));

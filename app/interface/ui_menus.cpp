@@ -44,6 +44,29 @@ bool UiOverlay::State::is_on(Action action, const UiModel& model) const {
       return model.linked;
     case Action::statistics:
       return statistics;
+    case Action::orthographic:
+      return model.style.parallel;
+    case Action::grid:
+      return model.style.grid;
+    case Action::backdrop:
+      return model.settings.backdrop;
+    case Action::axes:
+      return model.settings.axes;
+    case Action::display_surface:
+    case Action::display_edges:
+    case Action::display_wireframe:
+    case Action::display_points:
+      return model.has_world && static_cast<int>(model.style.display) ==
+                                    static_cast<int>(action) - static_cast<int>(Action::display_surface);
+    case Action::up_auto:
+    case Action::up_x:
+    case Action::up_minus_x:
+    case Action::up_y:
+    case Action::up_minus_y:
+    case Action::up_z:
+    case Action::up_minus_z:
+      return model.has_world &&
+             static_cast<int>(model.style.up) == static_cast<int>(action) - static_cast<int>(Action::up_auto);
     case Action::bookmark:
       return model.bookmark.has_value();
     case Action::examine:
@@ -72,7 +95,19 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
       return model.viewpoints.size() > 1;
     case Action::bookmark:
       return !model.address.empty();
+    case Action::undo_move:
+      return model.can_undo_move;
+    case Action::redo_move:
+      return model.can_redo_move;
     case Action::fit:
+    case Action::side_front:
+    case Action::side_back:
+    case Action::side_left:
+    case Action::side_right:
+    case Action::side_top:
+    case Action::side_bottom:
+    case Action::straighten:
+    case Action::seek:
       return model.has_world && model.mode != NavigationMode::none;
     case Action::mute:
     case Action::louder:
@@ -128,6 +163,16 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
   ImGui::EndMenu();
 }
 
+// A menu in a menu, where its first row stands.
+void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
+  const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
+  if (before && before->group == first.group && before->menu == first.menu) return;
+  if (!ImGui::BeginMenu(("      " + std::string(first.group)).c_str(), model.has_world)) return;
+  for (const ActionRow& row : app::actions())
+    if (row.group == first.group && row.menu == first.menu) menu_item(row, model, actions);
+  ImGui::EndMenu();
+}
+
 void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
   for (std::size_t i = 0; i < kMenus; ++i) {
     const auto menu = static_cast<Menu>(i);
@@ -141,6 +186,10 @@ void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
         if (row.action == Action::quit) {
           recent_menu(model, actions);
           ImGui::Separator();
+        }
+        if (!row.group.empty()) {
+          group_menu(row, model, actions);
+          continue;
         }
         menu_item(row, model, actions);
       }

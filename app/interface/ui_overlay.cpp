@@ -90,6 +90,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.viewport_marks(model);
   if (model.inspection) draw_marks(*model.inspection);
   state.tool_marks(model);
+  state.axes_widget(model, actions);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (!viewport.loading.empty())
@@ -140,6 +141,13 @@ std::optional<double> UiOverlay::next_change() const {
   if (ImGui::GetIO().WantTextInput) next = std::min(next.value_or(0.4), 0.4);  // the caret blinks
   return next;
 }
+
+std::string UiOverlay::clipboard() const {
+  const char* text = ImGui::GetClipboardText();
+  return text ? text : "";
+}
+
+void UiOverlay::set_clipboard(const std::string& text) { ImGui::SetClipboardText(text.c_str()); }
 
 bool UiOverlay::run(Action action) {
   State& state = *state_;

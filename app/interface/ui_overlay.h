@@ -73,6 +73,9 @@ class UiOverlay {
   void arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas);
   /// Opens the panel of an action, or brings it to the front.
   void show_panel(Action toggle);
+  /// The desktop's clipboard, as UTF-8.
+  [[nodiscard]] std::string clipboard() const;
+  void set_clipboard(const std::string& text);
   /// A line that goes away by itself; `is_error` lines stay longer.
   void show_notice(std::string text, bool is_error);
   void clear_notices();

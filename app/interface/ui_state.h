@@ -84,6 +84,7 @@ struct UiOverlay::State {
 
   void menu_bar(const UiModel& model, UiActions& actions);
   void menus(const UiModel& model, UiActions& actions);
+  void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
   void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
   void recent_menu(const UiModel& model, UiActions& actions);
   void bookmark_menu(const UiModel& model, UiActions& actions);
@@ -121,6 +122,7 @@ struct UiOverlay::State {
   void welcome(const UiViewport& viewport, std::size_t index);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;
+  void axes_widget(const UiModel& model, UiActions& actions);
 
   // In the units of Dear ImGui.
   [[nodiscard]] float menu_bar_height() const;

@@ -55,6 +55,7 @@ render::Camera camera_between(const render::Camera& from, const render::Camera& 
   render::Camera camera = from;
   camera.world_from_camera = glm::dmat4(glm::mat3_cast(turn));
   camera.world_from_camera[3] = glm::mix(from.world_from_camera[3], to.world_from_camera[3], eased);
+  camera.height = glm::mix(from.height, to.height, eased);
   camera.field_of_view = glm::mix(from.field_of_view, to.field_of_view, static_cast<float>(eased));
   return camera;
 }

@@ -26,6 +26,10 @@ void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t fir
   }
 }
 
+glm::vec3 size_of_all(const render::RenderList& list) {
+  return list.bounds.empty() ? glm::vec3(0) : list.bounds.size();
+}
+
 void inspect_clouds(Document& document) {
   for (const render::SplatItem& item : document.list->splats) {
     if (!item.cloud) continue;
@@ -43,8 +47,10 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   document->world.path = path;
   document->world.title = loading.title();
   document->world.feeds = loading.feeds();
+  document->world.authored = loading.authored();
   document->world.diagnostics = loading.diagnostics();
   document->has_navigation_info = list.has_navigation;
+  document->upright = loading.upright(size_of_all(list));
   document->list = std::make_shared<const render::RenderList>(std::move(list));
   inspect_clouds(*document);
   return document;
@@ -67,10 +73,11 @@ void begin_world(Document& document, double now) {
   document.has_navigation_info = document.living->bound().navigation_info != nullptr;
   document.first_scene = document.living->look({0, 0, 10}, document.viewer_dependent);
   document.list = document.first_scene->scene.shared_list();
+  document.upright = document.world.upright(size_of_all(*document.list));
   if (document.viewer_dependent) {
     const auto& viewpoints = document.list->viewpoints;
     const glm::dvec3 viewer = viewpoints.empty()
-                                  ? first_pose(document.list->bounds, {4, 3}).position
+                                  ? first_pose(document.list->bounds, {4, 3}, document.upright).position
                                   : pose_of(viewpoints[0].world_from_camera, viewpoints[0].field_of_view).position;
     (void)document.living->show(*document.first_scene, viewer);
   }

@@ -28,6 +28,7 @@ struct Document {
   std::unique_ptr<LivingWorld> living;             // null: it has no scene (yet)
   std::shared_ptr<LivingScene> first_scene;        // as it is first seen; null: it has no scene (yet)
   std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of what has come so far; never null
+  Upright upright;                                 // how it stands, by its format or what it says itself
   bool is_preview = false;                         // more of it comes, and it has no scene yet
   bool viewer_dependent = false;                   // has LOD or Billboard nodes: who moves needs a list of his own
   bool has_navigation_info = false;

@@ -170,7 +170,7 @@ std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::
     pane.input.release();
     if (!pane.view()) {
       change.first = true;
-      pane.views[pane.shown] = view_of(std::move(document), places[i].size(), viewpoint, &change.found);
+      pane.views[pane.shown] = view_of(std::move(document), places[i].size(), viewpoint, &change.found, style_);
     }
     changes.push_back(change);
   }

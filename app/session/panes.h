@@ -91,6 +91,9 @@ class Panes {
   /// Nobody waits for anything any more.
   void cancel_all() { documents_.cancel_all(); }
 
+  /// How files are seen that are seen for the first time from now on.
+  void set_style(const ViewStyle& style) { style_ = style; }
+  [[nodiscard]] const ViewStyle& style() const { return style_; }
   /// Makes all others in sight look as this one does; see `link_view`.
   void link(std::size_t leader);
   /// Lets go of all keys and drags.
@@ -110,6 +113,7 @@ class Panes {
   ViewportLayout layout_ = ViewportLayout::one;
   std::size_t active_ = 0;
   DocumentList documents_;
+  ViewStyle style_;
 };
 
 }  // namespace gs::app

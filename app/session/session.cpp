@@ -22,6 +22,7 @@ Session::Session(SessionOptions options, LoadOptions load, std::function<void()>
   if (!options_.simulated)
     mesh_worker_ = std::make_shared<render::MeshWorker>(
         wake_, [trees = picker_.items().trees()](const auto& mesh) { trees->prepare(mesh); });
+  panes_.set_style(options_.style);
   panes_.start(places_of(options_.files));
   sounds_.set_muted(options_.muted);
   if (options_.audible) device_ = std::make_unique<SoundDevice>(sounds_.mixer(), world_time);
@@ -207,10 +208,15 @@ void Session::move_views(float seconds, bool look) {
     if (!seen) continue;
     const Pose before = seen->navigation.pose;
     const NavigationInput input = pane.input.input(seen->navigation.mode, rectangles[i]);
-    if (input.any()) leader_ = sight[i];
+    if (input.any()) {
+      leader_ = sight[i];
+      seen->history.interrupt();
+    }
     move_viewer(*seen, app::step(seen->navigation, input, seconds), panes_.loading(sight[i]), seconds);
     const Pose& after = seen->navigation.pose;
-    if (before.position == after.position && before.orientation == after.orientation) continue;
+    if (before.position == after.position && before.orientation == after.orientation && before.height == after.height)
+      continue;
+    seen->history.moved(before, after, now_);
     moved.push_back(sight[i]);
     frame_.changed = true;
     // The pointer is over something else from now on.

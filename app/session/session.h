@@ -46,6 +46,8 @@ struct SessionOptions {
   bool audible = false;  // sounds are played on the system's device
   bool muted = false;    // until somebody wants to hear them
   double speed = 1;      // of the viewer, times what worlds say
+  ViewStyle style{};     // of views of files
+  std::optional<Pose> camera{};  // where the first file is first seen from
 };
 
 /// What happens in a step of a session.
@@ -183,6 +185,17 @@ class Session {
   [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
   /// Flies the active viewport's viewer to where all of this is in sight.
   void fly_to(const render::WorldBounds& bounds);
+  /// The active view, from a side of what it shows.
+  void look_from(ViewSide side);
+  /// Whether the next click in the active viewport goes there.
+  [[nodiscard]] bool seeking() const { return seeking_; }
+  /// Whether the active viewport's viewer can be taken back to where he rested (-1), and forward again (1).
+  [[nodiscard]] bool can_undo_move(int direction) const;
+  /// How files are seen from now on that are seen for the first time.
+  /// Backdrop and axes of what is seen already, too.
+  void set_style(const ViewStyle& style);
+  /// Takes the viewer of the active viewport there, on a way; he sees by parallel rays from then on if `pose` does.
+  void go_to(const Pose& pose);
   /// Takes the viewer of the active viewport there, at once.
   void move_viewer_to(const glm::dvec3& place);
 
@@ -261,6 +274,7 @@ class Session {
   void go_to_viewpoint(View& view, std::size_t index);
   void jump_to_viewpoint(View& view, std::size_t index);
   void step_viewpoint(int direction);
+  void undo_move(View& view, int direction);
   void fit();
   void reset();
   void change_speed(float factor);
@@ -310,6 +324,7 @@ class Session {
   FolderQuestions questions_;
   SessionLog log_;
   bool linked_ = false;
+  bool seeking_ = false;
   std::size_t leader_ = 0;  // the viewport that the user moved last
   double next_priorities_ = 0;
   double life_due_ = 0;      // when time goes on in the worlds, if it does

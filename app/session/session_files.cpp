@@ -182,6 +182,11 @@ void Session::show_loaded() {
       entries_.try_emplace(panes_.at(change.pane).shown, options_.viewpoint);
     if (!change.found) tell("There is no Viewpoint \"" + options_.viewpoint + "\" in this world", true);
     seen.navigation.speed *= static_cast<float>(options_.speed);
+    if (const auto camera = std::exchange(options_.camera, std::nullopt);
+        camera && seen.navigation.mode != NavigationMode::none) {
+      choose_parallel(seen, seen.style.parallel || camera->height > 0);
+      stand_at(seen, *camera, false);
+    }
     if (options_.headlight) seen.headlight = *options_.headlight;
     if (const auto budget = budgets_.find(panes_.at(change.pane).shown); budget != budgets_.end())
       seen.budget = budget->second;

@@ -69,7 +69,7 @@ void Session::handle_pointer(const SessionInput::Event& input) {
     const std::size_t target = sight[*place];
     if (event.kind == Kind::button_down || event.kind == Kind::drop) activate(target);
     Pane& pane = panes_.at(target);
-    if (!input.over_interface || sensor_has_pointer_)
+    if ((!input.over_interface || sensor_has_pointer_) && !seeking_)
       if (point_with(event, target)) return;
     if (const View* seen = pane.view()) point_at(target, pane.input.take(event, seen->navigation.mode));
   }
@@ -108,6 +108,7 @@ bool Session::run(Action action) {
       change_sound(action);
       return true;
     case Action::close:
+      if (std::exchange(seeking_, false)) return true;
       return panes_.cancel(panes_.active());
     case Action::back:
     case Action::forward:
@@ -146,6 +147,52 @@ bool Session::run_in(View& seen, Action action) {
       seen.navigation.ghost = !seen.navigation.ghost;
       tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false);
       return true;
+    case Action::side_front:
+    case Action::side_back:
+    case Action::side_left:
+    case Action::side_right:
+    case Action::side_top:
+    case Action::side_bottom:
+      look_from(static_cast<ViewSide>(static_cast<int>(action) - static_cast<int>(Action::side_front)));
+      return true;
+    case Action::straighten:
+      if (seen.navigation.mode != NavigationMode::none)
+        seen.navigation = travel_to(seen.navigation, straightened(seen.navigation.pose, seen.navigation.up));
+      return true;
+    case Action::seek:
+      seeking_ = !seeking_ && seen.navigation.mode != NavigationMode::none;
+      if (seeking_) tell("Click what you want to go to", false);
+      return true;
+    case Action::undo_move:
+    case Action::redo_move:
+      undo_move(seen, action == Action::undo_move ? -1 : 1);
+      return true;
+    case Action::orthographic:
+      choose_parallel(seen, !seen.style.parallel);
+      tell(seen.style.parallel ? "Orthographic: parallel rays" : "Perspective", false);
+      return true;
+    case Action::display_surface:
+    case Action::display_edges:
+    case Action::display_wireframe:
+    case Action::display_points:
+      seen.style.display = static_cast<render::DisplayMode>(static_cast<int>(action) -
+                                                            static_cast<int>(Action::display_surface));
+      return true;
+    case Action::next_display:
+      seen.style.display = static_cast<render::DisplayMode>((static_cast<int>(seen.style.display) + 1) % 4);
+      return true;
+    case Action::grid:
+      seen.style.grid = !seen.style.grid;
+      return true;
+    case Action::up_auto:
+    case Action::up_x:
+    case Action::up_minus_x:
+    case Action::up_y:
+    case Action::up_minus_y:
+    case Action::up_z:
+    case Action::up_minus_z:
+      choose_up(seen, static_cast<UpAxis>(static_cast<int>(action) - static_cast<int>(Action::up_auto)));
+      return true;
     case Action::faster:
       change_speed(std::sqrt(2.0f));
       return true;
@@ -164,6 +211,12 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   const Viewport place = place_of(pane);
   Navigation& navigation = seen.navigation;
   const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
+  if (gesture.click && std::exchange(seeking_, false)) {
+    if (const auto hit = distance_under(seen, ray, place.size())) navigation = seek(navigation, ray.at(*hit));
+    end_journey(seen);
+    leader_ = pane;
+    return;
+  }
   if (gesture.click) {
     if (navigation.mode != NavigationMode::look_at) return;
     approach(seen, ray, place.size());
@@ -253,9 +306,49 @@ void Session::fly_to(const render::WorldBounds& bounds) {
   if (!seen || bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
   const Viewport place = place_of(panes_.active());
   Navigation& navigation = seen->navigation;
-  navigation = travel_to(navigation, pose_that_fits(navigation.pose, bounds, place.size()));
+  navigation = travel_to(navigation, pose_that_fits(navigation.pose, bounds, place.size(), navigation.up));
   navigation.center = bounds.center();
   leader_ = panes_.active();
+}
+
+void Session::look_from(ViewSide side) {
+  View* seen = view();
+  if (!seen || seen->list->bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
+  Navigation& navigation = seen->navigation;
+  const render::WorldBounds& bounds = seen->list->bounds;
+  navigation = travel_to(navigation, pose_at_side(side, navigation.pose, bounds, place_of(panes_.active()).size(),
+                                                  upright_of(*seen)));
+  navigation.center = bounds.center();
+  leader_ = panes_.active();
+}
+
+void Session::set_style(const ViewStyle& style) {
+  panes_.set_style(style);
+  for (std::size_t i = 0; i < kMostViewports; ++i)
+    for (auto& [path, seen] : panes_.at(i).views) {
+      seen.style.backdrop = style.backdrop;
+      seen.style.axes = style.axes;
+    }
+}
+
+void Session::go_to(const Pose& pose) {
+  View* seen = view();
+  if (!seen || seen->navigation.mode == NavigationMode::none) return;
+  choose_parallel(*seen, pose.height > 0);
+  seen->navigation = travel_to(seen->navigation, pose);
+  leader_ = panes_.active();
+}
+
+void Session::undo_move(View& seen, int direction) {
+  if (seen.navigation.mode == NavigationMode::none) return;
+  const auto place = seen.history.go(direction, seen.navigation.pose);
+  if (place) seen.navigation = travel_to(seen.navigation, *place);
+  leader_ = panes_.active();
+}
+
+bool Session::can_undo_move(int direction) const {
+  const View* seen = panes_.at(panes_.active()).view();
+  return seen && seen->history.can_go(direction);
 }
 
 void Session::reset() {

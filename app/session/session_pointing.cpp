@@ -11,7 +11,7 @@ namespace gs::app {
 
 PickOptions pick_options(const View& seen, const glm::vec2& size) {
   PickOptions options;
-  options.pixel = 2 * std::tan(seen.navigation.pose.field_of_view / 2) / std::max(1.0f, std::min(size.x, size.y));
+  options.pixel = pixel_along_ray(seen.navigation.pose, size);
   options.clouds = seen.look;
   return options;
 }

@@ -59,9 +59,22 @@ std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::
   return std::nullopt;
 }
 
+/// A pose of the author's, or of the whole, by the rays that the user wants.
+Pose seen_as_chosen(const View& view, const Pose& pose) {
+  if (!view.style.parallel) return pose;
+  const render::WorldBounds& bounds = view.list->bounds;
+  const glm::dvec3 center(usable(bounds) ? bounds.center() : glm::dvec3(0));
+  const double ahead = glm::dot(center - pose.position, glm::dvec3(pose.forward()));
+  return with_parallel_rays(pose, true, std::max({ahead, glm::length(center - pose.position) * 0.1, 1e-9}));
+}
+
+Pose home_of(const View& view, const render::ViewpointState& viewpoint) {
+  return seen_as_chosen(view, pose_of(viewpoint.world_from_camera, viewpoint.field_of_view));
+}
+
 /// What is up for the viewer and how long his metre is, he has from the Viewpoint that he is bound to (6.29).
 void take_measures(View& view, const render::ViewpointState& viewpoint) {
-  view.navigation.up = glm::vec3(viewpoint.up);
+  if (view.style.up == UpAxis::automatic) view.navigation.up = glm::vec3(viewpoint.up);
   view.navigation.speed *= static_cast<float>(viewpoint.scale / std::exchange(view.scale, viewpoint.scale));
 }
 
@@ -78,7 +91,7 @@ void follow_navigation_info(View& view) {
 
 /// As the whole that is in sight is first seen.
 void choose_home(View& view, const render::WorldBounds& whole, const glm::vec2& viewport) {
-  view.home = first_pose(whole, viewport);
+  view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
   view.home_size = viewport;
   view.framed = whole;
 }
@@ -110,7 +123,8 @@ void follow_growth(View& view) {
       view.framed.upper[axis] += growth / 2 + air;
   }
   view.home =
-      usable(before) ? pose_that_fits(view.home, view.framed, view.home_size) : first_pose(view.framed, view.home_size);
+      usable(before) ? pose_that_fits(view.home, view.framed, view.home_size, view.navigation.up)
+                     : seen_as_chosen(view, first_pose(view.framed, view.home_size, upright_of(view)));
   const Navigation measured = start_navigation(view.rules, whole, view.home);
   view.navigation = travel_to(view.navigation, view.home);
   view.navigation.center = measured.center;
@@ -119,9 +133,50 @@ void follow_growth(View& view) {
 
 }  // namespace
 
-View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found) {
+Upright upright_of(const View& view) {
+  if (view.style.up != UpAxis::automatic) return upright_of(view.style.up);
+  const Upright of_file = view.document ? view.document->upright : Upright{};
+  return view.viewpoint && view.navigation.up != of_file.up ? upright_along(view.navigation.up) : of_file;
+}
+
+void apply_style(const View& view, render::DrawOptions& draw) {
+  draw.display = view.style.display;
+  draw.backdrop = view.style.backdrop && view.document && !view.document->world.authored;
+}
+
+void choose_up(View& view, UpAxis up) {
+  const bool stays = at_home(view);
+  view.style.up = up;
+  view.navigation.up = upright_of(view).up;
+  if (view.viewpoint && *view.viewpoint < view.list->viewpoints.size()) {
+    if (up == UpAxis::automatic) view.navigation.up = glm::vec3(view.list->viewpoints[*view.viewpoint].up);
+    return;
+  }
+  choose_home(view, usable(view.framed) ? view.framed : view.list->bounds, view.home_size);
+  view.navigation =
+      travel_to(view.navigation, stays ? view.home : straightened(view.navigation.pose, view.navigation.up));
+}
+
+void choose_parallel(View& view, bool parallel) {
+  if (view.style.parallel == parallel) return;
+  view.style.parallel = parallel;
+  Navigation& navigation = view.navigation;
+  if (navigation.transition) navigation.pose = navigation.transition->to;
+  navigation.transition.reset();
+  const bool stays = at_home(view);
+  navigation.pose = with_parallel_rays(navigation.pose, parallel, looked_at_distance(navigation));
+  if (view.viewpoint && *view.viewpoint < view.list->viewpoints.size())
+    view.home = home_of(view, view.list->viewpoints[*view.viewpoint]);
+  else
+    choose_home(view, usable(view.framed) ? view.framed : view.list->bounds, view.home_size);
+  if (stays) navigation.pose = view.home;
+}
+
+View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found,
+             const ViewStyle& style) {
   View view;
   view.document = document;
+  view.style = style;
   view.list = document->list;
   if (document->living) {
     note_bound(view);
@@ -143,20 +198,22 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   if (view.viewpoint) {
     const render::ViewpointState& bound = list.viewpoints[*view.viewpoint];
     view.world_from_viewpoint = bound.world_from_camera;
-    view.home = pose_of(bound.world_from_camera, bound.field_of_view);
+    view.home = home_of(view, bound);
     view.home_size = viewport;
   } else {
     choose_home(view, list.bounds, viewport);
     if (usable(list.bounds)) view.first_size = glm::length(list.bounds.size());
   }
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
+  view.navigation.up = upright_of(view).up;
   if (view.viewpoint) take_measures(view, list.viewpoints[*view.viewpoint]);
   if (found) *found = viewpoint.empty() || named.has_value();
   return view;
 }
 
 View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
-  View view = view_of(std::move(document), viewport, {});
+  View view = view_of(std::move(document), viewport, {}, nullptr, before.style);
+  view.history = before.history;
   view.look = before.look;
   view.slices = before.slices;
   view.color_bar = before.color_bar;
@@ -172,7 +229,8 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
 
 View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
   if (!at_home(before)) return renewed(before, std::move(document), viewport);
-  View view = view_of(std::move(document), viewport, {});
+  View view = view_of(std::move(document), viewport, {}, nullptr, before.style);
+  view.history = before.history;
   view.look = before.look;
   view.slices = before.slices;
   view.color_bar = before.color_bar;
@@ -218,7 +276,11 @@ bool follow_world(View& view) {
   if (viewpoint.world_from_camera == view.world_from_viewpoint && viewpoint.field_of_view == view.home.field_of_view)
     return true;
   const glm::dmat4 moved = viewpoint.world_from_camera * glm::inverse(view.world_from_viewpoint);
-  const auto carry = [&](Pose& pose) { pose = pose_of(moved * world_from_viewer(pose), viewpoint.field_of_view); };
+  const auto carry = [&](Pose& pose) {
+    const double height = pose.height;
+    pose = pose_of(moved * world_from_viewer(pose), viewpoint.field_of_view);
+    pose.height = height;
+  };
   const bool stays = at_home(view);
   take_measures(view, viewpoint);
   view.world_from_viewpoint = viewpoint.world_from_camera;
@@ -227,7 +289,7 @@ bool follow_world(View& view) {
     carry(view.navigation.transition->from);
     carry(view.navigation.transition->to);
   }
-  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  view.home = home_of(view, viewpoint);
   if (stays) view.navigation.pose = view.home;  // without what rounding adds up to
   return true;
 }
@@ -238,7 +300,7 @@ void bind_viewpoint(View& view, std::size_t index) {
   leave_viewpoint(view);
   view.viewpoint = index;
   view.world_from_viewpoint = viewpoint.world_from_camera;
-  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
   view.navigation = travel_to(view.navigation, view.home);
   if (!view.document || !view.document->living) return;
@@ -261,7 +323,7 @@ bool follow_bound_viewpoint(View& view) {
   const render::ViewpointState& viewpoint = view.list->viewpoints[*index];
   view.viewpoint = index;
   view.world_from_viewpoint = viewpoint.world_from_camera;
-  view.home = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
   // Where one that jumped is popped, the viewer goes back to where he stood.
   const glm::dmat4 left = take_left(view);
@@ -277,6 +339,7 @@ Pose linked_pose(const Pose& pose, const render::WorldBounds& from, const render
   if (!usable(from) || !usable(to) || (from.lower == to.lower && from.upper == to.upper)) return pose;
   const double scale = double{glm::length(to.size())} / double{glm::length(from.size())};
   Pose result = pose;
+  result.height *= scale;
   result.position = glm::dvec3(to.center()) + (pose.position - glm::dvec3(from.center())) * scale;
   const double reach =
       std::max({std::abs(result.position.x), std::abs(result.position.y), std::abs(result.position.z)});
@@ -290,6 +353,7 @@ void link_view(View& view, const View& leader) {
   view.navigation = with_mode(view.navigation, view.navigation.mode);
   view.navigation.transition.reset();
   view.navigation.pose = linked_pose(leader.navigation.pose, from, to);
+  view.style.parallel = leader.style.parallel;
   Pose center;  // what EXAMINE turns about lies in the same place, too
   center.position = leader.navigation.center;
   view.navigation.center = linked_pose(center, from, to).position;

@@ -2,8 +2,10 @@
 
 #include "app/session/documents.h"
 #include "app/view/navigation.h"
+#include "app/view/pose_history.h"
 #include "app/view/slices.h"
 #include "render/scene/cloud_look.h"
+#include "render/scene/draw_options.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -15,6 +17,18 @@
 #include <vector>
 
 namespace gs::app {
+
+/// How a file is seen that is seen for the first time.
+struct ViewStyle {
+  UpAxis up = UpAxis::automatic;  // as the user says
+  bool parallel = false;          // by parallel rays, in place of perspective
+  render::DisplayMode display = render::DisplayMode::surface;
+  bool backdrop = false;  // a gradient where no author has chosen a background
+  bool axes = false;      // in a corner: where they lead, and a click there shows that side
+  bool grid = false;      // on the ground
+
+  bool operator==(const ViewStyle&) const = default;
+};
 
 /// How one viewport looks at a document, which others may look at in other ways. A document lives as long as a view
 /// of it, or a list that has it.
@@ -46,12 +60,24 @@ struct View {
   render::CloudLook look;
   VolumeSlices slices;
   bool color_bar = false;  // beside the picture
+  ViewStyle style;
+  PoseHistory history;  // of the viewer
 };
 
 /// A view from where a document is first seen: at the Viewpoint named `viewpoint`, else at the first one, else so
 /// that the whole is in view. `found`: false when a name was given that no Viewpoint has.
 [[nodiscard]] View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint,
-                           bool* found = nullptr);
+                           bool* found = nullptr, const ViewStyle& style = {});
+
+/// How what it shows stands for who looks at it: as the user says, else as the bound Viewpoint's coordinates do, else
+/// as the file does.
+[[nodiscard]] Upright upright_of(const View& view);
+/// What of a style is for the picture: display mode and backdrop.
+void apply_style(const View& view, render::DrawOptions& draw);
+/// Something else is up from now on; who looks at the first view of a world without a Viewpoint goes to the new one.
+void choose_up(View& view, UpAxis up);
+/// Sees by parallel rays from now on, or in perspective: what he looks at is as large as before.
+void choose_parallel(View& view, bool parallel);
 
 /// The view of a document that was read again: as `before`, as far as the new world allows it.
 [[nodiscard]] View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/formats/common/upright.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -21,6 +23,9 @@ struct UserSettings {
   bool system_dialog = true;      // to open files, where the desktop has one
   bool offers_to_restore = true;  // the files of a window that ended by itself
   bool writes_log = true;         // into a file
+  UpAxis up = UpAxis::automatic;  // of files that are opened
+  bool backdrop = true;           // a gradient behind what no author has given a background
+  bool axes = true;               // in a corner of the picture
   std::size_t budget = 0;         // vectors of all viewports together; 0: as many as suit a window
 
   bool operator==(const UserSettings&) const = default;

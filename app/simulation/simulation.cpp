@@ -15,16 +15,17 @@
 namespace gs::app {
 namespace {
 
-SessionOptions simulated() {
+SessionOptions simulated(const ViewStyle& style) {
   SessionOptions options;
+  options.style = style;
   options.simulated = true;
   return options;
 }
 
 }  // namespace
 
-Simulation::Simulation(OpenedWorld world, const glm::ivec2& size)
-    : document_(hold_world(std::move(world))), session_(simulated(), {}, [] {}) {
+Simulation::Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style)
+    : document_(hold_world(std::move(world))), session_(simulated(style), {}, [] {}) {
   input_.area = Viewport{0, 0, size.x, size.y};
   execution().set_aspect(static_cast<double>(size.x) / size.y);
 }
@@ -144,7 +145,7 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // The Viewpoint's own place, without what a pose leaves of it.
-  if (at_home(seen) && seen.viewpoint) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
+  if (at_home(seen) && seen.viewpoint && !seen.style.parallel) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 

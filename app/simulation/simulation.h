@@ -31,7 +31,7 @@ inline constexpr double kSimulationStep = 1.0 / 60;
 class Simulation {
  public:
   /// `size`: of the picture that the pointing device points at, in pixels. The world has a scene.
-  Simulation(OpenedWorld world, const glm::ivec2& size);
+  Simulation(OpenedWorld world, const glm::ivec2& size, const ViewStyle& style = {});
 
   /// Takes in what somebody does. False where rows name what the world does not have; `diagnostics` say which.
   [[nodiscard]] bool plan(const std::vector<InputRow>& rows, const std::string& file, vrml::Diagnostics& diagnostics);

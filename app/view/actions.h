@@ -62,6 +62,35 @@ enum class Action : std::uint8_t {
   smaller_text,
   normal_text,
   theme,
+  side_front,
+  side_back,
+  side_left,
+  side_right,
+  side_top,
+  side_bottom,
+  straighten,
+  seek,
+  undo_move,
+  redo_move,
+  orthographic,
+  display_surface,
+  display_edges,
+  display_wireframe,
+  display_points,
+  next_display,
+  grid,
+  backdrop,
+  axes,
+  copy_camera,
+  copy_viewpoint,
+  paste_camera,
+  up_auto,
+  up_x,
+  up_minus_x,
+  up_y,
+  up_minus_y,
+  up_z,
+  up_minus_z,
   close,
   quit,
 };
@@ -80,7 +109,8 @@ struct ActionRow {
   std::string_view label;  // on a button
   std::string_view help;   // what it does, in one line, as it stands in menus
   Menu menu = Menu::view;
-  bool alt = false;  // with the key
+  bool alt = false;            // with the key
+  std::string_view group = {};  // the menu in the menu; empty: none. Rows of one stand together
 };
 [[nodiscard]] std::span<const ActionRow> actions();
 [[nodiscard]] const ActionRow& row_of(Action action);

@@ -38,19 +38,16 @@ glm::dvec3 clean_place(const glm::dvec3& v) {
 }
 float clean(float v, float limit) { return finite(v) ? std::clamp(v, -limit, limit) : 0.0f; }
 
-Pose valid(Pose pose, const Pose& otherwise) {
-  if (!finite(pose.position)) pose.position = otherwise.position;
-  pose.position = clean_place(pose.position);
-  const float length = glm::length(pose.orientation);
-  pose.orientation = finite(pose.orientation) && length > 1e-3f ? pose.orientation / length : otherwise.orientation;
-  if (!finite(pose.field_of_view)) pose.field_of_view = otherwise.field_of_view;
-  pose.field_of_view = std::clamp(pose.field_of_view, 0.001f, kPi - 0.01f);
-  return pose;
-}
-
 /// Metres a pixel at `distance` along the view.
 float pixel_size(const Pose& pose, float distance, const glm::vec2& viewport) {
-  return 2 * distance * std::tan(pose.field_of_view / 2) / std::max(1.0f, std::min(viewport.x, viewport.y));
+  const float pixels = std::max(1.0f, std::min(viewport.x, viewport.y));
+  if (pose.height > 0) return static_cast<float>(pose.height) / pixels;
+  return 2 * distance * std::tan(pose.field_of_view / 2) / pixels;
+}
+
+// By parallel rays what is `left` of the distance is seen as such a part of the height.
+void scale_height(Pose& pose, double left) {
+  if (pose.height > 0) pose.height *= left;
 }
 
 /// How far away the things are that EXAMINE looks at; never too near to move on.
@@ -165,6 +162,7 @@ void apply_zoom(Navigation& state, float seconds) {
     glm::vec3 ahead = state.pose.forward();
     if (state.mode == NavigationMode::walk) ahead = level(state, ahead);
     state.pose.position += glm::dvec3(ahead * (state.speed * 0.5f * now));
+    scale_height(state.pose, std::pow(double{kZoomNotch}, double{now}));
     return;
   }
   const glm::vec3 away(state.pose.position - state.zoom_target);
@@ -173,6 +171,7 @@ void apply_zoom(Navigation& state, float seconds) {
   const float distance = glm::length(away);
   const float next = std::clamp(distance * std::pow(kZoomNotch, now), std::min(nearest, distance), farthest);
   state.pose.position = state.zoom_target + glm::dvec3(unit_or(away, -state.pose.forward()) * next);
+  if (distance > 0) scale_height(state.pose, double{next} / double{distance});
 }
 
 /// Held keys, and the travelling drag, which is a key that knows how much.
@@ -202,7 +201,10 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       const glm::vec3 away(pose.position - state.center);
       const float distance = std::max(glm::length(away), state.scene_size * 1e-3f);
       const float next = std::clamp(distance * std::exp(-move.z), state.scene_size * 1e-4f, state.scene_size * 1e3f);
-      if (move.z != 0) pose.position = state.center + glm::dvec3(unit_or(away, -pose.forward()) * next);
+      if (move.z != 0) {
+        pose.position = state.center + glm::dvec3(unit_or(away, -pose.forward()) * next);
+        scale_height(pose, double{next} / double{distance});
+      }
       pose.position += glm::dvec3((pose.right() * move.x + pose.up() * move.y) * (std::sqrt(distance * next) * 0.5f));
       rotate_about_center(state, turn.x / 2, turn.y / 2);
       break;
@@ -213,12 +215,14 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       pose.position += glm::dvec3(pose.forward() * (distance * ahead) +
                                   (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) *
                                       (distance * (1 - ahead / 2) * 0.5f));
+      scale_height(pose, 1 - double{ahead});
       break;
     }
     case NavigationMode::fly:
       pose.orientation = turned(state, turn.x / 2, turn.y / 2);
       pose.position += glm::dvec3((pose.right() * move.x + pose.up() * move.y + pose.forward() * move.z) * state.speed);
       pose.orientation = turned(state, turn.x / 2, turn.y / 2);
+      scale_height(pose, std::exp(-0.5 * double{move.z}));
       break;
     case NavigationMode::walk: {
       const float roll_left = std::exp(-seconds / kLevelTime);
@@ -226,6 +230,7 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       const glm::vec3 ahead = level(state, pose.forward()), side = glm::cross(ahead, state.up);
       pose.position += glm::dvec3((side * move.x + state.up * move.y + ahead * move.z) * state.speed);
       pose.orientation = turned_level(state, turn.x / 2, turn.y / 2, 1);
+      scale_height(pose, std::exp(-0.5 * double{move.z}));
       break;
     }
   }
@@ -244,6 +249,7 @@ void advance_transition(Navigation& state, float seconds) {
   state.pose.position = glm::mix(way.from.position, way.to.position, double{eased});
   state.pose.orientation = glm::slerp(way.from.orientation, way.to.orientation, eased);
   state.pose.field_of_view = glm::mix(way.from.field_of_view, way.to.field_of_view, eased);
+  state.pose.height = glm::mix(way.from.height, way.to.height, double{eased});
 }
 
 NavigationInput clean(NavigationInput input) {
@@ -266,7 +272,7 @@ bool Navigation::moving() const {
 Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds, const Pose& pose) {
   Navigation state;
   state.mode = rules.start;
-  state.pose = valid(pose, Pose{});
+  state.pose = valid_pose(pose, Pose{});
   if (!bounds.empty()) {
     const glm::vec3 center = bounds.center();
     if (finite(center)) state.center = clean_place(center);
@@ -284,7 +290,7 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
   seconds = finite(seconds) ? std::clamp(seconds, 0.0f, kLongestStep) : 0.0f;
   if (state.mode == NavigationMode::none) {
     if (next.transition) advance_transition(next, seconds);
-    next.pose = valid(next.pose, state.pose);
+    next.pose = valid_pose(next.pose, state.pose);
     return next;
   }
   const NavigationInput input = clean(raw);
@@ -305,7 +311,7 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
     apply_zoom(next, seconds);
     apply_keys(next, input, seconds);
   }
-  next.pose = valid(next.pose, state.pose);
+  next.pose = valid_pose(next.pose, state.pose);
   return next;
 }
 
@@ -325,7 +331,7 @@ Navigation with_body(const Navigation& before, Navigation after, const Avatar& a
   from.eye = before.pose.position + body.up * from.lag;
   after.body = walk(from, body, obstacles, way, static_cast<double>(seconds));
   after.pose.position = after.body.seen_from(body);
-  after.pose = valid(after.pose, before.pose);
+  after.pose = valid_pose(after.pose, before.pose);
   return after;
 }
 
@@ -340,7 +346,14 @@ Navigation with_mode(Navigation state, NavigationMode mode) {
 
 Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   state = with_mode(std::move(state), state.mode);
-  state.transition = Transition{.from = state.pose, .to = valid(pose, state.pose), .jump = jump};
+  Pose to = valid_pose(pose, state.pose);
+  // How things are seen is another matter than from where.
+  if ((to.height > 0) != (state.pose.height > 0)) {
+    const double ahead = glm::dot(state.center - to.position, glm::dvec3(to.forward()));
+    const double distance = glm::length(state.center - to.position);
+    to = with_parallel_rays(to, state.pose.height > 0, ahead > 0 ? ahead : distance);
+  }
+  state.transition = Transition{.from = state.pose, .to = to, .jump = jump};
   return state;
 }
 
@@ -359,17 +372,31 @@ Navigation approach(Navigation state, const glm::dvec3& point, const render::Wor
   Pose to = state.pose;
   to.orientation = glm::quat_cast(glm::mat3(right, glm::cross(right, ahead), -ahead));
   if (around) {
-    const float azimuth = std::atan2(-ahead.x, -ahead.z), elevation = std::asin(std::clamp(-ahead.y, -1.0f, 1.0f));
-    const render::Camera framing = render::orbit_camera(bounds, azimuth, elevation, to.field_of_view,
-                                                        std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
-    const double distance = glm::length(glm::dvec3(framing.world_from_camera[3]) - target);
+    const Pose framing = pose_that_fits(to, bounds, viewport, state.up);
+    const double distance = glm::length(framing.position - target);
+    to.height = framing.height;
     to.position = target - glm::dvec3(ahead) * distance;
   } else {
     to.position = target + (position - target) * kNearer;
+    scale_height(to, kNearer);
   }
   state.center = target;
-  return travel_to(std::move(state), valid(to, state.pose));
+  return travel_to(std::move(state), valid_pose(to, state.pose));
 }
+
+Navigation seek(Navigation state, const glm::dvec3& point) {
+  if (!finite(point)) return state;
+  state.center = clean_place(point);
+  const glm::dvec3 way = state.center - state.pose.position;
+  Pose to = state.pose;
+  to.orientation = glm::normalize(
+      rotation_between(to.forward(), unit_or(glm::vec3(way), to.forward())) * to.orientation);
+  to.position += way / 2.0;
+  scale_height(to, 0.5);
+  return travel_to(std::move(state), to);
+}
+
+double looked_at_distance(const Navigation& state) { return double{examined_distance(state, std::nullopt)}; }
 
 Navigation look_at_point(Navigation state, const glm::dvec3& point) {
   if (!finite(point)) return state;
@@ -380,73 +407,11 @@ Navigation look_at_point(Navigation state, const glm::dvec3& point) {
   return travel_to(std::move(state), to);
 }
 
-Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport) {
-  if (bounds.empty()) return pose;
-  const glm::vec3 back = -pose.forward();
-  const glm::vec3 heading = std::abs(back.y) > 0.999f ? pose.up() * (back.y > 0 ? -1.0f : 1.0f) : back;
-  const float azimuth = std::atan2(heading.x, heading.z);
-  const float elevation = std::asin(std::clamp(back.y, -1.0f, 1.0f));
-  const render::Camera camera = render::orbit_camera(bounds, azimuth, elevation, pose.field_of_view,
-                                                     std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
-  return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
-}
-
-Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport) {
-  const Pose pose;
-  if (bounds.empty()) return pose;
-  const render::Camera camera =
-      render::first_camera(bounds, pose.field_of_view, std::max(viewport.x, 1.0f), std::max(viewport.y, 1.0f));
-  return valid(pose_of(camera.world_from_camera, camera.field_of_view), pose);
-}
-
-Pose pose_of(const glm::dmat4& world_from_camera, float field_of_view) {
-  Pose pose;
-  pose.position = glm::dvec3(world_from_camera[3]);
-  const glm::vec3 back = unit_or(glm::vec3(world_from_camera[2]), glm::vec3(0, 0, 1));
-  const glm::vec3 up = glm::vec3(world_from_camera[1]);
-  const glm::vec3 sideways = std::abs(back.y) < 0.9f ? kUp : glm::vec3(0, 0, -1);
-  const glm::vec3 right = unit_or(glm::cross(up, back), unit_or(glm::cross(sideways, back), glm::vec3(1, 0, 0)));
-  pose.orientation = glm::quat_cast(glm::mat3(right, glm::cross(back, right), back));
-  pose.field_of_view = field_of_view;
-  return valid(pose, Pose{});
-}
-
-glm::dmat4 world_from_viewer(const Pose& pose) {
-  glm::dmat4 matrix(glm::mat4_cast(glm::dquat(pose.orientation)));
-  matrix[3] = glm::dvec4(pose.position, 1);
-  return matrix;
-}
-
-render::Camera camera_of(const Pose& pose) {
-  render::Camera camera;
-  camera.world_from_camera = world_from_viewer(pose);
-  camera.field_of_view = pose.field_of_view;
-  return camera;
-}
-
-render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound, const glm::vec2& size) {
-  render::Camera camera;
-  auto viewpoint = std::find_if(list.viewpoints.begin(), list.viewpoints.end(),
-                                [&](const auto& candidate) { return &candidate.scene->node(candidate.node) == bound; });
-  if (viewpoint == list.viewpoints.end()) viewpoint = list.viewpoints.begin();
-  if (viewpoint == list.viewpoints.end())
-    return render::first_camera(list.bounds, camera.field_of_view, size.x, size.y);
-  camera.world_from_camera = viewpoint->world_from_camera;
-  camera.field_of_view = viewpoint->field_of_view;
-  return camera;
-}
-
-Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size) {
-  const float unit = std::max(1.0f, std::min(size.x, size.y)) / 2;
-  const glm::vec2 place = clean((pointer - size * 0.5f) / unit, 1e4f) * std::tan(pose.field_of_view / 2);
-  const glm::vec3 direction = pose.orientation * glm::vec3(place.x, -place.y, -1);
-  return {pose.position, unit_or(direction, pose.forward())};
-}
-
 glm::dvec3 target_of(const Navigation& state, const Ray& ray, std::optional<float> hit) {
   if (hit && finite(*hit) && *hit > 0) return ray.at(*hit);
   const float along = std::max(glm::dot(ray.direction, state.pose.forward()), 0.01f);
-  return ray.at(examined_distance(state, std::nullopt) / along);
+  const double behind = glm::dot(state.pose.position - ray.origin, glm::dvec3(state.pose.forward()));
+  return ray.at((behind + looked_at_distance(state)) / double{along});
 }
 
 }  // namespace gs::app

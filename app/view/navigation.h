@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/upright.h"
 #include "app/view/walking.h"
 #include "render/scene/camera.h"
 #include "render/scene/render_list.h"
@@ -60,16 +61,27 @@ struct Pose {
   glm::dvec3 position{0, 0, 10};
   glm::quat orientation{1, 0, 0, 0};
   float field_of_view = 0.785398f;  // radians, the smaller of the two angles
+  /// World units that the smaller side of the picture shows by parallel rays; 0: in perspective. Who sees by parallel
+  /// rays stands where one who sees the same in perspective would.
+  double height = 0;
 
   [[nodiscard]] glm::vec3 right() const { return orientation * glm::vec3(1, 0, 0); }
   [[nodiscard]] glm::vec3 up() const { return orientation * glm::vec3(0, 1, 0); }
   [[nodiscard]] glm::vec3 forward() const { return orientation * glm::vec3(0, 0, -1); }
 };
+/// With all numbers finite and in their ranges; those of `otherwise` where that cannot be.
+[[nodiscard]] Pose valid_pose(Pose pose, const Pose& otherwise);
 /// The nearest valid pose: scale and shear of the matrix are taken out, NaN and infinity replaced.
 [[nodiscard]] Pose pose_of(const glm::dmat4& world_from_camera, float field_of_view);
 [[nodiscard]] render::Camera camera_of(const Pose& pose);
 /// Without scale.
 [[nodiscard]] glm::dmat4 world_from_viewer(const Pose& pose);
+
+inline constexpr double kParallelReach = 1024;
+/// How wide a pixel is a unit along such a ray, in a viewport of `size` pixels.
+[[nodiscard]] float pixel_along_ray(const Pose& pose, const glm::vec2& size);
+/// The same seen by parallel rays, or in perspective: what is `distance` ahead is as large as before.
+[[nodiscard]] Pose with_parallel_rays(Pose pose, bool parallel, double distance);
 
 /// A half line of world space; `direction` is of unit length.
 struct Ray {
@@ -77,8 +89,13 @@ struct Ray {
   glm::vec3 direction{0, 0, -1};
   [[nodiscard]] glm::dvec3 at(double distance) const { return origin + glm::dvec3(direction) * distance; }
 };
-/// The ray through `pointer`, in pixels from the upper left of a viewport of `size` pixels.
+/// The ray through `pointer`, in pixels from the upper left of a viewport of `size` pixels. Parallel ones begin
+/// kParallelReach heights behind the viewer, since he sees what is there, too.
 [[nodiscard]] Ray ray_through(const Pose& pose, const glm::vec2& pointer, const glm::vec2& size);
+
+/// A pixel of a viewport of `size` pixels that sees the place, from its upper left; none: it is behind the viewer.
+[[nodiscard]] std::optional<glm::vec2> pixel_that_sees(const Pose& pose, const glm::dvec3& place,
+                                                       const glm::vec2& size);
 
 /// The world point that a gesture under the pointer is about: what the pointer's ray hits, `hit` metres away,
 /// else a point as far away as what EXAMINE turns about.
@@ -158,16 +175,35 @@ struct Navigation {
 /// then.
 [[nodiscard]] Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
                                   const glm::vec2& viewport);
+/// Starts a way to half the distance of `point`, looking at it; it is what EXAMINE turns about then.
+[[nodiscard]] Navigation seek(Navigation state, const glm::dvec3& point);
+/// How far away what the viewer looks at is, in world units; never 0.
+[[nodiscard]] double looked_at_distance(const Navigation& state);
 /// Makes `point` what EXAMINE turns about, and slides the view until it is in the middle.
 [[nodiscard]] Navigation look_at_point(Navigation state, const glm::dvec3& point);
-/// Where the whole of `bounds` is seen from the present direction, level.
-[[nodiscard]] Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport);
+/// render::orbit_camera of what stands upright: azimuth and elevation 0 look from its front.
+[[nodiscard]] render::Camera orbit_camera_of(const render::WorldBounds& bounds, float azimuth, float elevation,
+                                             float field_of_view, const glm::vec2& viewport, const Upright& upright);
+/// The height by which parallel rays from there have the whole of `bounds` in view, with some air.
+[[nodiscard]] double fitting_height(const render::Camera& camera, const render::WorldBounds& bounds,
+                                    const glm::vec2& viewport);
+/// Where the whole of `bounds` is seen from the present direction, level where `up` is up.
+[[nodiscard]] Pose pose_that_fits(const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport,
+                                  const glm::vec3& up = {0, 1, 0});
+/// The sides that a thing has, as who stands in front of it names them: its left is to his left.
+enum class ViewSide : std::uint8_t { front, back, left, right, top, bottom };
+inline constexpr int kSideCount = 6;
+/// Where the whole of `bounds` is seen from one of its sides, with the lens of `pose`.
+[[nodiscard]] Pose pose_at_side(ViewSide side, const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport,
+                                const Upright& upright);
+/// The same place and direction without roll; straight up or down nothing is turned.
+[[nodiscard]] Pose straightened(const Pose& pose, const glm::vec3& up);
 /// The camera of the bound Viewpoint; of the first one where that is not shown, inside a Switch for example; of a world
 /// without any, one that has the whole in view in a picture of this size.
 [[nodiscard]] render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound,
                                               const glm::vec2& size);
-/// Where a world without a Viewpoint is first seen from: all of it, from +Z.
-[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport);
+/// Where a world without a Viewpoint is first seen from: all of it, from the front.
+[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport, const Upright& upright = {});
 
 /// The Viewpoints that a list for the user has: those with a description, and the first, which is bound at
 /// start (VRML97 6.53). Indices into `viewpoints`.

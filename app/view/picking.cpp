@@ -175,7 +175,13 @@ std::optional<render::SightLine> line_that_meets(const render::RenderList& list,
 
 render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size) {
   const double unit = std::max(1.0, std::min(size.x, size.y)) / 2;
-  const glm::dvec2 place = (pointer - size * 0.5) / unit * std::tan(double{pose.field_of_view} / 2);
+  const glm::dvec2 part = (pointer - size * 0.5) / unit;
+  if (pose.height > 0) {
+    const glm::dvec3 aside(part.x * pose.height / 2, -part.y * pose.height / 2, kParallelReach * pose.height);
+    const glm::dquat turn(pose.orientation);
+    return {pose.position + turn * aside, glm::normalize(turn * glm::dvec3(0, 0, -1))};
+  }
+  const glm::dvec2 place = part * std::tan(double{pose.field_of_view} / 2);
   const glm::dvec3 direction = glm::dquat(pose.orientation) * glm::dvec3(place.x, -place.y, -1);
   return {pose.position, glm::normalize(direction)};
 }

@@ -2,6 +2,9 @@
 
 #include "app/base/console.h"
 #include "app/base/text.h"
+#include "app/view/camera_text.h"
+#include "app/view/color_bar.h"
+#include "app/view/ground_grid.h"
 #include "app/viewer/hand_over.h"
 
 #include <algorithm>
@@ -52,7 +55,10 @@ std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose
   return pose;
 }
 
-SessionOptions with_settings(SessionOptions options, const UserSettings& settings) {
+SessionOptions with_settings(SessionOptions options, const UserSettings& settings, bool up_given) {
+  if (!up_given) options.style.up = settings.up;
+  options.style.backdrop = settings.backdrop;
+  options.style.axes = settings.axes;
   options.muted = options.muted || !settings.sound;
   options.speed = settings.speed;
   return options;
@@ -67,8 +73,9 @@ Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBacke
     : keeper_(options.folders),
       window_(window),
       not_kept_(options.not_kept),
+      up_given_(options.up_given),
       ui_(std::move(backend), options.scale, keeper_.settings()),
-      session_(with_settings(options.session, keeper_.settings()), std::move(load), wake),
+      session_(with_settings(options.session, keeper_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {
   session_.add_guest(inspection_);
   const UserMemory& memory = keeper_.memory();
@@ -139,6 +146,7 @@ bool Desk::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click what is to be chosen in the scene tree", false);
       return true;
     case Action::close:
+      if (session_.seeking()) return false;  // the session ends that
       if (!inspection_.picking()) return ui_.run(action) || window_.run_tool(action);
       inspection_.set_picking(false);
       return true;
@@ -154,8 +162,19 @@ bool Desk::run(Action action) {
     case Action::theme:
       settings.theme = settings.theme == Theme::dark ? Theme::light : Theme::dark;
       break;
+    case Action::backdrop:
+      settings.backdrop = !settings.backdrop;
+      break;
+    case Action::axes:
+      settings.axes = !settings.axes;
+      break;
     case Action::bookmark:
       toggle_bookmark();
+      return true;
+    case Action::copy_camera:
+    case Action::copy_viewpoint:
+    case Action::paste_camera:
+      exchange_camera(action);
       return true;
     default:
       return window_.run_tool(action) || ui_.run(action);
@@ -166,8 +185,28 @@ bool Desk::run(Action action) {
   return true;
 }
 
+// Over the clipboard.
+void Desk::exchange_camera(Action action) {
+  const View* seen = session_.view();
+  if (!seen) return;
+  if (action == Action::paste_camera) {
+    const auto camera = read_camera(ui_.clipboard());
+    if (const auto* problem = std::get_if<std::string>(&camera))
+      return ui_.show_notice("The clipboard holds no camera: " + *problem, true);
+    return session_.go_to(std::get<Pose>(camera));
+  }
+  const Pose& pose = seen->navigation.pose;
+  ui_.set_clipboard(action == Action::copy_camera ? camera_text(pose) : viewpoint_text(pose));
+  ui_.show_notice("Copied: " + ui_.clipboard(), false);
+}
+
 void Desk::change(const UserSettings& settings) {
   if (settings.speed != keeper_.settings().speed) session_.set_speed(settings.speed);
+  ViewStyle style = session_.panes().style();
+  if (!up_given_) style.up = settings.up;
+  style.backdrop = settings.backdrop;
+  style.axes = settings.axes;
+  session_.set_style(style);
   keeper_.set(settings);
 }
 
@@ -390,6 +429,14 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.rules = seen->rules;
   model.speed = seen->navigation.speed;
   model.headlight = seen->headlight;
+  model.style = seen->style;
+  model.pose = seen->navigation.pose;
+  model.upright = upright_of(*seen);
+  model.axes = seen->style.axes && !seen->document->world.authored;
+  if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
+    model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
+  model.can_undo_move = session_.can_undo_move(-1);
+  model.can_redo_move = session_.can_undo_move(1);
   model.has_sounds = !seen->list->sounds.empty();
   model.muted = session_.sounds().muted();
   model.look = seen->look;

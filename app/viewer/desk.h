@@ -37,6 +37,7 @@ struct DeskOptions {
   UserFolders folders;                     // empty: nothing of the user's is read or written
   std::string not_kept;                    // a file that is not remembered: that of a program without arguments
   float scale = 1;                         // of the screen
+  bool up_given = false;                   // session.style.up counts before the setting
   std::span<const DialogProgram> dialogs;  // none: files are chosen in its own dialog
 };
 
@@ -80,6 +81,7 @@ class Desk {
   bool run(Action action);
   bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
+  void exchange_camera(Action action);
   [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
   [[nodiscard]] std::optional<std::size_t> find_bookmark();
   void toggle_bookmark();
@@ -93,6 +95,7 @@ class Desk {
   UserKeeper keeper_;
   DeskWindow& window_;
   std::string not_kept_;
+  bool up_given_;
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // a guest of the session

@@ -23,6 +23,7 @@ DeskOptions desk_options(const ViewerOptions& options, float scale) {
   result.not_kept = options.not_kept;
   result.scale = scale;
   result.dialogs = dialog_programs();
+  result.up_given = options.up.has_value();
   return result;
 }
 
@@ -44,6 +45,10 @@ SessionOptions session_options(const ViewerOptions& options) {
   result.headlight = options.headlight;
   result.audible = true;
   result.muted = options.muted;
+  result.style.up = options.up.value_or(UpAxis::automatic);
+  result.style.parallel = options.orthographic;
+  result.style.display = options.display;
+  result.camera = options.camera;
   return result;
 }
 
@@ -59,6 +64,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
   draw.clouds = view.look;
+  apply_style(view, draw);
   auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
   if (auto* problem = std::get_if<render::ContextError>(&made)) return std::move(problem->message);
   return render::encode_png(std::get<render::Image>(made));

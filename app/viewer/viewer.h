@@ -1,7 +1,9 @@
 #pragma once
 
 #include "app/control/control_service.h"
+#include "app/formats/common/upright.h"
 #include "app/settings/user_folders.h"
+#include "app/view/navigation.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
@@ -26,6 +28,10 @@ struct ViewerOptions {
   std::optional<glm::vec3> background;  // one colour in place of the worlds' Backgrounds
   std::string viewpoint;                // description, DEF name or number of the Viewpoint to bind
   std::size_t budget = 0;               // discs of all viewports together; 0: kWindowBudget
+  std::optional<UpAxis> up;             // none: as the settings say
+  bool orthographic = false;
+  render::DisplayMode display = render::DisplayMode::surface;
+  std::optional<Pose> camera;           // where the first file is first seen from
   bool muted = false;                   // no sound, until it is asked for
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // where others may control it

@@ -75,6 +75,8 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen->budget > 0) draw.budget = std::min(draw.budget, seen->budget);
   draw.unit = static_cast<float>(seen->scale);
   draw.clouds = seen->look;
+  apply_style(*seen, draw);
+  draw.guides = tools_.guides(*seen);
   pane.statistics = renderer_->draw(tools_.shown(picture.pane, *seen), camera_of(seen->navigation.pose), draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);

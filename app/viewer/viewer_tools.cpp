@@ -26,18 +26,6 @@ double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// A pixel of the picture that sees the place, from the upper left of the viewport; none: it is behind the viewer.
-std::optional<glm::vec2> pixel_of(const Pose& pose, const glm::dvec3& place, const glm::vec2& size) {
-  render::Camera camera = camera_of(pose);
-  const glm::dvec3 seen(render::camera_from_world_of(camera) * glm::dvec4(place, 1));
-  if (!(seen.z < 0)) return std::nullopt;
-  camera.near_plane = 1;
-  camera.far_plane = 2;
-  const glm::vec2 tangents = render::projection(camera, size.x, size.y).tangents();
-  return glm::vec2((static_cast<float>(seen.x / -seen.z) / tangents.x * 0.5f + 0.5f) * size.x,
-                   (0.5f - static_cast<float>(seen.y / -seen.z) / tangents.y * 0.5f) * size.y);
-}
-
 std::string place_text(const glm::dvec3& p) {
   char buffer[96];
   std::snprintf(buffer, sizeof buffer, "%.5g, %.5g, %.5g", p.x, p.y, p.z);
@@ -104,6 +92,10 @@ const render::RenderList& ViewerTools::shown(std::size_t pane, const View& view)
   return slice_scenes_[pane].with_slices(*view.list, values_of(view).grid, view.slices);
 }
 
+std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) {
+  return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
+}
+
 // The value of a volume where it is seen, or where a plane or surface in it is.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
@@ -138,7 +130,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   const glm::vec2 size(place.size()), corner(place.left, place.top);
   if (ruled_.lock() == seen->document) {
     for (const glm::dvec3& point : ruler_.points()) {
-      auto pixel = pixel_of(seen->navigation.pose, point, size);
+      auto pixel = pixel_that_sees(seen->navigation.pose, point, size);
       tools.points.push_back(pixel ? std::optional(*pixel + corner) : std::nullopt);
     }
     for (std::size_t i = 0; i + 1 < ruler_.points().size(); ++i)
@@ -189,6 +181,8 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.clouds = seen.look;
+  apply_style(seen, scene.draw);
+  scene.draw.guides = guides(seen);
   scene.draw.viewport = kMostViewports;
   const qnv::Description* const volume = first_volume(*seen.list);
   if (request.color_bar && volume)

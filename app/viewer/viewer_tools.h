@@ -5,6 +5,7 @@
 #include "app/picture/frame_writer.h"
 #include "app/picture/paint.h"
 #include "app/session/session.h"
+#include "app/view/ground_grid.h"
 #include "app/view/picking.h"
 #include "app/view/ruler.h"
 #include "app/view/slice_scene.h"
@@ -35,6 +36,8 @@ class ViewerTools {
   void take(const SessionInput::Event& event, const View* seen, const Viewport& place);
   /// What a view's picture shows: its list, with slices.
   [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
+  /// The grid of a view that has one; null: none.
+  [[nodiscard]] std::shared_ptr<const render::RenderList> guides(const View& view);
   void describe(UiTools& tools, const View* seen, const Viewport& place);
   /// What the interface wants done; notices go to `tell`.
   using Tell = std::function<void(std::string text, bool is_problem)>;
@@ -79,6 +82,7 @@ class ViewerTools {
   bool measuring_ = false, wants_value_ = false, probe_due_ = false;
   glm::vec2 pressed_{0}, pointer_{0};
   std::string value_;
+  GroundGrids grids_;
   std::weak_ptr<Document> ruled_;  // whose places the ruler has
   std::atomic<bool> stop_{false};  // of who reads values
   std::map<const Document*, Values> values_;

@@ -44,6 +44,7 @@ bool SceneHandler::begin(const Found& found) {
 bool SceneHandler::whole_file(const net::MappedFile& file, const std::string& path) {
   const auto bytes = file.bytes();
   type_ = &content_type_of(path, first_bytes(bytes));
+  note_type();
   if (type_->content == ContentClass::vrml || is_outline_stream(bytes)) return false;
   bytes_ = bytes.size();
   if (type_->is_cloud())
@@ -77,6 +78,13 @@ void SceneHandler::receive(std::span<const std::byte> bytes) {
   read_rest(bytes);
 }
 
+// What the world has of the kind of its file.
+void SceneHandler::note_type() {
+  if (role != Role::root) return;
+  world_.world.up = type_->up;
+  world_.world.authored = type_->content == ContentClass::vrml;
+}
+
 // By the first bytes, the name, or what the server says. False while more bytes are needed to tell.
 bool SceneHandler::choose_type(bool last) {
   if (!last && waiting_.size() < kTypeBytes) return false;
@@ -84,6 +92,7 @@ bool SceneHandler::choose_type(bool last) {
   const auto first = first_bytes(waiting_);
   type_ = content_type_by_mark(first);
   if (!type_) type_ = &content_type_of(name, first);
+  note_type();
   return true;
 }
 
@@ -158,6 +167,7 @@ void SceneHandler::show_cloud(const std::shared_ptr<const qnv::Cloud>& cloud) {
     const std::string path = found_.local ? net::url_of_path(found_.path).path : found_.url.path;
     cloud_node_ = add_cloud_shape(*scene, *cloud, path.substr(path.rfind('/') + 1));
     if (!cloud_node_) return;
+    if (role == Role::root) world_.world.stated_up = stated_upright(cloud->description.metadata);
     attach();
   }
   world_.cloud_arrived({{scene, cloud_node_}, {}, cloud});

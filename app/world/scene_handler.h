@@ -80,6 +80,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
  private:
   // scene_handler.cpp
   bool choose_type(bool last);
+  void note_type();
   void read_rest(std::span<const std::byte> bytes);
   void parse(std::span<const std::byte> bytes);
   [[nodiscard]] CloudHandler& cloud_handler();

@@ -450,6 +450,8 @@ LoadingState WorldLoading::state() const {
 const vrml::Diagnostics& WorldLoading::diagnostics() const { return state_->world.diagnostics; }
 const std::vector<std::shared_ptr<StreamFeed>>& WorldLoading::feeds() const { return state_->world.feeds; }
 const std::string& WorldLoading::title() const { return state_->world.title; }
+bool WorldLoading::authored() const { return state_->world.authored; }
+Upright WorldLoading::upright(const glm::vec3& size) const { return state_->world.upright(size); }
 
 OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   State& s = *state_;

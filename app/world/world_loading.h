@@ -79,6 +79,10 @@ class WorldLoading {
   [[nodiscard]] const vrml::Diagnostics& diagnostics() const;
   /// Of the world, or the name of its file.
   [[nodiscard]] const std::string& title() const;
+  /// How it stands; `size`: of all that it shows.
+  [[nodiscard]] Upright upright(const glm::vec3& size) const;
+  /// Whether it is a world with a look of its own; see OpenedWorld.
+  [[nodiscard]] bool authored() const;
   /// The world as it is now; call once, when it is done or its root is read. What comes later are arrivals:
   /// the scene is not touched any more. Meshes that `collect` made go along.
   [[nodiscard]] OpenedWorld take(render::MeshCache* meshes = nullptr);

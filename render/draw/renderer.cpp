@@ -88,9 +88,11 @@ FormerPicture make_picture(const Gl& gl, int width, int height) {
 /// Whether the processor draws surfaces of a list itself, and whether it draws all that has edges: then OpenGL needs no
 /// samples.
 bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
-  const bool by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
+  const bool discs_by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
+  // Triangles that are not filled are drawn by OpenGL.
+  const bool by_gl = discs_by_gl || options.display != DisplayMode::surface;
   bool any = !list.splats.empty();
-  nothing_else = !by_gl;
+  nothing_else = !discs_by_gl && !options.guides;
   for (const DrawItem& item : list.items) {
     const bool layer = item.surface && item.surface->patches && !item.overlay && !by_gl;
     any = any || layer;
@@ -292,14 +294,17 @@ void Renderer::resolve(int width, int height) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
 }
 
-FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& given, const DrawOptions& options) {
+FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& wanted, const DrawOptions& options) {
   FrameStatistics statistics;
+  WorldBounds bounds = list.bounds;
+  if (options.guides) bounds.add(options.guides->bounds);
+  const Camera given = far_camera(wanted, bounds);
   const Gl& gl = state_->gl;
   const bool reversed = gl.ClipControl != nullptr;
   Camera camera = given;
   if (options.visibility_limit && list.navigation.visibility_limit > 0)
-    camera.far_plane = list.navigation.visibility_limit * options.unit;
-  camera = fit_depth(camera, list.bounds, reversed);
+    camera.far_plane = list.navigation.visibility_limit * options.unit + static_cast<float>(camera.back);
+  camera = fit_depth(camera, bounds, reversed);
   const Projection lens =
       projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
 
@@ -316,7 +321,18 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
   const float farthest = lens.farthest_depth();
   gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   gl.DepthMask(GL_FALSE);
-  state_->background->draw(list.background, glm::mat3(camera.world_from_camera), lens, options.background);
+  // What is infinitely far away has one direction by parallel rays: it stays as it is seen in perspective.
+  Camera perspective = wanted;
+  perspective.height = 0;
+  Camera sky = perspective;
+  sky.near_plane = camera.near_plane;
+  sky.far_plane = camera.far_plane;
+  const Projection sky_lens =
+      projection(sky, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
+  if (options.backdrop && !options.background)
+    state_->background->draw_backdrop(camera.part, options);
+  else
+    state_->background->draw(list.background, glm::mat3(camera.world_from_camera), sky_lens, options.background);
   gl.DepthMask(GL_TRUE);
   state_->surfaces->prepare(list, camera, lens, options);
   const auto between = [&] {
@@ -325,7 +341,14 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& g
     state_->volumes->draw(list, camera, lens, options, statistics);
   };
   state_->meshes->draw(list, camera, lens, options, statistics, between, state_->surfaces.get());
-  if (list.overlays && !statistics.given_up) draw_overlays(list, given, options, statistics);
+  if (options.guides && !statistics.given_up) {
+    DrawOptions plain = options;
+    plain.display = DisplayMode::surface;
+    FrameStatistics of_guides;
+    state_->meshes->draw(
+        *options.guides, camera, lens, plain, of_guides, [] {}, nullptr);
+  }
+  if (list.overlays && !statistics.given_up) draw_overlays(list, perspective, options, statistics);
   // Whoever draws next (the user interface) finds the defaults.
   if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   gl.DepthFunc(GL_LESS);

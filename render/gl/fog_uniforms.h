@@ -10,16 +10,18 @@ namespace gs::render {
 
 /// Where kFogShader of a program has its numbers.
 struct FogUniforms {
-  GLint ranges = -1, color = -1;
+  GLint ranges = -1, color = -1, back = -1;
 
   FogUniforms() = default;
   FogUniforms(const Gl& gl, GLuint program)
-      : ranges(gl.GetUniformLocation(program, "fog_ranges")), color(gl.GetUniformLocation(program, "fog_color")) {}
+      : ranges(gl.GetUniformLocation(program, "fog_ranges")), color(gl.GetUniformLocation(program, "fog_color")),
+        back(gl.GetUniformLocation(program, "fog_back")) {}
   /// The program must be in use.
   void set(const Gl& gl, const CameraFog& fog) const {
     const glm::vec4 mixed(fog.color, fog.exponential ? 1 : 0);
     gl.UniformMatrix3fv(ranges, 1, GL_FALSE, glm::value_ptr(fog.ranges_from_camera));
     gl.Uniform4fv(color, 1, glm::value_ptr(mixed));
+    gl.Uniform1f(back, fog.back);
   }
 };
 

@@ -20,6 +20,7 @@
   X(BINDSAMPLER, BindSampler)                                                 \
   X(BINDTEXTURE, BindTexture)                                                 \
   X(BINDVERTEXARRAY, BindVertexArray)                                         \
+  X(BLENDCOLOR, BlendColor)                                                   \
   X(BLENDFUNCSEPARATE, BlendFuncSeparate)                                     \
   X(BLITFRAMEBUFFER, BlitFramebuffer)                                         \
   X(BUFFERDATA, BufferData)                                                   \

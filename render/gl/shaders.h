@@ -49,9 +49,11 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, ve
   return strength * light.color_intensity.rgb * sum;
 }
 
+uniform float eye_back;  // how far behind the viewer his eye is: far away where rays are parallel
+
 vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
   vec3 ambient = diffuse * emissive_ambient.w;
-  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(-place);  // once: drivers leave it in the loop
+  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // once: drivers leave it in the loop
 #define ADD(i) sum += reflected(lights[i], n, place, to_viewer, diffuse, ambient, specular_exponent);
 #ifdef ALL_LIGHTS
   ALL_LIGHTS
@@ -70,8 +72,9 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 inline constexpr char kFogShader[] = R"glsl(
 uniform mat3 fog_ranges;  // the Fog's own space, in visibilityRanges
 uniform vec4 fog_color;   // w: 1 where fogType is EXPONENTIAL
+uniform float fog_back;   // how far before the camera the viewer is
 vec3 fogged(vec3 color, vec3 place) {
-  vec3 away = fog_ranges * place;
+  vec3 away = fog_ranges * (place + vec3(0.0, 0.0, fog_back));
   float ranges = min(sqrt(dot(away, away)), 1.0);
   float interpolant = fog_color.w > 0.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;
   return mix(fog_color.rgb, color, interpolant);

@@ -6,6 +6,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <array>
 #include <utility>
 #include <variant>
@@ -92,6 +93,27 @@ void BackgroundPass::draw(const Background& background, const glm::mat3& world_f
   const auto& panorama = background.panorama;
   if (!color && std::any_of(panorama.begin(), panorama.end(), [](const auto& image) { return image != nullptr; }))
     draw_panorama(background, world_from_camera, lens);
+}
+
+// In stripes of one colour each, lighter from below: no program has to be compiled for that.
+void BackgroundPass::draw_backdrop(const PicturePart& part, const DrawOptions& options) {
+  constexpr int kStripes = 128;
+  constexpr glm::vec3 kBelow(0.16f, 0.17f, 0.19f), kAbove(0.42f, 0.45f, 0.50f);
+  const double height = part.top - part.bottom;
+  const auto row_of = [&](int stripe) {
+    const double place = -1 + 2.0 * stripe / kStripes;
+    return std::clamp(static_cast<int>(std::lround((place - part.bottom) / height * options.height)), 0,
+                      options.height);
+  };
+  for (int i = 0; i < kStripes; ++i) {
+    const int from = row_of(i), to = row_of(i + 1);
+    if (from == to) continue;
+    const glm::vec3 color = glm::mix(kBelow, kAbove, (static_cast<float>(i) + 0.5f) / kStripes);
+    gl_->Scissor(options.x, options.y + from, options.width, to - from);
+    gl_->ClearColor(color.r, color.g, color.b, 1);
+    gl_->Clear(GL_COLOR_BUFFER_BIT);
+  }
+  gl_->Scissor(options.x, options.y, options.width, options.height);
 }
 
 void BackgroundPass::draw_rings(const Background& background, const glm::mat3& world_from_camera,

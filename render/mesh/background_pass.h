@@ -3,6 +3,7 @@
 #include "render/gl/gpu.h"
 #include "render/gl/texture_store.h"
 #include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat3x3.hpp>
@@ -21,6 +22,8 @@ class BackgroundPass {
   /// depth writes off. `color` takes the place of the Background.
   void draw(const Background& background, const glm::mat3& world_from_camera, const Projection& lens,
             const std::optional<glm::vec3>& color);
+  /// A neutral gradient, of which a picture's part shows its part. The scissor test as above.
+  void draw_backdrop(const PicturePart& part, const DrawOptions& options);
 
  private:
   BackgroundPass(const Gl& gl, Program program);

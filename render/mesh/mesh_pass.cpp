@@ -113,6 +113,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
       entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
       entry.replaces = gl_.GetUniformLocation(name, "replaces");
+      entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
       entry.fog = FogUniforms(gl_, name);
       const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
       if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
@@ -139,7 +140,7 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
 
 /// False when a sphere in camera space lies outside of the view; a negative radius is never outside.
 bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) {
-  const float depth = -center.z;
+  const float depth = view.back - center.z;
   if (radius < 0) return std::isfinite(depth);
   radius *= 1.0001f;  // rounding
   return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
@@ -156,7 +157,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const glm::vec3 origin = local_origin(item.mesh->bounds);
   compose(view.camera_from_world, item.world_from_node, origin, instance.camera_from_node);
   const Sphere sphere = bounding_sphere(item.mesh->bounds, origin, instance.camera_from_node);
-  const float depth = -sphere.center.z;
+  const float depth = view.back - sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
   if (item.mesh->pictured && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
@@ -221,7 +222,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     }
   }
   if (instance.alpha <= 0 || !program(state.variant)) return;
-  state.cull = surface && item.mesh->solid;
+  state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
   const std::uint32_t layer = transparent ? 0 : layer_of(sphere.center, sphere.radius, state.packed());
@@ -280,8 +281,10 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
   frame_variant_ = variant_of_all(list);
+  glm::dmat4 camera_from_world = view.camera_from_world;
+  camera_from_world[3].z -= double{view.back};
   const auto* found =
-      visible_.find(list, Frustum(view.camera_from_world, view.tangents, view.near_plane, view.far_plane, view.center));
+      visible_.find(list, Frustum(camera_from_world, view.tangents, view.near_plane, view.far_plane, view.center));
   const std::size_t count = found ? found->size() : list.items.size();
   std::size_t asked_at = meshes_.uploaded();
   for (std::size_t i = 0; i < count; ++i) {
@@ -342,7 +345,8 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
   if (switched) {
     gl_.UseProgram(shader.program.name());
     if (shader.frame != frame_) {
-      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(projection.clip_from_camera));
+      gl_.UniformMatrix4fv(shader.clip_from_camera, 1, GL_FALSE, glm::value_ptr(projection.clip_from_viewer));
+      if (shader.eye_back >= 0) gl_.Uniform1f(shader.eye_back, projection.back);
       if (state.variant & kFog) shader.fog.set(gl_, fog_);
       shader.frame = frame_;
     }
@@ -399,6 +403,9 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   View view;
   view.surfaces = surfaces;
   view.camera_from_world = camera_from_world_of(camera);
+  view.camera_from_world[3].z += camera.back;
+  view.back = projection.back;
+  view.open = options.display == DisplayMode::wireframe || options.display == DisplayMode::points;
   view.tangents = projection.tangents();
   view.center = projection.center();
   const glm::vec2 low = view.center - view.tangents, high = view.center + view.tangents;
@@ -444,13 +451,22 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     return prepared_[one.prepared].slice->primitive != GL_TRIANGLES;
   });
   gl_.PolygonOffset(projection.reversed ? -2 : 2, projection.reversed ? -2 : 2);
-  if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
+  const bool edges = options.display == DisplayMode::edges;
+  if (marked || edges) gl_.Enable(GL_POLYGON_OFFSET_FILL);
+  if (options.display == DisplayMode::wireframe) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  if (options.display == DisplayMode::points) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  if (!pacer.given_up()) between();
+  if (edges && !pacer.given_up()) draw_edges(projection, pacer);
+  if (!pacer.given_up()) {
+    gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    between();
+    if (options.display == DisplayMode::wireframe) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    if (options.display == DisplayMode::points) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
+  }
   anything_applied_ = false;
   meshes_.forget_binding();
   gl_.Enable(GL_DEPTH_TEST);
@@ -469,6 +485,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_CULL_FACE);
   gl_.FrontFace(GL_CCW);
+  gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_.LineWidth(1);
   statistics.given_up = statistics.given_up || pacer.given_up();
 }

@@ -62,7 +62,7 @@ class MeshPass {
     Program program;
     bool drawn = false;       // so that the driver has compiled the rest of it
     std::uint64_t frame = 0;  // for which the projection was set last
-    GLint clip_from_camera = -1, texture_transform = -1, replaces = -1;
+    GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
   };
   /// A texture as some items of this frame use it. Number 0 stands for none.
@@ -108,7 +108,9 @@ class MeshPass {
   /// As SortKey::mesh: of items that are drawn together whatever their meshes are.
   static constexpr std::uint64_t kMergedMesh = UINT64_MAX;
   struct View {
-    glm::dmat4 camera_from_world;
+    glm::dmat4 camera_from_world;  // of the viewer, who is `back` before the camera
+    float back;
+    bool open;  // faces are not filled, and those of the far side are seen
     glm::vec2 tangents, center;  // of half the angles of view; of what is in the middle
     glm::vec2 low, high;         // 1 / lengths of the normals of the planes at the left and below, right and above
     float near_plane, far_plane;
@@ -133,6 +135,7 @@ class MeshPass {
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();
+  void draw_edges(const Projection& projection, DrawPacer& pacer);
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,

@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_pass.h"
 
 #include <algorithm>
+#include <utility>
 
 // Batches of items become calls of OpenGL.
 namespace gs::render {
@@ -87,6 +88,27 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
   }
+}
+
+/// Of what has just been drawn: the edges of its triangles make it darker.
+void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
+  constexpr float kDarker = 0.45f;
+  gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendColor(0, 0, 0, kDarker);
+  gl_.BlendFuncSeparate(GL_ZERO, GL_ONE_MINUS_CONSTANT_ALPHA, GL_ZERO, GL_ONE);
+  gl_.DepthMask(GL_FALSE);
+  anything_applied_ = false;
+  std::erase_if(batches_, [&](const Batch& one) {
+    return prepared_[one.prepared].slice->primitive != GL_TRIANGLES;
+  });
+  const std::size_t primitives = std::exchange(primitives_, 0);
+  FrameStatistics of_edges;
+  draw_batches(projection, of_edges, pacer);
+  primitives_ = primitives;
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_BLEND);
+  gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
 }  // namespace gs::render

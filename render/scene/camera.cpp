@@ -10,6 +10,7 @@ namespace gs::render {
 namespace {
 
 constexpr float kDefaultFieldOfView = 0.785398f;
+constexpr float kLeastAngle = 1e-7f;   // that an eye which is far away has
 constexpr double kFrameMargin = 1.05;  // orbit_camera leaves this much air around what it frames
 constexpr double kDepthMargin = 0.01;  // so that nothing lies exactly on a plane
 // far / near that 24 bits of depth still resolve well; and what floats that are reversed resolve, which is any.
@@ -23,7 +24,7 @@ struct HalfAngles {
 HalfAngles half_angles(float field_of_view, float width, float height) {
   const float angle =
       field_of_view > 0 && std::isfinite(field_of_view) ? std::min(field_of_view, 3.13f) : kDefaultFieldOfView;
-  const double smaller = std::tan(std::max(angle, 1e-4f) * 0.5);
+  const double smaller = std::tan(std::max(angle, kLeastAngle) * 0.5);
   const double aspect = width > 0 && height > 0 ? static_cast<double>(width) / height : 1.0;
   return aspect >= 1 ? HalfAngles{smaller * aspect, smaller} : HalfAngles{smaller, smaller / aspect};
 }
@@ -70,15 +71,38 @@ Projection projection(const Camera& camera, float width, float height, bool reve
   result.reversed = reversed;
   result.depth_offset = static_cast<float>(reversed ? -near_plane / range : far_plane / range);
   result.depth_scale = static_cast<float>((reversed ? product : -product) / range);
-  glm::mat4& clip_from_camera = result.clip_from_camera = glm::mat4(0.0f);
-  clip_from_camera[0][0] = static_cast<float>(1 / tan_x);
-  clip_from_camera[1][1] = static_cast<float>(1 / tan_y);
-  clip_from_camera[2][0] = static_cast<float>(center_x / tan_x);
-  clip_from_camera[2][1] = static_cast<float>(center_y / tan_y);
-  clip_from_camera[2][2] = static_cast<float>(reversed ? near_plane / range : -(far_plane + near_plane) / range);
+  glm::dmat4 clip_from_camera(0.0);
+  clip_from_camera[0][0] = 1 / tan_x;
+  clip_from_camera[1][1] = 1 / tan_y;
+  clip_from_camera[2][0] = center_x / tan_x;
+  clip_from_camera[2][1] = center_y / tan_y;
+  clip_from_camera[2][2] = reversed ? near_plane / range : -(far_plane + near_plane) / range;
   clip_from_camera[2][3] = -1;
-  clip_from_camera[3][2] = static_cast<float>((reversed ? product : -2 * product) / range);
+  clip_from_camera[3][2] = (reversed ? product : -2 * product) / range;
+  result.clip_from_camera = glm::mat4(clip_from_camera);
+  clip_from_camera[3] -= clip_from_camera[2] * camera.back;
+  result.clip_from_viewer = glm::mat4(clip_from_camera);
+  result.back = static_cast<float>(camera.back);
   return result;
+}
+
+Camera far_camera(const Camera& camera, const WorldBounds& bounds) {
+  if (!(camera.height > 0)) return camera;
+  Camera far = camera;
+  double middle = 0, extent = camera.height;
+  const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
+  if (!bounds.empty()) {
+    middle = glm::dot((glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5 - eye, forward);
+    extent = std::max(extent, glm::length(glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower)));
+  }
+  const double distance = extent / 2 / kFarParallax;
+  far.world_from_camera[3] = glm::dvec4(eye + forward * (middle - distance), 1);
+  far.field_of_view = static_cast<float>(2 * std::atan(camera.height / 2 / distance));
+  far.back = distance - middle;
+  if (far.far_plane > 0) far.far_plane += static_cast<float>(far.back);
+  far.near_plane = 0;
+  far.height = 0;
+  return far;
 }
 
 float pixels_per_radian(float field_of_view, float width, float height) {
@@ -119,12 +143,30 @@ Camera first_camera(const WorldBounds& bounds, float field_of_view, float width,
   return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
 }
 
+double parallel_height(const Camera& camera, const WorldBounds& bounds, float width, float height) {
+  if (bounds.empty()) return 1;
+  const double smaller = std::max(1.0, static_cast<double>(std::min(width, height)));
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  double result = 0;
+  for (const glm::dvec3& corner : corners(bounds)) {
+    const glm::dvec3 p(camera_from_world * glm::dvec4(corner, 1));
+    result = std::max({result, 2 * std::abs(p.x) * smaller / std::max(1.0, double{width}),
+                       2 * std::abs(p.y) * smaller / std::max(1.0, double{height})});
+  }
+  return result > 0 ? result : 1;
+}
+
 bool has_in_view(const Camera& camera, const WorldBounds& bounds, float width, float height) {
   if (bounds.empty()) return true;
   const auto [tan_x, tan_y] = half_angles(camera.field_of_view, width, height);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   for (const glm::dvec3& corner : corners(bounds)) {
     const glm::dvec3 p(camera_from_world * glm::dvec4(corner, 1));
+    if (camera.height > 0) {
+      const double side = camera.height / 2 / std::min(tan_x, tan_y);
+      if (!(std::abs(p.x) <= side * tan_x && std::abs(p.y) <= side * tan_y)) return false;
+      continue;
+    }
     if (!(p.z < 0 && std::abs(p.x) <= -p.z * tan_x && std::abs(p.y) <= -p.z * tan_y)) return false;
   }
   return true;

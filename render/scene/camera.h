@@ -22,6 +22,9 @@ struct Camera {
   float far_plane = 0;                // metres; 0: likewise
   double shift = 0;  // tangent of how far to the right the middle of the picture lies: of eyes that see in stereo
   PicturePart part;  // that is drawn, of the picture that has the field of view
+  /// World units that the smaller side of the picture shows by parallel rays; 0: in perspective.
+  double height = 0;
+  double back = 0;  // of far_camera: how far behind the viewer it is
 };
 
 /// The same without `part`.
@@ -34,6 +37,9 @@ struct Camera {
 /// What the rasteriser needs of a lens.
 struct Projection {
   glm::mat4 clip_from_camera{1.0f};
+  /// The same from where the viewer is, who has Camera::back before him: there floats resolve what he sees.
+  glm::mat4 clip_from_viewer{1.0f};
+  float back = 0;  // of the camera
   /// Clip space is that of GL_ZERO_TO_ONE, depth 1 is the near plane and 0 the far one, so that a depth buffer of
   /// floats resolves a constant part of the distance however far it reaches. Else clip space and depth are OpenGL's
   /// own.
@@ -54,6 +60,11 @@ struct Projection {
 /// `near_plane` and `far_plane` must be set. `width`, `height`: of what is drawn.
 [[nodiscard]] Projection projection(const Camera& camera, float width, float height, bool reversed = false);
 
+/// Of a camera with parallel rays one in perspective that sees the same from so far away that what lies within `bounds`
+/// is at most kFarParallax of the picture's half side from where it should be; others as they are.
+[[nodiscard]] Camera far_camera(const Camera& camera, const WorldBounds& bounds);
+inline constexpr double kFarParallax = 1.0 / 4096;
+
 /// How many pixels an angle of one radian has in the middle of the picture.
 [[nodiscard]] float pixels_per_radian(float field_of_view, float width, float height);
 
@@ -64,6 +75,9 @@ struct Projection {
 /// Where a world without a Viewpoint is first seen from: orbit_camera from +Z, or from somewhat above where
 /// the world is so flat that it would be seen edge on.
 [[nodiscard]] Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height);
+
+/// The Camera::height by which all of `bounds` is within the sides of a picture of these proportions.
+[[nodiscard]] double parallel_height(const Camera& camera, const WorldBounds& bounds, float width, float height);
 
 /// True when all of `bounds` is within the sides of a picture of these proportions, and before the camera; of no bounds
 /// all is.

@@ -7,12 +7,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 
 namespace gs::render {
 
+struct RenderList;
+
 /// How surfaces of QNV vectors are drawn. automatic: with OpenGL, but on the processor where OpenGL itself is software.
 enum class SplatPath : std::uint8_t { automatic, gl, cpu };
+
+/// How faces are drawn. Clouds of discs and volumes have none, and are drawn as they are.
+enum class DisplayMode : std::uint8_t { surface, edges, wireframe, points };
 
 struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
@@ -24,7 +30,11 @@ struct DrawOptions {
   float unit = 1;                       // world units that a unit of the bound Viewpoint's is long; of that limit
   std::size_t budget = 0;               // discs of all clouds together; 0: no limit
   std::optional<glm::vec3> background;  // one colour in place of the world's Background
+  bool backdrop = false;                // a neutral gradient in place of the world's Background, if `background` is none
+  DisplayMode display = DisplayMode::surface;
   SplatPath splats = SplatPath::automatic;
+  /// Drawn with the same depths, and neither lit nor in fog: lines that help to see where things are. Null: none.
+  std::shared_ptr<const RenderList> guides;
   CloudLook clouds;
   std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
   std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs

@@ -6,7 +6,7 @@
 
 namespace gs::render {
 
-CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera) {
+CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera, float back) {
   CameraFog result;
   if (!(fog.visibility_range > 0) || !std::isfinite(fog.visibility_range)) return result;
   const glm::dmat3 matrix =
@@ -18,12 +18,13 @@ CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera) {
   result.on = true;
   result.exponential = fog.exponential;
   result.color = fog.color;
+  result.back = back;
   return result;
 }
 
 float fog_interpolant(const CameraFog& fog, const glm::vec3& place) {
   if (!fog.on) return 1;
-  const float ranges = glm::length(fog.ranges_from_camera * place);
+  const float ranges = glm::length(fog.ranges_from_camera * (place + glm::vec3(0, 0, fog.back)));
   if (!(ranges < 1)) return 0;
   return fog.exponential ? std::exp(-ranges / (1 - ranges)) : 1 - ranges;
 }

@@ -18,10 +18,11 @@ struct CameraFog {
   bool on = false, exponential = false;
   glm::vec3 color{1.0f};
   glm::mat3 ranges_from_camera{1.0f};  // the Fog's own space, in visibilityRanges
+  float back = 0;                      // Camera::back: fog begins at the viewer
 };
 
 /// `world_from_camera`: of the camera's axes. No fog where a number of it is none.
-[[nodiscard]] CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera);
+[[nodiscard]] CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera, float back = 0);
 
 /// f0 of VRML97 Table 4.8: how much of its own colour something keeps. `place` in camera space.
 [[nodiscard]] float fog_interpolant(const CameraFog& fog, const glm::vec3& place);

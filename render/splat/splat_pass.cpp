@@ -218,7 +218,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
   const SplatTextures textures = upload(layer);
   target.bind();
   shade(shown_material(item.material, options.clouds.color_by), textures, 0, set,
-        camera_fog(list.fog, glm::mat3(camera.world_from_camera)), projection, options);
+        camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back), projection, options);
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x, options.y, options.width, options.height);
   gl_.Disable(GL_BLEND);
@@ -231,7 +231,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   if (list.splats.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   lights_.begin(list.lights, camera_from_world, options.headlight);
-  const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
+  const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back);
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
     const qnv::Box& box = item.cloud->description.box;

@@ -22,7 +22,8 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   const PhaseScope phase(gl_.phases, Phase::cut);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   std::unordered_map<const qnv::SurfacePatches*, std::uint32_t> shown;  // how often, so far
-  const bool software = options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software);
+  const bool software = options.display == DisplayMode::surface &&
+                        (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
     if (!item.surface || !item.surface->patches || !item.seen) continue;
     SplatView view;

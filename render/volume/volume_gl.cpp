@@ -80,7 +80,7 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
     out.push_back(row_of(glm::mat4(options.fog.ranges_from_camera), i));
     out.back().w = options.fog.color[i];
   }
-  out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, 0, 0, 0);
+  out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, options.fog.back, 0, 0);
   for (std::size_t i = 0; i < kMostShaderLights; ++i) {
     const VolumeLight light = i < lights.size() ? lights[i] : VolumeLight{};
     out.emplace_back(light.place, light.directional ? 1 : 0);

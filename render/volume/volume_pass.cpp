@@ -100,8 +100,9 @@ void VolumePass::forget_models() {
   });
 }
 
-void VolumePass::gather(const RenderList& list, const glm::dmat4& camera_from_world, const SplatView& view,
+void VolumePass::gather(const RenderList& list, const Camera& camera, const SplatView& view,
                         const DrawOptions& options, Scene& scene) {
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
   const CloudLook& look = options.clouds;
@@ -124,7 +125,8 @@ void VolumePass::gather(const RenderList& list, const glm::dmat4& camera_from_wo
     if (look.clip) own.clip = glm::vec4(*look.clip * item.world_from_node);
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
-    own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)));
+    own.fog =
+        camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
     own.lights = scene.lights.emplace_back(volume_lights(list, item, camera_from_world, center, options.headlight));
     scene.items.push_back({item.cloud.get(), model.get(), camera_from_node, prefix.shown, own});
     scene.held.push_back({item.cloud, std::move(model)});
@@ -197,7 +199,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   view.height = options.height;
   view.near_plane = camera.near_plane;
   Scene scene;
-  gather(list, camera_from_world_of(camera), whole_view(view, camera), options, scene);
+  gather(list, camera, whole_view(view, camera), options, scene);
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

@@ -61,7 +61,7 @@ class VolumePass {
 
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Cloud>& cloud, std::size_t counted);
   void forget_models();
-  void gather(const RenderList& list, const glm::dmat4& camera_from_world, const SplatView& view,
+  void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
   void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,
                     FrameStatistics& statistics);

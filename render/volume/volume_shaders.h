@@ -186,6 +186,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
   vec4 fog_x = about(item, FOG), fog_y = about(item, FOG + 1), fog_z = about(item, FOG + 2);
   float fog_type = about(item, FOG + 3).x;
   if (fog_type == 0.0) return color;
+  seen.z += about(item, FOG + 3).y;
   vec3 away = vec3(dot(fog_x.xyz, seen), dot(fog_y.xyz, seen), dot(fog_z.xyz, seen));
   float ranges = min(sqrt(dot(away, away)), 1.0);
   float interpolant = fog_type > 1.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;

@@ -1,6 +1,9 @@
+#include "app/formats/common/upright.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/export_discs.h"
 #include "app/formats/export/vrml_text.h"
+
+#include <glm/gtc/quaternion.hpp>
 
 #include <array>
 #include <cmath>
@@ -103,13 +106,29 @@ void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
 }
 
 /// Looks at the whole box from the front.
-void put_viewpoint(const qnv::Box& box, Vrml97Text& text) {
+void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
+  const qnv::Box& box = description.box;
   const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
   const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
   constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
-  text.add("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }\nViewpoint { description \"Front\" position ");
-  text.vector({middle.x, middle.y, middle.z + kDistance * radius}, ' ');
-  text.add("}\n");
+  text.add("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }\n");
+  const Upright upright = stated_upright(description.metadata).value_or(Upright{});
+  if (upright == Upright{}) {
+    text.add("Viewpoint { description \"Front\" position ");
+    text.vector({middle.x, middle.y, middle.z + kDistance * radius}, ' ');
+    return text.add("}\n");
+  }
+  // What is up for a Viewpoint's viewer, its coordinates say (6.29).
+  const glm::dquat turn = glm::quat_cast(world_from_upright(upright));
+  const glm::dvec3 axis = glm::axis(turn);
+  text.add("Transform { translation ");
+  text.vector(middle, ' ');
+  text.add("rotation ");
+  text.vector(glm::vec3(axis), ' ');
+  text.number(static_cast<float>(glm::angle(turn)));
+  text.add(" children Viewpoint { description \"Front\" position ");
+  text.vector({0, 0, kDistance * radius}, ' ');
+  text.add("} }\n");
 }
 
 /// `moved`: all numbers are as they are stored, below a Transform to their origin, which float32 has without rounding.
@@ -120,7 +139,7 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
     text.vector(glm::vec3(cloud.description.origin));
     text.add(" children [\n");
   }
-  if (!cloud.description.box.empty()) put_viewpoint(cloud.description.box, text);
+  if (!cloud.description.box.empty()) put_viewpoint(cloud.description, text);
   text.add("Shape {\n  appearance Appearance { material Material { } }\n  geometry QNV {\n");
   if (!options.stream_url.empty()) {
     text.add("    url ");

@@ -21,13 +21,13 @@ VolumeResult open_without_header(const VolumeFile&) {
 
 constexpr VolumeFormat kVolumeFormats[] = {
     {{"AVS field", ".fld ", nullptr, "application/x-avs-field"}, is_avs_field, open_avs_field},
-    {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd"}, is_nrrd, open_nrrd},
-    {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage"}, is_meta_image, open_meta_image},
-    {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti"}, is_nifti, open_nifti},
+    {{"NRRD", ".nrrd .nhdr ", nullptr, "application/x-nrrd", UpRule::slices}, is_nrrd, open_nrrd},
+    {{"MetaImage", ".mhd .mha ", nullptr, "application/x-metaimage", UpRule::patient_s}, is_meta_image, open_meta_image},
+    {{"NIfTI", ".nii .hdr .img ", nullptr, "application/x-nifti", UpRule::patient_r}, is_nifti, open_nifti},
     {{"FITS", ".fits .fit .fts ", nullptr, "image/fits"}, is_fits, open_fits},
     {{"VTK ImageData", ".vti ", nullptr, "application/x-vtk-image-data"}, is_vti, open_vti},
     {{"SLC", ".slc ", nullptr, "application/x-slc"}, is_slc, open_slc},
-    {{"raw voxels", ".raw .vol "}, nullptr, open_without_header},
+    {{"raw voxels", ".raw .vol ", nullptr, "application/x-volume", UpRule::slices}, nullptr, open_without_header},
 };
 
 const VolumeFormat* format_of(std::string_view path, std::span<const std::byte> bytes) {

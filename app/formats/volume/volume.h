@@ -2,6 +2,7 @@
 
 #include "app/base/read_file.h"
 #include "app/base/world_budget.h"
+#include "app/formats/common/upright.h"
 #include "qnv/volume/volume.h"
 
 #include <array>
@@ -57,6 +58,7 @@ struct VolumeFormatName {
   std::string_view extensions;                                // lower case, each with its point, a blank behind each
   bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // by the first bytes; null: only the name tells
   std::string_view mime = "application/x-volume";
+  UpRule up = UpRule::y;  // what is up, where the file itself does not say
 };
 [[nodiscard]] std::span<const VolumeFormatName> volume_format_names();
 

@@ -2,6 +2,7 @@
 
 #include "app/interface/base/ui_tools.h"
 #include "app/session/session_log.h"
+#include "app/session/view.h"
 #include "app/settings/user_memory.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"
@@ -68,6 +69,12 @@ struct UiModel {
   NavigationRules rules;
   float speed = 1;  // metres a second
   bool headlight = false;
+  ViewStyle style;
+  Pose pose;              // of the viewer
+  Upright upright;        // of what he looks at
+  bool axes = false;      // are shown in a corner
+  std::string grid_text;  // how large the squares on the ground are; empty: there are none
+  bool can_undo_move = false, can_redo_move = false;
   bool has_sounds = false, muted = false;
 
   // Its clouds.

@@ -121,4 +121,44 @@ TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a se
   CHECK(run(draw + "--slice w=3 " + quoted(volume)).status == 2);
 }
 
+TEST_CASE("Pictures are taken from where a camera's text says, by parallel rays, and of what is up") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("a.wrl", kBox);
+  // A wedge whose height is along Z.
+  const std::string wedge = folder.write(
+      "w.stl",
+      "solid w\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 9\nendloop\nendfacet\nendsolid\n");
+  const auto picture = [&](const std::string& options, const std::string& file) {
+    const Run drawn = run(kDraw + "--size 48x48 " + options + " --snapshot " + quoted(folder.path("o.png")) + " " +
+                          quoted(file));
+    INFO(options << ": " << drawn.output);
+    CHECK(drawn.status == 0);
+    return folder.read("o.png");
+  };
+  const std::string plain = picture("", world);
+  CHECK(picture("--camera 'Viewpoint { position 0 0 10 }'", world) == plain);
+  CHECK(picture("--camera 'position=3,4,10'", world) != plain);
+  CHECK(picture("--camera 'position=0,0,10 height=4'", world) != plain);
+  CHECK(picture("--orbit 30,30 --orthographic", world) != picture("--orbit 30,30", world));
+  CHECK(picture("--display wireframe", world) != plain);
+  CHECK(picture("--background gradient", world) != plain);
+  const std::string standing = picture("", wedge);
+  CHECK(picture("--up z", wedge) == standing);
+  CHECK(picture("--up auto", wedge) == standing);
+  CHECK(picture("--up -z", wedge) != standing);
+  // A stream of it stands as the file does, or as is said.
+  REQUIRE(run("encode " + quoted(wedge) + " " + quoted(folder.path("w.qnv"))).status == 0);
+  CHECK(run("info " + quoted(folder.path("w.qnv"))).output.find("up: z") != std::string::npos);
+  REQUIRE(run("encode --up -x " + quoted(wedge) + " " + quoted(folder.path("x.qnv"))).status == 0);
+  CHECK(run("info " + quoted(folder.path("x.qnv"))).output.find("up: -x") != std::string::npos);
+  REQUIRE(run("export --vrml97 " + quoted(folder.path("w.qnv")) + " " + quoted(folder.path("w.wrl"))).status == 0);
+  CHECK(folder.read("w.wrl").find("rotation 1 0 0 1.5707964 children Viewpoint") != std::string::npos);
+  for (const char* wrong :
+       {"--up w", "--camera nowhere", "--display dots", "--camera position=1,2,3 --orbit 0,0",
+        "--orthographic --stereo anaglyph"}) {
+    INFO(wrong);
+    CHECK(run(std::string(wrong) + " --snapshot " + quoted(folder.path("p.png")) + " " + quoted(world)).status == 2);
+  }
+}
+
 }  // namespace gs::app::picture_options_test

@@ -1,0 +1,134 @@
+#include "app/formats/common/upright.h"
+
+#include "app/base/text.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+constexpr std::array<UpAxisRow, 7> kUpAxes{{{UpAxis::automatic, "auto"},
+                                            {UpAxis::x, "x"},
+                                            {UpAxis::minus_x, "-x"},
+                                            {UpAxis::y, "y"},
+                                            {UpAxis::minus_y, "-y"},
+                                            {UpAxis::z, "z"},
+                                            {UpAxis::minus_z, "-z"}}};
+
+glm::vec3 axis_vector(UpAxis axis) {
+  if (axis == UpAxis::automatic) return {0, 1, 0};
+  const int number = static_cast<int>(axis) - 1;
+  glm::vec3 vector(0);
+  vector[number / 2] = number % 2 == 0 ? 1.0f : -1.0f;
+  return vector;
+}
+
+std::optional<glm::vec3> vector_of(std::string_view name) {
+  const auto axis = find_up_axis(name);
+  return axis && *axis != UpAxis::automatic ? std::optional(axis_vector(*axis)) : std::nullopt;
+}
+
+std::optional<std::string_view> name_of(const glm::vec3& vector) {
+  for (const UpAxisRow& row : kUpAxes)
+    if (row.axis != UpAxis::automatic && axis_vector(row.axis) == vector) return row.name;
+  return std::nullopt;
+}
+
+/// NRRD: "left-posterior-superior" or "LPS", with "-time" behind it or not: where the axes lead to.
+std::optional<Upright> upright_of_space(std::string_view text) {
+  std::string space = lower_case(text);
+  if (space.size() <= 4 && space.find('-') == std::string::npos) {  // "lps", "last"
+    std::string words;
+    for (const char letter : space) words += std::string(1, letter) + '-';
+    space = words;
+  }
+  std::optional<glm::vec3> up, front;
+  std::size_t at = 0;
+  for (int axis = 0; axis < 3 && at < space.size(); ++axis) {
+    const std::size_t end = std::min(space.find('-', at), space.size());
+    const std::string_view word = std::string_view(space).substr(at, end - at);
+    at = end + 1;
+    glm::vec3 along(0);
+    along[axis] = 1;
+    if (word == "superior" || word == "s") up = along;
+    if (word == "inferior" || word == "i") up = -along;
+    if (word == "anterior" || word == "a") front = along;
+    if (word == "posterior" || word == "p") front = -along;
+  }
+  return up && front ? std::optional(Upright{*up, *front}) : std::nullopt;
+}
+
+}  // namespace
+
+glm::dmat3 world_from_upright(const Upright& upright) {
+  return {glm::dvec3(upright.right()), glm::dvec3(upright.up), glm::dvec3(upright.front)};
+}
+
+const std::array<UpAxisRow, 7>& up_axes() { return kUpAxes; }
+
+std::optional<UpAxis> find_up_axis(std::string_view name) {
+  if (name.starts_with('+') && !name.starts_with("+-")) name.remove_prefix(1);
+  for (const UpAxisRow& row : kUpAxes)
+    if (row.name == name) return row.axis;
+  return std::nullopt;
+}
+
+std::string_view name_of(UpAxis axis) { return kUpAxes[static_cast<std::size_t>(axis)].name; }
+
+Upright upright_of(UpAxis axis) { return upright_along(axis_vector(axis)); }
+
+Upright upright_along(const glm::vec3& up) {
+  // Those of +x are seen from +z, as those of +y are.
+  const glm::vec3 right = std::abs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, up.x > 0 ? -1 : 1, 0);
+  return {up, glm::normalize(glm::cross(right, up))};
+}
+
+Upright upright_of(UpRule rule, const glm::vec3& size) {
+  constexpr float kStanding = 1.5f;  // times as high as it is wide and deep
+  constexpr float kSurvey = 5;       // metres
+  switch (rule) {
+    case UpRule::y:
+      break;
+    case UpRule::z:
+      return upright_of(UpAxis::z);
+    case UpRule::by_shape:
+      if (size.z > kStanding * std::max(size.x, size.y)) return {{0, 0, 1}, {0, 1, 0}};
+      break;
+    case UpRule::survey:
+      return upright_of(std::max({size.x, size.y, size.z}) > kSurvey ? UpAxis::z : UpAxis::y);
+    case UpRule::slices:
+      return {{0, 0, -1}, {0, -1, 0}};
+    case UpRule::patient_s:
+      return {{0, 0, 1}, {0, -1, 0}};
+    case UpRule::patient_r:
+      return {{0, 0, 1}, {0, 1, 0}};
+  }
+  return {};
+}
+
+std::optional<Upright> stated_upright(StreamMetadata metadata) {
+  std::optional<glm::vec3> up, front;
+  std::optional<Upright> of_space;
+  for (const auto& [key, value] : metadata) {
+    if (key == "up") up = vector_of(value);
+    if (key == "front") front = vector_of(value);
+    if (key == "space") of_space = upright_of_space(value);
+  }
+  if (!up) return of_space;
+  if (front && glm::dot(*up, *front) == 0) return Upright{*up, *front};
+  return upright_along(*up);
+}
+
+std::vector<std::pair<std::string, std::string>> metadata_of(const Upright& upright) {
+  const auto up = name_of(upright.up), front = name_of(upright.front);
+  std::vector<std::pair<std::string, std::string>> metadata;
+  if (upright == Upright{} || !up || !front) return metadata;
+  metadata.emplace_back("up", *up);
+  if (upright != upright_along(upright.up)) metadata.emplace_back("front", *front);
+  return metadata;
+}
+
+}  // namespace gs::app

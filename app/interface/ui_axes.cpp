@@ -1,0 +1,103 @@
+#include "app/interface/ui_state.h"
+
+#include <imgui.h>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+// In a corner of the picture: where the axes lead, and how large the squares on the ground are.
+namespace gs::app {
+namespace {
+
+struct AxisEnd {
+  glm::vec3 along;
+  glm::vec3 seen;  // right, up and towards the viewer
+  int axis = 0;
+  bool positive = true;
+};
+
+constexpr ImU32 kAxisColors[] = {IM_COL32(226, 84, 84, 255), IM_COL32(112, 190, 84, 255), IM_COL32(88, 144, 240, 255)};
+constexpr const char* kAxisNames[] = {"X", "Y", "Z"};
+
+ImVec2 in_units(const glm::vec2& pixels) {
+  const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+  return {pixels.x / std::max(scale.x, 0.01f), pixels.y / std::max(scale.y, 0.01f)};
+}
+
+/// The side of a thing that is seen from where an axis leads to.
+Action side_along(const glm::vec3& along, const Upright& upright) {
+  const std::pair<glm::vec3, Action> sides[] = {
+      {upright.front, Action::side_front},    {-upright.front, Action::side_back}, {-upright.right(), Action::side_left},
+      {upright.right(), Action::side_right}, {upright.up, Action::side_top},      {-upright.up, Action::side_bottom}};
+  return std::max_element(std::begin(sides), std::end(sides), [&](const auto& a, const auto& b) {
+           return glm::dot(a.first, along) < glm::dot(b.first, along);
+         })->second;
+}
+
+}  // namespace
+
+void UiOverlay::State::axes_widget(const UiModel& model, UiActions& actions) {
+  const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
+                                   [](const UiViewport& viewport) { return viewport.active; });
+  if (active == model.viewports.end() || !model.has_world) return;
+  const Viewport& place = active->place;
+  const float em = ImGui::GetFontSize(), half = 3.2f * em;
+  const ImVec2 lower = in_units(glm::vec2(place.left, place.top + place.height));
+  const ImVec2 size = in_units(place.size());
+  if (!model.grid_text.empty() && size.x > 12 * em) {
+    ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+    const ImVec2 at(lower.x + (model.axes ? 2 * half : 0) + 0.8f * em, lower.y - 2 * em);
+    draw.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 160), model.grid_text.c_str());
+    draw.AddText(at, ImGui::GetColorU32(UiColors::kText), model.grid_text.c_str());
+  }
+  if (!model.axes || size.x < 6 * half || size.y < 5 * half) return;
+  ImGui::SetNextWindowPos({lower.x, lower.y - 2 * half});
+  ImGui::SetNextWindowSize({2 * half, 2 * half});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  ImGui::Begin("##axes", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus);
+  ImGui::PopStyleVar(2);
+  const glm::quat viewer_from_world = glm::conjugate(model.pose.orientation);
+  std::array<AxisEnd, 6> ends;
+  for (int i = 0; i < 6; ++i) {
+    glm::vec3 along(0);
+    along[i / 2] = i % 2 == 0 ? 1.0f : -1.0f;
+    ends[static_cast<std::size_t>(i)] = {along, viewer_from_world * along, i / 2, i % 2 == 0};
+  }
+  std::sort(ends.begin(), ends.end(), [](const AxisEnd& a, const AxisEnd& b) { return a.seen.z < b.seen.z; });
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImVec2 center(lower.x + half, lower.y - half);
+  const float length = half - 0.8f * em, dot = 0.58f * em;
+  for (const AxisEnd& end : ends) {
+    const ImVec2 at(center.x + end.seen.x * length, center.y - end.seen.y * length);
+    const ImU32 color = kAxisColors[end.axis];
+    const ImU32 faint = (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110);
+    ImGui::SetCursorScreenPos({at.x - dot, at.y - dot});
+    const std::string name = std::string(end.positive ? "+" : "-") + kAxisNames[end.axis];
+    ImGui::PushID(name.c_str());
+    if (ImGui::InvisibleButton("##end", {2 * dot, 2 * dot})) actions.run = side_along(end.along, model.upright);
+    const bool hovered = ImGui::IsItemHovered();
+    tooltip("From " + name);
+    ImGui::PopID();
+    if (end.positive) {
+      draw.AddLine(center, at, color, 2 * scale);
+      draw.AddCircleFilled(at, dot, color);
+      const ImVec2 text = ImGui::CalcTextSize(kAxisNames[end.axis]);
+      draw.AddText({at.x - text.x / 2, at.y - text.y / 2}, IM_COL32(16, 17, 20, 255), kAxisNames[end.axis]);
+    } else {
+      draw.AddCircleFilled(at, dot * 0.8f, faint);
+    }
+    if (hovered) draw.AddCircle(at, dot + scale, ImGui::GetColorU32(UiColors::kText), 0, 1.5f * scale);
+  }
+  ImGui::End();
+}
+
+}  // namespace gs::app

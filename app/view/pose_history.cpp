@@ -1,0 +1,41 @@
+#include "app/view/pose_history.h"
+
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+bool same_place(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation == b.orientation && a.height == b.height;
+}
+
+}  // namespace
+
+void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
+  const bool begins = now - std::exchange(last_, now) > kRest;
+  if (taken_) {
+    if (goal_ && same_place(to, *goal_)) {
+      taken_ = false;
+      last_ = -1e9;  // whatever comes next begins here
+    }
+    return;
+  }
+  if (!begins) return;
+  if (behind_.size() >= kMostPlaces) behind_.erase(behind_.begin());
+  behind_.push_back(from);
+  ahead_.clear();
+}
+
+std::optional<Pose> PoseHistory::go(int direction, const Pose& from) {
+  std::vector<Pose>&places = direction < 0 ? behind_ : ahead_, &others = direction < 0 ? ahead_ : behind_;
+  if (places.empty()) return std::nullopt;
+  // Who has not come to where he was being taken is not remembered where he is now.
+  others.push_back(taken_ && goal_ ? *goal_ : from);
+  goal_ = places.back();
+  places.pop_back();
+  taken_ = !same_place(from, *goal_);
+  last_ = -1e9;
+  return goal_;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,227 @@
+#include "app/view/camera_text.h"
+#include "tests/app/interface/driver.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+// The camera by keys and menus: sides, up, parallel rays, undo, seek, and its text on the clipboard.
+namespace gs::app::camera_interface_test {
+
+using driver::Driver;
+
+namespace {
+
+constexpr char kBoxes[] =
+    "NavigationInfo { type [ \"EXAMINE\" \"ANY\" ] } Shape { geometry Box { size 2 4 6 } } "
+    "Transform { translation 3 0 0 children Shape { geometry Box { } } }";
+
+const Navigation& navigation(Driver& user) { return user.session().view()->navigation; }
+const Pose& pose(Driver& user) { return navigation(user).pose; }
+
+bool near(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) < 1e-3f; }
+
+}  // namespace
+
+TEST_CASE("Keys show a thing from its sides, and what is up for the user says which they are") {
+  Driver user;
+  user.show_world(kBoxes);
+  const std::pair<char, glm::vec3> sides[] = {{'1', {0, 0, -1}}, {'2', {0, 0, 1}},  {'3', {1, 0, 0}},
+                                              {'4', {-1, 0, 0}}, {'5', {0, -1, 0}}, {'6', {0, 1, 0}}};
+  for (const auto& [key, forward] : sides) {
+    user.press(letter_key(key), false, true);
+    user.wait(1);
+    INFO(key);
+    CHECK(near(pose(user).forward(), forward));
+    CHECK(near(navigation(user).center, {1.5f, 0, 0}));
+  }
+  user.click("View");
+  user.click("What is up");
+  user.click("Up: +Z");
+  CHECK(user.session().view()->style.up == UpAxis::z);
+  CHECK(navigation(user).up == glm::vec3(0, 0, 1));
+  user.press(letter_key('1'), false, true);
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {0, 1, 0}));
+  CHECK(near(pose(user).up(), {0, 0, 1}));
+  user.click("Navigate");
+  user.click("Look at it");
+  user.click("From above");
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {0, 0, -1}));
+  CHECK(user.session().view()->navigation.mode == NavigationMode::examine);  // 1 alone chooses a mode
+}
+
+TEST_CASE("Who has not moved goes to the first view of what is up now") {
+  Driver user;
+  user.show_world(kBoxes);
+  user.session().run(Action::up_minus_z);
+  user.wait(1);
+  CHECK(near(pose(user).up(), {0, 0, -1}));
+  CHECK(at_home(*user.session().view()));
+  user.session().run(Action::up_auto);
+  user.wait(1);
+  CHECK(near(pose(user).up(), {0, 1, 0}));
+}
+
+TEST_CASE("A Viewpoint stays where it is, whatever is up") {
+  Driver other;
+  other.show_world(std::string(kBoxes) + " Viewpoint { position 0 1 9 orientation 1 0 0 0.3 }");
+  const Pose before = pose(other);
+  other.session().run(Action::up_z);
+  other.wait(1);
+  CHECK(pose(other).position == before.position);
+  CHECK(pose(other).orientation == before.orientation);
+  CHECK(navigation(other).up == glm::vec3(0, 0, 1));
+}
+
+TEST_CASE("O sees by parallel rays and in perspective by turns, and what is looked at stays as large") {
+  Driver user;
+  user.show_world(kBoxes);
+  const Pose before = pose(user);
+  user.press(letter_key('O'));
+  CHECK(user.session().view()->style.parallel);
+  const double expected = 2 * std::tan(before.field_of_view / 2.0) * before.position.z;
+  CHECK(std::abs(pose(user).height - expected) < 0.01 * expected);
+  CHECK(at_home(*user.session().view()));
+  CHECK(user.sees("Orthographic: parallel rays"));
+  // Whatever is gone to, is seen so.
+  user.press(letter_key('5'), false, true);
+  user.wait(1);
+  CHECK(pose(user).height > 0);
+  user.press(Key::home);
+  user.wait(1);
+  CHECK(std::abs(pose(user).height - expected) < 0.01 * expected);
+  user.press(letter_key('O'));
+  CHECK(pose(user).height == 0);
+  CHECK(glm::distance(pose(user).position, before.position) < 1e-3);
+}
+
+TEST_CASE("Movements are undone and done again, and typing into a field undoes nothing of the world") {
+  Driver user;
+  user.show_world(kBoxes);
+  const Pose first = pose(user);
+  user.press(letter_key('5'), false, true);
+  user.wait(2);
+  const Pose above = pose(user);
+  user.press(letter_key('3'), false, true);
+  user.wait(2);
+  user.press(letter_key('Z'), true);
+  user.wait(1);
+  CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
+  user.press(letter_key('Z'), true);
+  user.wait(1);
+  CHECK(glm::distance(pose(user).position, first.position) < 1e-6);
+  CHECK_FALSE(user.session().can_undo_move(-1));
+  user.press(letter_key('Z'), true, true);
+  user.wait(1);
+  CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
+  user.press(letter_key('P'), true, true);  // the palette has the keys
+  user.type("fit");
+  user.press(letter_key('Z'), true);
+  user.press(Key::escape);
+  user.wait(1);
+  CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
+}
+
+TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
+  Driver user;
+  user.show_world(kBoxes);
+  Pose rolled = pose(user);
+  rolled.orientation = glm::angleAxis(0.8f, glm::vec3(0, 0, 1));
+  user.session().go_to(rolled);
+  user.wait(1);
+  CHECK(std::abs(pose(user).right().y) > 0.5f);
+  user.press(letter_key('U'));
+  user.wait(1);
+  CHECK(std::abs(pose(user).right().y) < 1e-4f);
+  const double before = pose(user).position.z;
+  user.press(letter_key('K'));
+  CHECK(user.session().seeking());
+  const Viewport place = user.picture();
+  const auto box = pixel_that_sees(pose(user), {0.5, 0.5, 3}, place.size());
+  REQUIRE(box);
+  user.click(*box + glm::vec2(place.left, place.top));
+  user.wait(1);
+  CHECK_FALSE(user.session().seeking());
+  CHECK(glm::distance(navigation(user).center, glm::dvec3(0.5, 0.5, 3)) < 0.05);
+  CHECK(std::abs((pose(user).position.z - navigation(user).center.z) * 2 - (before - navigation(user).center.z)) < 0.1);
+  user.press(letter_key('K'));
+  user.press(Key::escape);
+  CHECK_FALSE(user.session().seeking());
+}
+
+TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is told") {
+  Driver user;
+  user.show_world(kBoxes);
+  user.press(letter_key('5'), false, true);
+  user.wait(1);
+  user.press(letter_key('O'));
+  const Pose kept = pose(user);
+  user.press(letter_key('C'), true);
+  CHECK(user.desk().ui().clipboard() == camera_text(kept));
+  user.press(letter_key('O'));
+  user.press(letter_key('1'), false, true);
+  user.wait(1);
+  user.press(letter_key('V'), true);
+  user.wait(1);
+  CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);
+  CHECK(std::abs(pose(user).height - kept.height) < 1e-6 * kept.height);
+  CHECK(user.session().view()->style.parallel);
+  user.click("Navigate");
+  user.click("Copy camera as a Viewpoint node");
+  CHECK(user.desk().ui().clipboard().starts_with("Viewpoint { position "));
+  CHECK(std::holds_alternative<Pose>(read_camera(user.desk().ui().clipboard())));
+  user.desk().ui().set_clipboard("nothing of the kind");
+  user.press(letter_key('V'), true);
+  CHECK(user.sees("The clipboard holds no camera"));
+  CHECK(glm::distance(pose(user).position, kept.position) < 1e-5);
+}
+
+TEST_CASE("The axes in the corner of what no author has dressed show its sides, and the grid says how large it is") {
+  Driver user;
+  OpenedWorld world = world_of(kBoxes);
+  world.path = "part.stl";
+  world.authored = false;
+  world.up = UpRule::z;
+  auto document = hold_world(std::move(world));
+  begin_world(*document, 1000);
+  user.session().show(std::move(document));
+  user.settle();
+  CHECK(user.session().view()->style.backdrop);
+  CHECK(near(pose(user).up(), {0, 0, 1}));
+  const float em = ImGui::GetFontSize(), half = 3.2f * em, length = half - 0.8f * em;
+  const Viewport place = user.picture();
+  const glm::vec2 center(place.left + half, place.top + place.height - half);
+  user.click(center + glm::vec2(length, 0));  // +X
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {-1, 0, 0}));
+  CHECK(near(pose(user).up(), {0, 0, 1}));
+  user.click(center - glm::vec2(0, length));  // +Z is up now
+  user.wait(1);
+  CHECK(near(pose(user).forward(), {0, 0, -1}));
+  CHECK_FALSE(user.sees("Grid:"));
+  user.press(letter_key('N'));
+  CHECK(user.sees("Grid: 0.5"));
+  // Without axes a click there turns the world, and does not choose a side.
+  user.click("View");
+  user.click("Axes in a corner");
+  CHECK_FALSE(user.session().view()->style.axes);
+  const Pose before = pose(user);
+  user.click(center + glm::vec2(length, 0));
+  user.wait(1);
+  CHECK(pose(user).orientation == before.orientation);
+  user.press(letter_key('X'));
+  CHECK(user.session().view()->style.display == render::DisplayMode::edges);
+  user.click("View");
+  user.click("How faces are drawn");
+  user.click("Faces: points");
+  CHECK(user.session().view()->style.display == render::DisplayMode::points);
+}
+
+}  // namespace gs::app::camera_interface_test

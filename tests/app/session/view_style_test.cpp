@@ -1,0 +1,110 @@
+// Views of what stands in other ways than VRML97 has it, and by parallel rays.
+#include "app/session/view.h"
+
+#include "app/world/world_loader.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace gs::app::view_style_test {
+namespace {
+
+constexpr glm::vec2 kSize(800, 600);
+
+bool close(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) < 1e-3f; }
+
+std::shared_ptr<Document> standing(const std::string& body, UpRule up) {
+  OpenedWorld world = world_of(body);
+  world.up = up;
+  return make_document(std::move(world));
+}
+
+constexpr char kTower[] = "Shape { geometry Box { size 2 4 9 } }";
+constexpr char kSeen[] = "Viewpoint { position 0 0 30 } Shape { geometry Box { size 2 4 9 } }";
+
+}  // namespace
+
+TEST_CASE("A file whose format has another axis up is first seen upright, and who walks there has that up") {
+  const View view = view_of(standing(kTower, UpRule::z), kSize, {});
+  CHECK(view.navigation.up == glm::vec3(0, 0, 1));
+  CHECK(close(view.home.up(), {0, 0, 1}));
+  CHECK(close(view.home.forward(), {0, 1, 0}));
+  Navigation walker = with_mode(view.navigation, NavigationMode::walk);
+  NavigationInput ahead;
+  ahead.move = {0, 0, 1};
+  ahead.turn = {0.3f, 0};
+  for (int i = 0; i < 30; ++i) walker = step(walker, ahead, 0.05f);
+  CHECK(std::abs(walker.pose.position.z - view.home.position.z) < 1e-3);  // on the level
+  CHECK(std::abs(walker.pose.right().z) < 1e-4f);
+  CHECK(glm::distance(walker.pose.position, view.home.position) > 0.1);
+  // A Viewpoint's coordinates say it themselves.
+  const View entered = view_of(standing(kSeen, UpRule::z), kSize, {});
+  CHECK(entered.navigation.up == glm::vec3(0, 1, 0));
+  CHECK(entered.home.position == glm::dvec3(0, 0, 30));
+}
+
+TEST_CASE("What the user says is up stays when the file is read again, and Viewpoints stay where they are") {
+  View view = view_of(standing(kTower, UpRule::z), kSize, {}, nullptr, {UpAxis::minus_y});
+  CHECK(close(view.home.up(), {0, -1, 0}));
+  const View again = renewed(view, standing(kTower, UpRule::z), kSize);
+  CHECK(again.style.up == UpAxis::minus_y);
+  CHECK(again.navigation.up == glm::vec3(0, -1, 0));
+  choose_up(view, UpAxis::automatic);
+  CHECK(view.navigation.up == glm::vec3(0, 0, 1));
+  CHECK(close(view.home.up(), {0, 0, 1}));
+  View entered = view_of(standing(kSeen, UpRule::y), kSize, {}, nullptr, {UpAxis::z});
+  CHECK(entered.home.position == glm::dvec3(0, 0, 30));
+  CHECK(close(entered.home.up(), {0, 1, 0}));
+  CHECK(entered.navigation.up == glm::vec3(0, 0, 1));
+  CHECK(upright_of(entered) == upright_of(UpAxis::z));
+  choose_up(entered, UpAxis::automatic);
+  CHECK(entered.navigation.up == glm::vec3(0, 1, 0));
+}
+
+TEST_CASE("Who sees by parallel rays does so at Viewpoints, in windows of other sizes and in files that are read again") {
+  ViewStyle style;
+  style.parallel = true;
+  View view = view_of(standing(kTower, UpRule::y), kSize, {}, nullptr, style);
+  CHECK(view.navigation.pose.height > 9);
+  fit_home(view, {300, 600});
+  CHECK(view.navigation.pose.height > 0);
+  CHECK(at_home(view));
+  CHECK(renewed(view, standing(kTower, UpRule::y), kSize).navigation.pose.height > 0);
+  View entered = view_of(standing(kSeen, UpRule::y), kSize, {}, nullptr, style);
+  CHECK(entered.navigation.pose.height > 0);
+  CHECK(entered.navigation.pose.position == glm::dvec3(0, 0, 30));
+  choose_parallel(entered, false);
+  CHECK(entered.navigation.pose.height == 0);
+  CHECK(at_home(entered));
+}
+
+TEST_CASE("Files say what is up by their format or their header, and only worlds have a look of their own") {
+  const ScratchFolder folder;
+  const auto read = [&](const std::string& name, const std::string& text) {
+    OpenedWorld world = load_world(folder.write(name, text));
+    INFO(name);
+    CHECK(world.scene);
+    return std::pair{world.upright({1, 1, 1}), world.authored};
+  };
+  const std::string triangle =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
+  CHECK(read("a.stl", triangle) == std::pair{upright_of(UpAxis::z), false});
+  CHECK(read("a.wrl", std::string("#VRML V2.0 utf8\n") + kTower) == std::pair{Upright{}, true});
+  const auto nrrd = [](const std::string& space) {
+    std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\n" + space + "encoding: raw\n\n";
+    for (int i = 0; i < 512; ++i) text += static_cast<char>(i % 8 > 2 && i / 64 > 2 ? 200 : 10);
+    return text;
+  };
+  CHECK(read("plain.nrrd", nrrd("")) == std::pair{Upright{{0, 0, -1}, {0, -1, 0}}, false});
+  CHECK(read("patient.nrrd", nrrd("space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n")) ==
+        std::pair{Upright{{0, 0, 1}, {0, -1, 0}}, false});
+}
+
+}  // namespace gs::app::view_style_test
