@@ -149,7 +149,7 @@ void release_lists(vrml::SceneGraph& scene) {
 /// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
 /// is a tenth of its time.
 void keep_memory() {
-  constexpr int kMapped = 32 << 20, kKept = 1 << 30, kAhead = 16 << 20;
+  constexpr int kMapped = 16 << 20, kKept = 1 << 30, kAhead = 16 << 20;
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
   (void)mallopt(M_TRIM_THRESHOLD, kKept);
   (void)mallopt(M_TOP_PAD, kAhead);
