@@ -72,7 +72,7 @@ TEST_CASE("Who sees by parallel rays does so at Viewpoints, in windows of other 
   ViewStyle style;
   style.parallel = true;
   View view = view_of(standing(kTower, UpRule::y), kSize, {}, nullptr, style);
-  CHECK(view.navigation.pose.height > 9);
+  CHECK(view.navigation.pose.height > 4);
   fit_home(view, {300, 600});
   CHECK(view.navigation.pose.height > 0);
   CHECK(at_home(view));
