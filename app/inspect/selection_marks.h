@@ -22,6 +22,7 @@ namespace gs::app {
 /// A line from one framebuffer pixel to another.
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
 /// The edges of a box as one who looks sees them in a viewport, as far as they lie before him; they may leave it.
-[[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose, const Viewport& viewport);
+[[nodiscard]] std::vector<PixelLine> edges_of(const render::WorldBounds& box, const Pose& pose,
+                                              const Viewport& viewport);
 
 }  // namespace gs::app

@@ -139,8 +139,8 @@ class Session {
   bool run(Action action);
   void open_files(const std::vector<std::string>& paths);
   void select_file(std::size_t index);
-  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the viewer
-  /// at `pose` once all of it is there. Neither: where it is entered, or was left.
+  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the
+  /// viewer at `pose` once all of it is there. Neither: where it is entered, or was left.
   void open_at(const std::string& place, const std::string& viewpoint, const std::optional<Pose>& pose);
   /// Whether the active viewport has shown something else before (-1), or, gone back from, after (1).
   [[nodiscard]] bool can_travel(int direction) const;

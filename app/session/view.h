@@ -41,7 +41,7 @@ struct View {
   Navigation navigation;
   Pose home;                             // of the bound Viewpoint, or the first view of the whole
   glm::vec2 home_size{0};                // of the viewport for which the latter was chosen
-  render::WorldBounds framed;                   // what the latter has in view
+  render::WorldBounds framed;            // what the latter has in view
   float first_size = 0;                  // of the whole as it was first seen: its diagonal
   std::optional<std::size_t> viewpoint;  // the one that it stands at or has moved away from
   glm::dmat4 world_from_viewpoint{1.0};  // of that, when it was last looked at: who moves with it

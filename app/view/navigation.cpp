@@ -357,7 +357,8 @@ Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   return state;
 }
 
-Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds, const glm::vec2& viewport) {
+Navigation approach(Navigation state, const glm::dvec3& point, const render::WorldBounds& bounds,
+                    const glm::vec2& viewport) {
   if (!finite(point)) return state;
   constexpr double kNearer = 1.0 / 3;  // of the way is left to who is inside
   const glm::dvec3 position = state.pose.position;

@@ -153,7 +153,8 @@ struct Navigation {
 };
 
 /// A Navigation for a world of these bounds, with its viewer at `pose`.
-[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds, const Pose& pose);
+[[nodiscard]] Navigation start_navigation(const NavigationRules& rules, const render::WorldBounds& bounds,
+                                          const Pose& pose);
 
 /// The state `seconds` later. Pure, and independent of how a span of time is cut into steps up to rounding
 /// (paths that turn and move at once: to second order). `seconds` counts as at most a quarter second, so

@@ -44,7 +44,8 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   if (list.overlays)
     if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::overlay, options.pixel))
       return surface_hit(*hit);
-  if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::seen, options.pixel)) nearest = surface_hit(*hit);
+  if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::seen, options.pixel))
+    nearest = surface_hit(*hit);
   const auto splat_hit = [&](float distance, std::size_t splat) {
     return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}};
   };

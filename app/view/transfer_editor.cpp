@@ -239,7 +239,8 @@ ClipChoice clip_choice(const glm::dvec4& plane, const render::WorldBounds& bound
     choice.flip = choice.view[i] < 0;
   }
   const auto [least, most] = extent(direction_of(choice), bounds);
-  choice.place = most > least ? unit(static_cast<float>((-plane.w / static_cast<double>(length) - least) / (most - least))) : 0.0f;
+  choice.place =
+      most > least ? unit(static_cast<float>((-plane.w / static_cast<double>(length) - least) / (most - least))) : 0.0f;
   return choice;
 }
 

@@ -38,8 +38,8 @@ struct WideBox {
   }
 };
 
-/// From where the coordinates of what lies in a box are to count, so that float32 keeps them: along an axis on which the
-/// box lies far from 0 for its size, its middle, which is a float32 itself; else 0. What float32 kept of the places
+/// From where the coordinates of what lies in a box are to count, so that float32 keeps them: along an axis on which
+/// the box lies far from 0 for its size, its middle, which is a float32 itself; else 0. What float32 kept of the places
 /// about such an origin it keeps of the differences, too, without rounding.
 [[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
 
@@ -67,7 +67,7 @@ struct TransferPoint {
 /// What a stream says about all of its vectors.
 struct Description {
   Kind kind = Kind::surface;
-  bool two_sided = false;                     // surface: seen from behind too (VRML97 `solid FALSE`)
+  bool two_sided = false;  // surface: seen from behind too (VRML97 `solid FALSE`)
   /// Where 0 of all positions, boxes and lattices lies, in the space of the source: what is far from that one's own 0
   /// keeps its details in float32 so. Places of the source are origin + position, in double.
   glm::dvec3 origin{0};
@@ -91,8 +91,8 @@ struct SurfacePatches;
 
 /// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
 ///
-/// Units are the source's, places count from `description.origin`. `weights` is the area of the disc (units^2) or the magnitude of the
-/// gradient (value per unit of length). A volume has `classes` (its value, 0..255 over value_range), a
+/// Units are the source's, places count from `description.origin`. `weights` is the area of the disc (units^2) or the
+/// magnitude of the gradient (value per unit of length). A volume has `classes` (its value, 0..255 over value_range), a
 /// surface may have `colors`; without them it has the colour `color`.
 struct Cloud {
   Description description;

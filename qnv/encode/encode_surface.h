@@ -24,7 +24,7 @@ struct EncodeOptions {
   std::uint64_t seed = 1;     // of the order of records
   bool two_sided = false;
   bool only_if_suited = false;  // displaced: give up (EncodeError::unsuited) where an octree follows the surface better
-  int exact_bits = 0;  // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it
+  int exact_bits = 0;    // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it
   glm::dvec3 origin{0};  // of triangles: from which they count (Description::origin); vectors say it themselves
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;

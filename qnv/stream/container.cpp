@@ -19,7 +19,15 @@ constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
 constexpr double kMostOrigin = 1e18;  // a coordinate of it: so is a volume's farthest place
 constexpr std::uint64_t kMostWasted = std::uint64_t{16} << 20;
-enum Tag : std::uint16_t { kPalette = 1, kTransfer = 2, kMetadata = 3, kOutlines = 4, kBase = 5, kLattice = 6, kOrigin = 7 };
+enum Tag : std::uint16_t {
+  kPalette = 1,
+  kTransfer = 2,
+  kMetadata = 3,
+  kOutlines = 4,
+  kBase = 5,
+  kLattice = 6,
+  kOrigin = 7
+};
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {

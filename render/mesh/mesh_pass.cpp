@@ -21,7 +21,7 @@ constexpr float kPointSize = 2;
 constexpr float kMostDeviation = 0.4f;  // pixels: of a surface that is drawn with fewer triangles
 // Transparent triangles of one frame that are sorted within their meshes; the meshes behind keep their order.
 constexpr std::size_t kMostSorted = std::size_t{1} << 17;
-constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",     "LOCAL_LIGHTS",
+constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",      "LOCAL_LIGHTS",
                                     "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK"};
 
 /// The affine product in double: the difference of two large coordinates must survive. Of the node's space about

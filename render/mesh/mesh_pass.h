@@ -127,8 +127,8 @@ class MeshPass {
   [[nodiscard]] unsigned variant_of_all(const RenderList& list);
   [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
-  [[nodiscard]] bool prepare_text(const DrawItem& item, const glm::vec3& center, float radius,
-                                  const glm::vec3& origin, Prepared& prepared);
+  [[nodiscard]] bool prepare_text(const DrawItem& item, const glm::vec3& center, float radius, const glm::vec3& origin,
+                                  Prepared& prepared);
   [[nodiscard]] bool find_glyphs();
   void merge_texts();
   void add_text(const Prepared& prepared);

@@ -261,11 +261,10 @@ void MeshStore::set_streamed(std::span<const StreamedVertex> vertices, std::span
   gl_.BindVertexArray(streamed_->vertex_array.name());
   bound_page_ = kStreamedPage;
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, streamed_->indices.name());
-  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()),
-                 indices.data(), GL_STREAM_DRAW);
-  gl_.BindBuffer(GL_ARRAY_BUFFER, streamed_->vertices.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
                  GL_STREAM_DRAW);
+  gl_.BindBuffer(GL_ARRAY_BUFFER, streamed_->vertices.name());
+  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STREAM_DRAW);
   if (!fresh) return;
   const auto point_at = [&](GLuint location, GLint components, std::size_t offset) {
     gl_.EnableVertexAttribArray(location);
@@ -301,7 +300,8 @@ void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
     gl_.DrawElementsInstancedBaseVertex(slice.primitive, slice.index_count, GL_UNSIGNED_INT, indices,
                                         static_cast<GLsizei>(count), slice.base_vertex);
   }
-  if (slice.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());  // the vertex array keeps it
+  if (slice.sorted)
+    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());  // the vertex array keeps it
 }
 
 }  // namespace gs::render

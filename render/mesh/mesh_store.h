@@ -44,7 +44,7 @@ class MeshStore {
     bool normals = false, colors = false, texture_coordinates = false;
     bool streamed = false;  // it lies in what set_streamed was given, not in a page
     bool sorted = false;    // first_index counts in the sorted indices, not in the page
-    glm::vec3 origin{0};  // from which its positions count; see local_origin
+    glm::vec3 origin{0};    // from which its positions count; see local_origin
   };
 
   explicit MeshStore(const Gl& gl);
@@ -104,7 +104,7 @@ class MeshStore {
     VertexArray vertex_array;
     Buffer vertices, indices;
   };
-  std::unique_ptr<Streamed> streamed_;  // null until something was
+  std::unique_ptr<Streamed> streamed_;        // null until something was
   std::vector<std::unique_ptr<Page>> pages_;  // null where a page was freed
   std::unordered_map<const vrml::Mesh*, Entry> entries_;
   std::uint32_t bound_page_ = kNoPage, next_order_ = 0;

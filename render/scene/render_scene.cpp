@@ -263,7 +263,7 @@ void RenderScene::place_item(std::uint32_t i) {
   if (item.place == kNoPlace) return;
   RenderSources::Item& source = sources_.items[i];
   const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
-  const dmat4 world_from_node = item.surface                       ? world_from_cloud(world, *item.surface)
+  const dmat4 world_from_node = item.surface                   ? world_from_cloud(world, *item.surface)
                                 : source.scale == glm::vec3(1) ? world
                                                                : glm::scale(world, dvec3(source.scale));
   if (!fits_float(world_from_node)) {
@@ -278,8 +278,7 @@ void RenderScene::place_item(std::uint32_t i) {
 void RenderScene::place_splat(std::uint32_t i) {
   SplatItem& splat = list_->splats[i];
   if (splat.place == kNoPlace) return;
-  const dmat4 world =
-      world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
+  const dmat4 world = world_from_cloud(list_->world_from_frame[list_->places[splat.place].frame], *splat.cloud);
   splat.world_from_node = world;
   const qnv::Box& box = splat.cloud->description.box;
   sources_.splats[i].bounds = world_bounds({box.lower, box.upper}, world);

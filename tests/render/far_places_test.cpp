@@ -51,8 +51,7 @@ struct CloudWorld {
 std::size_t others(const Image& a, const Image& b, int most) {
   REQUIRE(a.pixels.size() == b.pixels.size());
   std::size_t count = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    count += std::abs(int{a.pixels[i]} - int{b.pixels[i]}) > most;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) count += std::abs(int{a.pixels[i]} - int{b.pixels[i]}) > most;
   return count;
 }
 
@@ -98,7 +97,8 @@ TEST_CASE("Surfaces of vectors with triangles look far away as they do near") {
       cloud.description.box.add(cloud.positions.back());
       if (row == kRows || column == kColumns) continue;
       const std::uint32_t at = row * (kColumns + 1) + column, below = at + kColumns + 1;
-      for (const std::uint32_t corner : {at, below, below + 1, at, below + 1, at + 1}) cloud.triangles.push_back(corner);
+      for (const std::uint32_t corner : {at, below, below + 1, at, below + 1, at + 1})
+        cloud.triangles.push_back(corner);
     }
   check_alike_far(cloud, SplatPath::automatic);
 }

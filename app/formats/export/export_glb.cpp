@@ -120,7 +120,8 @@ Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
   const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightUpBack);
   Attributes attributes(splats);
   if (!splats.empty()) add_all(splats, attributes);
-  std::string text = document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text =
+      document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
 
   std::vector<std::byte> bytes;

@@ -77,10 +77,10 @@ Exported export_splats_ply(const qnv::Cloud& cloud, const ExportOptions&) {
   constexpr std::size_t kRowBytes = 80, kHeaderRoom = 512;
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderRoom + splats.size() * kRowBytes);
-  put_header(bytes, splats.size(), origin,
-             {"float nx", "float ny", "float nz", "float f_dc_0", "float f_dc_1",
-              "float f_dc_2", "float opacity", "float scale_0", "float scale_1", "float scale_2", "float rot_0",
-              "float rot_1", "float rot_2", "float rot_3"});
+  put_header(
+      bytes, splats.size(), origin,
+      {"float nx", "float ny", "float nz", "float f_dc_0", "float f_dc_1", "float f_dc_2", "float opacity",
+       "float scale_0", "float scale_1", "float scale_2", "float rot_0", "float rot_1", "float rot_2", "float rot_3"});
   for (const ExportSplat& splat : splats) {
     put_place(bytes, origin, splat.position);
     put_vector(bytes, splat.normal);

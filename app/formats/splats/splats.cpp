@@ -53,7 +53,8 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   const glm::vec3 scale = model.scales[i];
   const glm::vec4 q = model.rotations[i];
   const float length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0)) return disc;
+  if (!usable(model.positions[i]) || !usable(glm::dvec3(scale)) || !(scale.x >= 0 && scale.y >= 0 && scale.z >= 0))
+    return disc;
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(model.opacities[i])) return disc;
   if (model.opacities[i] < kLeastOpacity) {
     disc.fate = Disc::Fate::faint;

@@ -1,4 +1,5 @@
 // Clouds of a metre, thousands of kilometres from the origin of their files.
+#include "app/encode/surface_triangles.h"
 #include "app/formats/export/export.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
@@ -6,8 +7,10 @@
 #include "qnv/decode/decoder.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/encode_volume.h"
+#include "render/scene/render_list.h"
 #include "tests/app/clouds.h"
 #include "tests/app/scratch_folder.h"
+#include "vrml/syntax/parser.h"
 
 #include <nlohmann/json.hpp>
 
@@ -114,6 +117,52 @@ TEST_CASE("a stream of records keeps where its vectors are") {
     most = std::max(most, nearest);
   }
   CHECK(most < 0.6e-3);  // half a step of a record: of a box of a metre, 1/2048
+}
+
+TEST_CASE("triangles of a world far from 0 are encoded from an origin, and come back from there") {
+  gs::vrml::SceneGraph scene("far.wrl");
+  gs::vrml::Diagnostics diagnostics;
+  (void)gs::vrml::parse(
+      "#VRML V2.0 utf8\nTransform { translation 4500000 -4500000 3200000 children Shape { geometry Box { size 1 0.3 "
+      "0.01 } } }",
+      scene, diagnostics);
+  gs::render::MeshCache meshes;
+  const gs::render::RenderList list = gs::render::collect(scene, {}, meshes);
+  const SurfaceSummary summary = summarize_surface(list);
+  const glm::dvec3 middle(4'500'000, -4'500'000, 3'200'000);
+  const glm::dvec3 off = summary.box.upper - summary.box.lower - glm::dvec3(1.0f, 0.3f, 0.01f);
+  CHECK(std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < 1e-8);
+  gs::qnv::EncodeOptions options;
+  options.origin = gs::qnv::local_origin(summary.box);
+  CHECK(options.origin == middle);
+  options.vectors = 500;
+  gs::qnv::Box box;
+  const gs::qnv::TriangleSource source = [&](const gs::qnv::TriangleSink& sink) {
+    return for_each_triangle(
+        list,
+        [&](std::span<const gs::qnv::Triangle> triangles) {
+          for (const gs::qnv::Triangle& t : triangles)
+            for (const glm::vec3& p : t.positions) box.add(p);
+          return sink(triangles);
+        },
+        options.origin);
+  };
+  for (const auto encode : {gs::qnv::encode_surface, gs::qnv::encode_displaced}) {
+    const auto made = encode(source, options, nullptr);
+    REQUIRE(std::holds_alternative<gs::qnv::EncodedStream>(made));
+    gs::qnv::StreamDecoder decoder;
+    REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
+    decoder.finish();
+    const Cloud cloud = decoder.cloud();
+    CHECK(cloud.description.origin == middle);
+    REQUIRE(cloud.size() > 7);
+    // A plate of a centimetre is one still.
+    gs::qnv::Box places;
+    for (const glm::vec3& p : cloud.positions) places.add(p);
+    CHECK(places.size().z < 0.02f);
+    CHECK(places.size().x > 0.9f);
+  }
+  CHECK(box.size().z == 0.01f);
 }
 
 TEST_CASE("a volume far from 0 is read with its place in double") {

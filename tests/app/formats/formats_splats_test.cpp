@@ -318,14 +318,17 @@ Bytes spz(std::uint32_t version, int flags = 0) {
   return data;
 }
 
-glm::dvec3 first_place(const Cloud& cloud) { return glm::dvec3(cloud.positions[0]) + cloud.description.origin; }
+/// In the space of the file.
+glm::vec3 first_place(const Cloud& cloud) {
+  return glm::vec3(cloud.description.origin + glm::dvec3(cloud.positions[0]));
+}
 
 TEST_CASE("SPZ versions 1 to 3") {
   for (const std::uint32_t version : {1u, 2u, 3u}) {
     const Bytes bytes = gzip(spz(version));
     const Cloud cloud = cloud_of(import_splats_spz, bytes);
     REQUIRE(cloud.size() == 2);
-    CHECK(first_place(cloud) == glm::dvec3(1, -1, 2.5));
+    CHECK(first_place(cloud) == glm::vec3(1, -1, 2.5f));
     CHECK(cloud.weights[0] == Approx(2 * kPi));
     CHECK(cloud.colors[0] == Rgb8{255, 255, 255});
     CHECK(near(cloud.normals[0], {0, 0, -1}, 0.01f));
@@ -340,7 +343,7 @@ TEST_CASE("SPZ versions 1 to 3") {
       check_any(import_splats_spz, gzip(changed));
     }
   }
-  CHECK(first_place(cloud_of(import_splats_spz, gzip(spz(3, 2)))) == glm::dvec3(1, 1, -2.5));
+  CHECK(first_place(cloud_of(import_splats_spz, gzip(spz(3, 2)))) == glm::vec3(1, 1, -2.5f));
   CHECK(problem_of(import_splats_spz, gzip(spz(5))).find("version 5") != std::string::npos);
   CHECK(problem_of(import_splats_spz, spz(3)).find("header of 32") == std::string::npos);
   CHECK_FALSE(problem_of(import_splats_spz, bytes_of("hello, world")).empty());

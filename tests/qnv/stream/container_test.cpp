@@ -1,7 +1,7 @@
 #include "qnv/stream/container.h"
 
-#include <catch2/catch.hpp>
 #include <zlib.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -152,8 +152,8 @@ TEST_CASE("A header with an origin is of version 2, one without of version 1") {
   // In a stream of version 1 the section means nothing; in one of version 2 it must be there.
   const auto refused = [&](Bytes changed) {
     std::fill_n(changed.begin() + 16, 4, std::byte{0});
-    const auto sum = static_cast<std::uint32_t>(
-        crc32_z(0, reinterpret_cast<const unsigned char*>(changed.data()), changed.size()));
+    const auto sum =
+        static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const unsigned char*>(changed.data()), changed.size()));
     std::memcpy(changed.data() + 16, &sum, 4);
     return std::holds_alternative<StreamProblem>(decode(changed));
   };

@@ -96,7 +96,8 @@ class OutlineStudio {
     if (auto* renderer = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer_ = std::move(*renderer);
   }
   [[nodiscard]] bool good() const { return renderer_ != nullptr; }
-  render::Image picture(const render::RenderList& list, const render::WorldBounds& bounds, float azimuth, float elevation) {
+  render::Image picture(const render::RenderList& list, const render::WorldBounds& bounds, float azimuth,
+                        float elevation) {
     render::DrawOptions draw;
     draw.width = 320;
     draw.height = 240;
