@@ -39,6 +39,7 @@ int run_open(const Options& options) {
   viewer.headlight = options.headlight;
   viewer.background = options.background;
   viewer.viewpoint = options.viewpoint;
+  viewer.split = options.layout;
   viewer.muted = options.muted;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);

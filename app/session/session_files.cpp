@@ -151,20 +151,26 @@ bool Session::feed_streams() {
 }
 
 void Session::ask_for_streams() {
+  weigh_streams();
   for (const std::size_t i : panes_.visible())
     if (const View* seen = panes_.at(i).view())
       for (const auto& feed : seen->document->world.feeds) feed->ask();
 }
 
 void Session::show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics) {
-  const std::vector<std::size_t> waited = panes_.fail(reading);
-  if (waited.empty()) return;
-  std::string reason = "it could not be read";
+  std::string reason = "it could not be read", error = reason;
   for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) {
     if (diagnostic.severity != vrml::Severity::error) continue;
-    reason = diagnostic.message;
+    error = reason = diagnostic.message;
+    // The viewport says which file it is about.
+    if (diagnostic.file != path) error = diagnostic.text();
+    else if (diagnostic.location.line > 0)
+      error = "line " + std::to_string(diagnostic.location.line) + ", column " +
+              std::to_string(diagnostic.location.column) + ": " + reason;
     break;
   }
+  const std::vector<std::size_t> waited = panes_.fail(reading, error);
+  if (waited.empty()) return;
   if (std::find(waited.begin(), waited.end(), panes_.active()) != waited.end()) frame_.show_log = true;
   frame_.failed.push_back({path, reason});
   tell("Could not open " + file_label(path) + ": " + reason, true);

@@ -136,6 +136,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   }
   list_ = list;
   list_.generation = 0;
+  list_.changes = render::next_change();
   list_.moved.clear();
   if (slices.alone)
     std::erase_if(list_.splats, [](const render::SplatItem& item) {

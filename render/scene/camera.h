@@ -11,6 +11,7 @@ namespace gs::render {
 /// A part of a picture, whose corners are at -1 and 1.
 struct PicturePart {
   double left = -1, bottom = -1, right = 1, top = 1;
+  friend bool operator==(const PicturePart&, const PicturePart&) = default;
 };
 
 /// Where the viewer is and what the lens sees. World space is metres, right-handed, Y up; the camera
@@ -22,6 +23,7 @@ struct Camera {
   float far_plane = 0;                // metres; 0: likewise
   double shift = 0;  // tangent of how far to the right the middle of the picture lies: of eyes that see in stereo
   PicturePart part;  // that is drawn, of the picture that has the field of view
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 /// The same without `part`.

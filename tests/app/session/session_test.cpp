@@ -198,7 +198,7 @@ TEST_CASE("Files are read beside the steps, each in its viewport, and one that f
     for (const Notice& notice : frame.notices) told.push_back(notice.text);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   } while ((frame.loading || told.empty()) && std::chrono::steady_clock::now() < deadline);
-  CHECK(session.panes().layout() == ViewportLayout::four);
+  CHECK(layout_of(session.panes().split()) == ViewportLayout::four);
   std::size_t shown = 0;
   for (const Frame::Picture& picture : frame.pictures) {
     CHECK(picture.place.pixels() == 100 * 50);
