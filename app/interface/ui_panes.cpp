@@ -197,7 +197,7 @@ void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& m
   ImGui::PopTextWrapPos();
   if (ImGui::Button("Open again")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
   ImGui::SameLine();
-  if (ImGui::Button("Problems")) actions.run = Action::log;
+  if (ImGui::Button("Problems") && !is_on(Action::log, model)) actions.run = Action::log;
   tooltip(tooltip_of(Action::log));
   ImGui::SameLine();
   const bool goes = viewport.label.empty() && model.panes > 1;

@@ -217,6 +217,11 @@ std::vector<std::size_t> Panes::fail(std::uint64_t reading, const std::string& e
   return waited;
 }
 
+void Panes::note_failure(const std::string& path, const std::string& error) {
+  for (Pane& pane : panes_)
+    if (pane.wanted == path) pane.failure = {path, error};
+}
+
 std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::string_view viewpoint) {
   std::vector<Change> changes;
   const std::vector<std::size_t> sight = visible();

@@ -22,9 +22,9 @@
 
 namespace gs::app {
 
-/// A file that a viewport was to show, and why it does not.
+/// A file that a viewport was to show, and why it does not: the first error, with its place in the file.
 struct PaneFailure {
-  std::string path, error;  // `error`: the first one, with its place, as the log has it
+  std::string path, error;
 };
 
 /// One viewport of the window: which file it shows and how.
@@ -107,6 +107,8 @@ class Panes {
     bool first = false;  // it has not shown this file before
     bool found = true;   // false: no Viewpoint has the name that was asked for
   };
+  /// A file that is there has nothing to be shown, because of this error: the viewports that want it say so.
+  void note_failure(const std::string& path, const std::string& error);
   /// Shows what has been read in the viewports that wait for it, in the `places` of those in sight, to which first
   /// views are fitted as long as nobody has moved. `viewpoint`: the name of
   /// the Viewpoint where worlds are entered, or empty.

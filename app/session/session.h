@@ -265,6 +265,7 @@ class Session {
   bool take_arrivals(Document& document, const std::string& path, WorldReader::News news);
   void prioritize();
   bool feed_streams();
+  void note_empty(const Document& document, const std::string& path);
   void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
   void show_loaded();
   [[nodiscard]] bool loading() const;

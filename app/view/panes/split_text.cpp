@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -17,7 +16,7 @@ constexpr double kLeastWeight = 1e-3, kMostWeight = 1e3;
 
 std::string weight_text(double weight) {
   char buffer[32];
-  std::snprintf(buffer, sizeof buffer, ":%.4g", std::clamp(weight, kLeastWeight, kMostWeight));
+  std::snprintf(buffer, sizeof buffer, ":%.5g", std::min(weight, kMostWeight));
   return buffer;
 }
 
@@ -26,15 +25,14 @@ void write(const SplitPart& part, std::string& text) {
     text += std::to_string(part.pane + 1);
     return;
   }
-  double sum = 0;
-  for (const SplitPart& one : part.parts) sum += one.weight;
-  const double mean = sum / static_cast<double>(part.parts.size());
+  double least = part.parts.front().weight;
+  for (const SplitPart& one : part.parts) least = std::min(least, one.weight);
   for (const SplitPart& one : part.parts) {
     if (&one != &part.parts.front()) text += kSigns[static_cast<std::size_t>(part.axis)];
     if (!one.parts.empty()) text += '(';
     write(one, text);
     if (!one.parts.empty()) text += ')';
-    if (std::abs(one.weight / mean - 1) > 1e-4) text += weight_text(one.weight / mean);
+    if (one.weight / least > 1 + 1e-4) text += weight_text(one.weight / least);
   }
 }
 

@@ -135,8 +135,8 @@ TEST_CASE("A split along the longer side becomes columns or rows where it stands
   CHECK(split_text(resolved(split("1+2"), {0, 0, 200, 100})) == "1|2");
   CHECK(split_text(resolved(split("1+2"), {0, 0, 100, 200})) == "1/2");
   CHECK(split_text(split_pane(resolved(split("1+2"), {0, 0, 200, 100}), 1, SplitAxis::columns, 2)) ==
-        "1:1.5|2:0.75|3:0.75");
-  CHECK(split_text(resolved(split("(1+2)|3"), {0, 0, 800, 100})) == "1:0.75|2:0.75|3:1.5");
+        "1:2|2|3");
+  CHECK(split_text(resolved(split("(1+2)|3"), {0, 0, 800, 100})) == "1|2|3:2");
 }
 
 TEST_CASE("The neighbour takes the place of a viewport that is closed") {
@@ -144,11 +144,11 @@ TEST_CASE("The neighbour takes the place of a viewport that is closed") {
   CHECK(split_text(without_pane(split("1|2"), 1)) == "1");
   CHECK(split_text(without_pane(split("1|(2/3)"), 1)) == "1|3");
   CHECK(split_text(without_pane(split("1|(2/3)"), 0)) == "2/3");
-  CHECK(split_text(without_pane(split("1|2|3"), 1)) == "1:1.333|3:0.6667");
-  CHECK(split_text(without_pane(split("1|2|3"), 0)) == "2:1.333|3:0.6667");
+  CHECK(split_text(without_pane(split("1|2|3"), 1)) == "1:2|3");
+  CHECK(split_text(without_pane(split("1|2|3"), 0)) == "2:2|3");
   // What is left of a split in a split along the same axis is no split of its own.
   const SplitTree tree = without_pane(split("1|(2/(3|4))"), 1);
-  CHECK(split_text(tree) == "1:1.5|3:0.75|4:0.75");
+  CHECK(split_text(tree) == "1:2|3|4");
   check_place(arrange(tree, {0, 0, 400, 100})[2], 300, 0, 100, 100);
   CHECK(without_pane(split("1"), 0) == split("1"));  // the last one stays
   CHECK(without_pane(split("1|2"), 7) == split("1|2"));
@@ -229,10 +229,10 @@ TEST_CASE("Viewports change places, are maximised, evened out, and follow each o
 }
 
 TEST_CASE("Splits are texts that read back the same") {
-  for (const char* text : {"1", "12", "1|2", "2/1", "1+2", "1|2|3", "(1|2)/(3|4)", "1|(2/(3|4))", "1|2!2"})
+  for (const char* text : {"1", "12", "1|2", "2/1", "1:2|(2/3)", "1:1.25|2|3:40", "1+2", "1|2|3", "(1|2)/(3|4)", "1|(2/(3|4))", "1|2!2"})
     CHECK(split_text(split(text)) == text);
   CHECK(split_text(split("1:1|2:1")) == "1|2");
-  CHECK(split_text(split("1:2|2")) == "1:1.333|2:0.6667");
+  CHECK(split_text(split("1:3|2:2")) == "1:1.5|2");
   const SplitTree tree = split("1:2|(2/3)");
   const auto places = arrange(tree, {0, 0, 300, 100});
   check_place(places[0], 0, 0, 200, 100);
