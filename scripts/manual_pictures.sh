@@ -113,6 +113,12 @@ picture_palette() {
   take palette
 }
 
+picture_viewports() {
+  show 1000x560 --layout '1:2|(2/3)' demo.wrl molecule.nrrd missing.wrl
+  click 710 77 3 # the menu of the second one
+  take viewports
+}
+
 picture_transfer() {
   show 900x560 molecule.nrrd
   key F4
@@ -190,7 +196,7 @@ keys() {
 }
 
 names=("$@")
-[ ${#names[@]} -gt 0 ] || names=(window palette inspect streams transfer measure prefixes keys)
+[ ${#names[@]} -gt 0 ] || names=(window palette viewports inspect streams transfer measure prefixes keys)
 for name in "${names[@]}"; do
   if [ "$name" = keys ]; then keys; else picture_$name; fi
   echo "$name"

@@ -45,6 +45,7 @@ int run_open(const Options& options) {
   viewer.orthographic = options.orthographic;
   viewer.display = options.display;
   viewer.camera = options.camera;
+  viewer.split = options.layout;
   viewer.muted = options.muted;
   viewer.budget = options.budget;
   viewer.splats = splat_path(options.splats);

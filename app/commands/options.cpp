@@ -54,6 +54,13 @@ Problem set_orbit(Options& options, const std::string& value) {
   return {};
 }
 
+Problem set_layout(Options& options, const std::string& value) {
+  auto read = read_split(value);
+  if (auto* problem = std::get_if<std::string>(&read)) return "expected a split such as '1:2|(2/3)': " + *problem;
+  options.layout = std::move(std::get<SplitTree>(read));
+  return {};
+}
+
 Problem set_max_bytes(Options& options, const std::string& value) {
   options.max_bytes_given = true;
   return read_bytes(value, options.max_bytes) ? Problem{} : std::string(kExpectedBytes);
@@ -343,6 +350,10 @@ constexpr OptionRow kOptions[] = {
        o.viewpoint = v;
        return Problem{};
      }},
+    {"--layout", "SPLIT", "",
+     "how the viewports share the window: their numbers from 1, which are those of the files, '|' between those beside "
+     "each other, '/' between those above each other, brackets, ':N' behind one that is N times as large: '1:2|(2/3)'",
+     "open ", set_layout},
     {"--orbit", "AZ,EL", "", "look at the whole scene from this azimuth and elevation in degrees; 0,0 is from +Z",
      "open animate ", set_orbit},
     {"--headlight", "on|off", "", "in place of what the world says", "open animate ", set_headlight},

@@ -6,6 +6,7 @@
 #include "app/picture/animation_request.h"
 #include "app/picture/picture_request.h"
 #include "app/view/navigation.h"
+#include "app/view/panes/split_tree.h"
 #include "app/view/slices.h"
 #include "net/base/address_space.h"
 #include "render/scene/draw_options.h"
@@ -31,6 +32,7 @@ struct Options {
   std::string snapshot;  // picture to write; empty: open a window
   int width = 1024, height = 768, samples = 4;
   std::string viewpoint;
+  std::optional<SplitTree> layout;                 // of the window; nothing: by how many files there are
   double time = 0;                                 // simulated seconds before a picture is drawn
   std::optional<double> until;                     // of a trace
   bool press_sensors = false;                      // somebody tries all sensors meanwhile

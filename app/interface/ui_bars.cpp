@@ -98,7 +98,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   if (model.has_sounds) width += button("Sound", plan.words);
   if (plan.panels && (model.has_surface_clouds || model.has_volumes)) width += group + button("Transfer", plan.words);
   width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
-  if (plan.link && model.layout != ViewportLayout::one) width += 1 + button_width("Link");
+  if (plan.link && model.panes > 1) width += 1 + button_width("Link");
   return width;
 }
 

@@ -42,6 +42,8 @@ bool UiOverlay::State::is_on(Action action, const UiModel& model) const {
       return model.has_sounds && !model.muted;
     case Action::link:
       return model.linked;
+    case Action::maximise:
+      return model.maximised;
     case Action::statistics:
       return statistics;
     case Action::orthographic:
@@ -90,6 +92,16 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
     case Action::next_file:
     case Action::previous_file:
       return model.files.size() > 1;
+    case Action::split_right:
+    case Action::split_below:
+      return true;
+    case Action::maximise:
+    case Action::swap_viewports:
+    case Action::even_out:
+    case Action::next_pane:
+    case Action::previous_pane:
+    case Action::close_viewport:
+      return model.panes > 1;
     case Action::next_viewpoint:
     case Action::previous_viewpoint:
       return model.viewpoints.size() > 1;

@@ -91,10 +91,14 @@ UiActions UiOverlay::build(const UiModel& model) {
   if (model.inspection) draw_marks(*model.inspection);
   state.tool_marks(model);
   state.axes_widget(model, actions);
+  state.divider_handles(model, actions);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
+    if (model.panes > 1) state.pane_bar(viewport, model, actions);
     if (!viewport.loading.empty())
       state.loading_line(viewport, i, actions);
+    else if (!viewport.failed.empty())
+      state.failure_card(viewport, model, actions);
     else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
   }

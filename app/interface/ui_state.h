@@ -117,9 +117,14 @@ struct UiOverlay::State {
   void question_panel(const UiModel& model, UiActions& actions);
   void notice_lines();
 
-  void viewport_marks(const UiModel& model);
+  void viewport_marks(const UiModel& model) const;
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
   void welcome(const UiViewport& viewport, std::size_t index);
+  void divider_handles(const UiModel& model, UiActions& actions);
+  void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  void pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  void pane_shares(const UiViewport& viewport, UiActions& actions);
+  void failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;
   void axes_widget(const UiModel& model, UiActions& actions);

@@ -1,3 +1,4 @@
+#include "app/interface/base/viewport_area.h"
 #include "app/interface/ui_state.h"
 
 #include <imgui.h>
@@ -8,26 +9,6 @@
 
 namespace gs::app {
 namespace {
-
-constexpr ImGuiWindowFlags kLineFlags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                                        ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                                        ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing |
-                                        ImGuiWindowFlags_NoBringToFrontOnFocus;
-
-/// A rectangle in the units of Dear ImGui.
-struct Area {
-  ImVec2 lower, upper;
-  [[nodiscard]] float width() const { return upper.x - lower.x; }
-  [[nodiscard]] float height() const { return upper.y - lower.y; }
-};
-
-Area area_of(const Viewport& place) {
-  const ImVec2 pixels = ImGui::GetIO().DisplayFramebufferScale;
-  const float x = 1 / std::max(pixels.x, 0.01f), y = 1 / std::max(pixels.y, 0.01f);
-  const auto left = static_cast<float>(place.left), top = static_cast<float>(place.top);
-  return {{left * x, top * y},
-          {(left + static_cast<float>(place.width)) * x, (top + static_cast<float>(place.height)) * y}};
-}
 
 constexpr struct LayoutRow {
   ViewportLayout layout;
@@ -66,8 +47,9 @@ bool layout_button(const LayoutRow& row, bool on, float scale) {
 
 void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, bool all, bool with_link) {
   if (!all) {
+    const ViewportLayout present = model.layout.value_or(ViewportLayout::four);
     for (const LayoutRow& row : kLayouts)
-      if (row.layout == model.layout && layout_button(row, false, scale)) actions.layout = next_layout(model.layout);
+      if (row.layout == present && layout_button(row, false, scale)) actions.layout = next_layout(present);
     tooltip("One, two or four viewports (F6)");
   } else {
     for (const LayoutRow& row : kLayouts) {
@@ -76,41 +58,30 @@ void UiOverlay::State::layout_buttons(const UiModel& model, UiActions& actions, 
       tooltip(row.tip);
     }
   }
-  if (!with_link || model.layout == ViewportLayout::one) return;
+  if (!with_link || model.panes < 2) return;
   ImGui::SameLine(0, 1);
   if (switch_button("Link", model.linked)) actions.run = Action::link;
   tooltip("All viewports move as one (L)");
 }
 
-void UiOverlay::State::viewport_marks(const UiModel& model) {
+void UiOverlay::State::viewport_marks(const UiModel& model) const {
   if (model.viewports.size() < 2) return;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const float line = std::max(1.0f, std::round(scale));
   for (const UiViewport& viewport : model.viewports) {
-    const Area area = area_of(viewport.place);
+    const ViewportArea area = area_of(viewport.place);
     draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(UiColors::kBar), 0, 0, 2 * line);
-    if (viewport.label.empty()) continue;
-    const std::string label = shown(shortened(viewport.label, 60));
-    const ImVec2 size = ImGui::CalcTextSize(label.c_str());
-    const ImVec2 place(area.lower.x + std::round(12 * scale), area.lower.y + std::round(8 * scale));
-    draw.PushClipRect(area.lower, area.upper, true);
-    draw.AddRectFilled({place.x - 6 * scale, place.y - 3 * scale},
-                       {place.x + size.x + 6 * scale, place.y + size.y + 3 * scale}, IM_COL32(20, 22, 25, 200),
-                       4 * scale);
-    draw.AddText(place, ImGui::GetColorU32(viewport.active ? UiColors::kOnPicture : UiColors::kQuietOnPicture),
-                 label.c_str());
-    draw.PopClipRect();
   }
   for (const UiViewport& viewport : model.viewports) {
     if (!viewport.active) continue;
-    const Area area = area_of(viewport.place);
+    const ViewportArea area = area_of(viewport.place);
     draw.AddRect({area.lower.x + line, area.lower.y + line}, {area.upper.x - line, area.upper.y - line},
                  ImGui::GetColorU32(UiColors::kAccent), 0, 0, 2 * line);
   }
 }
 
 void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
-  const Area area = area_of(viewport.place);
+  const ViewportArea area = area_of(viewport.place);
   const float thickness = std::round(3 * scale);
   // A glint that runs along the upper edge: the length of the work is not known.
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
@@ -134,7 +105,7 @@ void UiOverlay::State::loading_line(const UiViewport& viewport, std::size_t inde
 }
 
 void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
-  const Area area = area_of(viewport.place);
+  const ViewportArea area = area_of(viewport.place);
   if (area.height() < 3 * ImGui::GetTextLineHeight()) return;
   static constexpr const char* kFirst = "Drop a file here";
   static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 shows the keys.";

@@ -351,7 +351,7 @@ bool LivingWorld::show_movies(bool wait) {
     if (!one.player->shown()) continue;
     const auto play = execution_.media_play(*one.scene, one.id);
     if (!play) continue;
-    any = players_.show(one.player, play->position, wait) || any;
+    if (players_.show(one.player, play->position, wait)) any = ++movie_pictures_ > 0;
     movies_run_ = movies_run_ || (play->active && play->rate != 0) || (!wait && players_.waits(*one.player));
   }
   return any;

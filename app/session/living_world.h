@@ -76,6 +76,8 @@ class LivingWorld {
   /// The movies show the pictures of the present time: at once with `wait`, else as soon as they are decoded. True when
   /// one shows another than before.
   bool show_movies(bool wait);
+  /// How often one has: their pixels change where they are.
+  [[nodiscard]] std::uint64_t movie_pictures() const { return movie_pictures_; }
   /// An event that the user has caused. False: there is no such node or eventIn, or the value is of another type.
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
   /// Large meshes of what changes are made there from now on, while the former ones are shown.
@@ -149,6 +151,7 @@ class LivingWorld {
   };
   MoviePlayers players_;
   std::vector<PlayedMovie> movies_;
+  std::uint64_t movie_pictures_ = 0;
   bool movies_run_ = false;  // the picture of one goes on
   std::vector<UrlRequest> url_requests_;
   /// Arrivals::Place::request of the newest, where not 0.

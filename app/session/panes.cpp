@@ -17,15 +17,20 @@ const View* Pane::view() const {
   return place == views.end() ? nullptr : &place->second;
 }
 
-void Panes::start(std::span<const std::string> paths) {
+void Panes::start(std::span<const std::string> paths, const std::optional<SplitTree>& split) {
+  const std::size_t most = split ? kMostViewports : kMostViewportsAtStart;
   std::size_t count = 0;
   for (const std::string& path : paths) {
     if (path.empty()) continue;
     documents_.add(path);
-    if (count < kMostViewports) panes_[count].wanted = path;
+    if (count < most) panes_[count].wanted = path;
     ++count;
   }
-  layout_ = layout_for(count);
+  split_ = split.value_or(split_of(layout_for(count), 0));
+  if (!split) return;
+  active_ = visible().front();
+  for (const std::size_t i : panes_of(split_))
+    if (panes_[i].wanted.empty() && count > 0) panes_[i].wanted = documents_.entries().front().path;
 }
 
 void Panes::open(std::span<const std::string> paths) {
@@ -46,7 +51,10 @@ void Panes::select(std::size_t file) {
   if (file < documents_.entries().size()) want(active_, documents_.entries()[file].path);
 }
 
-void Panes::reload() { documents_.reload(panes_[active_].wanted); }
+void Panes::reload() {
+  panes_[active_].failure.reset();
+  documents_.reload(panes_[active_].wanted);
+}
 
 bool Panes::cancel(std::size_t pane) {
   if (pane >= kMostViewports || !loading(pane)) return false;
@@ -62,20 +70,61 @@ bool Panes::cancel(std::size_t pane) {
   return true;
 }
 
-void Panes::set_layout(ViewportLayout layout) {
-  layout_ = layout;
+void Panes::set_layout(ViewportLayout layout) { set_split(split_of(layout, active_)); }
+
+void Panes::set_split(SplitTree split) {
+  split_ = std::move(split);
   release_input();
-  for (const std::size_t i : visible())
-    if (panes_[i].wanted.empty()) fill(i);
+  const std::size_t model = active_;
+  const std::vector<std::size_t> sight = visible();
+  if (std::find(sight.begin(), sight.end(), active_) == sight.end()) active_ = sight.front();
+  for (const std::size_t i : sight)
+    if (panes_[i].wanted.empty()) fill(i, model);
 }
 
-void Panes::fill(std::size_t pane) {
+bool Panes::split_pane(std::size_t pane, SplitAxis axis) {
+  const std::optional<std::size_t> added = free_pane();
+  if (!added || !has_pane(split_, pane)) return false;
+  panes_[*added] = {};
+  fill(*added, pane);
+  split_ = app::split_pane(std::move(split_), pane, axis, *added);
+  release_input();
+  active_ = *added;
+  cancel_unwanted();
+  return true;
+}
+
+// One that has nothing to show; else one out of sight, whose files stay listed.
+std::optional<std::size_t> Panes::free_pane() const {
+  for (const bool with_file : {false, true})
+    for (std::size_t i = 0; i < kMostViewports; ++i)
+      if (!has_pane(split_, i) && (with_file || panes_[i].wanted.empty())) return i;
+  return std::nullopt;
+}
+
+bool Panes::close(std::size_t pane) {
+  if (!has_pane(split_, pane) || split_.root.parts.empty()) return false;
+  const std::size_t next = next_pane(split_, pane, -1);
+  SplitTree split = without_pane(split_, pane);
+  if (active_ == pane) active_ = has_pane(split, next) ? next : panes_of(split).front();
+  panes_[pane] = {};
+  set_split(std::move(split));
+  cancel_unwanted();
+  return true;
+}
+
+void Panes::show_in(std::size_t pane, const std::string& path) {
+  documents_.add(path);
+  want(pane, path);
+}
+
+void Panes::fill(std::size_t pane, std::size_t from) {
   for (const DocumentList::Entry& entry : documents_.entries())
     if (!wanted_by_any(entry.path)) {
       panes_[pane].wanted = entry.path;
       return;
     }
-  const Pane& model = panes_[active_];
+  const Pane& model = panes_[from];
   panes_[pane].wanted = model.wanted;
   panes_[pane].shown = model.shown;
   if (const View* view = model.view()) panes_[pane].views[model.shown] = *view;
@@ -84,7 +133,16 @@ void Panes::fill(std::size_t pane) {
 void Panes::activate(std::size_t pane) {
   if (pane >= kMostViewports || pane == active_) return;
   const std::vector<std::size_t> sight = visible();
-  if (std::find(sight.begin(), sight.end(), pane) == sight.end() && panes_[pane].wanted.empty()) return;
+  if (std::find(sight.begin(), sight.end(), pane) == sight.end()) {
+    if (panes_[pane].wanted.empty()) return;
+    const std::optional<ViewportLayout> layout = split_.maximised ? std::nullopt : layout_of(split_);
+    if (has_pane(split_, pane))
+      split_.maximised = pane;
+    else if (layout && split_ == split_of(*layout, active_))
+      split_ = split_of(*layout, pane);
+    else
+      split_ = with_replaced(std::move(split_), active_, pane);
+  }
   panes_[active_].input.release();
   active_ = pane;
 }
@@ -112,6 +170,7 @@ void Panes::deliver(std::uint64_t reading, std::shared_ptr<Document> document, c
   const std::optional<std::string> path = documents_.deliver(reading, document);
   if (!path) return;
   for (Pane& pane : panes_) {
+    if (pane.failure && pane.failure->path == *path) pane.failure.reset();
     const auto place = pane.views.find(*path);
     if (place == pane.views.end()) continue;
     place->second =
@@ -138,12 +197,13 @@ void Panes::grow(const Document& document) {
       }
 }
 
-std::vector<std::size_t> Panes::fail(std::uint64_t reading) {
+std::vector<std::size_t> Panes::fail(std::uint64_t reading, const std::string& error) {
   std::vector<std::size_t> waited;
   const std::optional<std::string> path = documents_.fail(reading);
   if (!path) return waited;
   for (std::size_t i = 0; i < kMostViewports; ++i)
     if (panes_[i].wanted == *path) waited.push_back(i);
+  for (const std::size_t i : waited) panes_[i].failure = {*path, error};
   if (documents_.find(*path)) return waited;
   for (const std::size_t i : waited) panes_[i].wanted = panes_[i].shown;
   for (const std::size_t i : waited) {
@@ -155,6 +215,11 @@ std::vector<std::size_t> Panes::fail(std::uint64_t reading) {
       }
   }
   return waited;
+}
+
+void Panes::note_failure(const std::string& path, const std::string& error) {
+  for (Pane& pane : panes_)
+    if (pane.wanted == path) pane.failure = {path, error};
 }
 
 std::vector<Panes::Change> Panes::settle(std::span<const Viewport> places, std::string_view viewpoint) {
@@ -197,6 +262,7 @@ std::optional<std::size_t> Panes::selected() const {
 
 void Panes::want(std::size_t pane, const std::string& path) {
   panes_[pane].wanted = path;
+  panes_[pane].failure.reset();
   cancel_unwanted();
 }
 

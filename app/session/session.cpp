@@ -23,7 +23,7 @@ Session::Session(SessionOptions options, LoadOptions load, std::function<void()>
     mesh_worker_ = std::make_shared<render::MeshWorker>(
         wake_, [trees = picker_.items().trees()](const auto& mesh) { trees->prepare(mesh); });
   panes_.set_style(options_.style);
-  panes_.start(places_of(options_.files));
+  panes_.start(places_of(options_.files), options_.split);
   sounds_.set_muted(options_.muted);
   if (options_.audible) device_ = std::make_unique<SoundDevice>(sounds_.mixer(), world_time);
 }

@@ -12,7 +12,7 @@
 #include "app/session/world_reader.h"
 #include "app/view/actions.h"
 #include "app/view/picking.h"
-#include "app/view/viewports.h"
+#include "app/view/panes/split_tree.h"
 #include "app/world/world_loader.h"
 
 #include <glm/vec2.hpp>
@@ -37,6 +37,7 @@ class Session;
 
 struct SessionOptions {
   std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
+  std::optional<SplitTree> split;  // how they share the window; nothing: by how many there are
   std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
   std::optional<bool> headlight;   // in place of what the worlds say
   /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, no step is left out
@@ -112,7 +113,8 @@ class SessionGuest {
 /// what it leads to; it draws nothing itself, and reads no clock but to measure how long it took.
 ///
 /// session.cpp: the step, and time; session_files.cpp: what is read; session_input.cpp: what the user does;
-/// session_travel.cpp: back and forward; session_pointing.cpp: sensors and Anchors; session_sound.cpp: what is heard.
+/// session_panes.cpp: the viewports; session_travel.cpp: back and forward; session_pointing.cpp: sensors and Anchors;
+/// session_sound.cpp: what is heard.
 /// One thread.
 class Session {
  public:
@@ -147,6 +149,22 @@ class Session {
   /// How fast viewers are from now on, times what worlds say.
   void set_speed(double factor);
   void choose_layout(ViewportLayout layout);
+  /// Between the viewports in sight, where they are now.
+  [[nodiscard]] std::vector<SplitDivider> dividers() const { return dividers_of(panes_.split(), area_); }
+  /// What a viewport gets of what is read over the network for all in sight, 0 to 1; 0: nothing is, for it.
+  [[nodiscard]] double reading_share(std::size_t pane) const;
+  /// How the window is split from now on.
+  void change_split(SplitTree split);
+  /// Moves a divider of the split to a column or row of framebuffer pixels; viewports keep `least` pixels. `ended`: it
+  /// stays there.
+  void move_divider(const SplitDivider& divider, int place, int least, bool ended);
+  /// Does with a viewport what somebody wants.
+  void serve(const PaneRequest& request);
+  /// Opens a file or URL in a viewport.
+  void open_in(std::size_t pane, const std::string& path);
+  /// As a window was split before, with the files and weights of its viewports.
+  void restore_split(const SplitTree& split, const std::map<std::size_t, std::string>& files,
+                     const std::map<std::size_t, double>& weights);
   void choose_mode(NavigationMode mode);
   /// One of the active viewport's list, which is bound in the world.
   void bind_viewpoint(std::size_t index);
@@ -249,7 +267,7 @@ class Session {
   void move_viewer(View& seen, Navigation after, bool loading, float seconds);
   void move_views(float seconds, bool look);
   /// Of the viewports in sight, in the order of `Panes::visible`.
-  [[nodiscard]] std::vector<Viewport> places() const { return arrange(panes_.layout(), area_); }
+  [[nodiscard]] std::vector<Viewport> places() const;
   [[nodiscard]] Viewport place_of(std::size_t pane) const;
   [[nodiscard]] Viewport place_of(const View& view) const;
 
@@ -260,6 +278,7 @@ class Session {
   bool take_arrivals(Document& document, const std::string& path, WorldReader::News news);
   void prioritize();
   bool feed_streams();
+  void note_empty(const Document& document, const std::string& path);
   void show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics);
   void show_loaded();
   [[nodiscard]] bool loading() const;
@@ -280,6 +299,12 @@ class Session {
   void change_speed(float factor);
   void activate(std::size_t pane);
   void toggle_link();
+  bool run_in_panes(Action action);
+  void split_viewport(std::size_t pane, SplitAxis axis);
+  void close_viewport(std::size_t pane);
+  void forget(std::size_t pane);
+  [[nodiscard]] bool reads(std::size_t pane) const;
+  void weigh_streams();
 
   void note_visits();
   void travel(int direction);

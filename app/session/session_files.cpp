@@ -13,6 +13,14 @@ constexpr std::size_t kMostReaders = 2;  // files that are read at a time
 constexpr double kBetweenPriorities = 0.5;
 constexpr std::size_t kMostFailed = 16;  // worlds whose loads are remembered
 
+// For a viewport, which says itself which file it is about.
+std::string problem_text(const vrml::Diagnostic& diagnostic, const std::string& path) {
+  if (diagnostic.file != path) return diagnostic.text();
+  if (diagnostic.location.line == 0) return diagnostic.message;
+  return "line " + std::to_string(diagnostic.location.line) + ", column " +
+         std::to_string(diagnostic.location.column) + ": " + diagnostic.message;
+}
+
 }  // namespace
 
 bool Session::loading() const {
@@ -114,7 +122,10 @@ bool Session::take_meshes() {
 // Of a world that lives already.
 bool Session::take_arrivals(Document& document, const std::string& path, WorldReader::News news) {
   const LoadingState state = news.over ? LoadingState{} : news.state;
-  const bool any = news.streams_grew || news.over || !(state == document.arriving) || !news.arrivals.empty();
+  if (news.over) note_empty(document, path);
+  // What the reader said last says nothing any more when all has come: nobody would rest.
+  const bool progress = !document.all_came && !(state == document.arriving);
+  const bool any = news.streams_grew || news.over || progress || !news.arrivals.empty();
   if (!document.all_came) document.arriving = state;
   document.all_came = document.all_came || news.over;
   if (news.arrivals.empty()) return any;
@@ -123,6 +134,13 @@ bool Session::take_arrivals(Document& document, const std::string& path, WorldRe
   if (arrive(document, std::move(news.arrivals))) panes_.grow(document);
   if (told) log_.note(path, document.world.diagnostics);
   return true;
+}
+
+// A world of which nothing can be shown, because of what is wrong with it: its viewports say so.
+void Session::note_empty(const Document& document, const std::string& path) {
+  if (!document.list || !document.list->items.empty() || !document.list->splats.empty()) return;
+  for (const vrml::Diagnostic& diagnostic : document.world.diagnostics.entries())
+    if (diagnostic.severity == vrml::Severity::error) return panes_.note_failure(path, problem_text(diagnostic, path));
 }
 
 // What is seen largest in the active viewport comes first.
@@ -151,23 +169,28 @@ bool Session::feed_streams() {
 }
 
 void Session::ask_for_streams() {
+  weigh_streams();
   for (const std::size_t i : panes_.visible())
     if (const View* seen = panes_.at(i).view())
       for (const auto& feed : seen->document->world.feeds) feed->ask();
 }
 
 void Session::show_failed(std::uint64_t reading, const std::string& path, const vrml::Diagnostics& diagnostics) {
-  const std::vector<std::size_t> waited = panes_.fail(reading);
-  if (waited.empty()) return;
-  std::string reason = "it could not be read";
+  std::string reason = "it could not be read", error = reason;
   for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) {
     if (diagnostic.severity != vrml::Severity::error) continue;
     reason = diagnostic.message;
+    error = problem_text(diagnostic, path);
     break;
   }
-  if (std::find(waited.begin(), waited.end(), panes_.active()) != waited.end()) frame_.show_log = true;
+  const std::vector<std::size_t> waited = panes_.fail(reading, error);
+  if (waited.empty()) return;
   frame_.failed.push_back({path, reason});
-  tell("Could not open " + file_label(path) + ": " + reason, true);
+  // A viewport in sight says so itself, until somebody has read it.
+  const std::vector<std::size_t> sight = panes_.visible();
+  if (std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
+    tell("Could not open " + file_label(path) + ": " + reason, true);
+  frame_.news = true;
   entries_.erase(path);
   // The first URL that can be read (VRML97 6.2).
   if (auto behind = places_behind_.extract(path)) follow_link(waited.front(), behind.mapped());

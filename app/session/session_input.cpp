@@ -90,18 +90,6 @@ bool Session::run(Action action) {
     case Action::reload:
       panes_.reload();
       return true;
-    case Action::next_layout:
-      choose_layout(next_layout(panes_.layout()));
-      return true;
-    case Action::viewport_1:
-    case Action::viewport_2:
-    case Action::viewport_3:
-    case Action::viewport_4:
-      activate(static_cast<std::size_t>(action) - static_cast<std::size_t>(Action::viewport_1));
-      return true;
-    case Action::link:
-      toggle_link();
-      return true;
     case Action::mute:
     case Action::louder:
     case Action::softer:
@@ -115,7 +103,7 @@ bool Session::run(Action action) {
       travel(action == Action::back ? -1 : 1);
       return true;
     default:
-      return seen && run_in(*seen, action);
+      return run_in_panes(action) || (seen && run_in(*seen, action));
   }
 }
 
@@ -406,24 +394,6 @@ void Session::answer_question(bool allow) {
 void Session::select_file(std::size_t index) {
   frame_.files_chosen = true;
   panes_.select(index);
-}
-
-void Session::choose_layout(ViewportLayout layout) {
-  router_.release();
-  panes_.set_layout(layout);
-  if (linked_) panes_.link(panes_.active());
-}
-
-void Session::activate(std::size_t pane) {
-  const std::vector<std::size_t> sight = panes_.visible();
-  panes_.activate(pane);
-  if (panes_.visible() != sight) router_.release();
-}
-
-void Session::toggle_link() {
-  linked_ = !linked_;
-  if (linked_) panes_.link(panes_.active());
-  tell(linked_ ? "The viewports move as one" : "Each viewport moves by itself", false);
 }
 
 }  // namespace gs::app

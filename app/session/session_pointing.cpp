@@ -207,7 +207,7 @@ void Session::follow_link(std::size_t pane, const Link& link) {
     }
     activate(pane);
     if (link.other_window) {
-      if (panes_.layout() == ViewportLayout::one) choose_layout(ViewportLayout::two);
+      if (panes_.visible().size() == 1) choose_layout(ViewportLayout::two);
       const std::vector<std::size_t> sight = panes_.visible();
       const auto mine = std::find(sight.begin(), sight.end(), pane);
       if (sight.size() > 1 && mine != sight.end())

@@ -126,6 +126,11 @@ SessionMemory UserKeeper::take_lost_sessions() {
     std::string problem;
     const auto text = read_user_file(file.string(), problem);
     const auto session = text ? read_session(*text) : std::nullopt;
+    // Of several windows the first one is restored as it was split; the files of others are only listed.
+    if (session && lost.files.empty()) {
+      lost.split = session->split;
+      lost.viewports = session->viewports;
+    }
     if (session)
       for (const std::string& one : session->files)
         if (std::find(lost.files.begin(), lost.files.end(), one) == lost.files.end()) lost.files.push_back(one);

@@ -122,12 +122,24 @@ std::optional<std::vector<Bookmark>> read_bookmarks(std::string_view text) {
   return bookmarks;
 }
 
-std::string session_text(const SessionMemory& session) { return printed({{"files", session.files}}); }
+std::string session_text(const SessionMemory& session) {
+  json viewports = json::array();
+  for (const SessionMemory::Viewport& one : session.viewports)
+    viewports.push_back({{"number", one.number}, {"file", one.file}, {"weight", one.weight}});
+  return printed({{"files", session.files}, {"split", session.split}, {"viewports", viewports}});
+}
 
 std::optional<SessionMemory> read_session(std::string_view text) {
   const json whole = parsed(text);
   if (!whole.is_object()) return std::nullopt;
-  return SessionMemory{strings_in(member(whole, "files"), kMostSessionFiles)};
+  SessionMemory session{strings_in(member(whole, "files"), kMostSessionFiles), string_in(whole, "split"), {}};
+  if (const json& viewports = member(whole, "viewports"); viewports.is_array())
+    for (const json& one : viewports) {
+      const auto number = static_cast<std::size_t>(number_in_json(member(one, "number"), 1, kMostSessionFiles));
+      if (number == 0 || session.viewports.size() >= kMostSessionFiles) continue;
+      session.viewports.push_back({number, string_in(one, "file"), number_in_json(member(one, "weight"), 0, 1000)});
+    }
+  return session;
 }
 
 }  // namespace gs::app

@@ -44,7 +44,16 @@ void note_recent(UserMemory& memory, const std::string& place);
 
 /// The files of a window, as it is: what is offered where it ends by itself.
 struct SessionMemory {
+  /// What one of its viewports shows.
+  struct Viewport {
+    std::size_t number = 0;  // from 1, as in `split`
+    std::string file;        // empty: none
+    double weight = 1;       // of its shares; 0: not known
+    bool operator==(const Viewport&) const = default;
+  };
   std::vector<std::string> files;
+  std::string split{};  // how it is split into viewports, see split_text; empty: not known
+  std::vector<Viewport> viewports{};
   bool operator==(const SessionMemory&) const = default;
 };
 

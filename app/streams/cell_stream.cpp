@@ -3,6 +3,7 @@
 #include "app/streams/cell_regions.h"
 #include "net/base/schemes.h"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -18,7 +19,7 @@ constexpr std::size_t kSlot = 0;
 }  // namespace
 
 CellStream::CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink, std::function<void()> wake)
-    : name_(net::url_for_messages(url.text())), sink_(std::move(sink)) {
+    : name_(net::url_for_messages(url.text())), sink_(std::move(sink)), rate_(options.rate) {
   const auto place = net::host_and_port(url.authority);
   if (!place) {
     problem_ = name_ + ": expected cells://HOST:PORT/PATH";
@@ -50,6 +51,7 @@ bool CellStream::step() {
   }
   if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views))
     driver_->prefer(kSlot, regions_of(views, feed_->stream()->header().description.box), {});
+  follow_weight();
   bool any = false;
   for (net::CellEvent& event : driver_->poll(kAtOnce)) {
     if (over_) break;
@@ -57,6 +59,15 @@ bool CellStream::step() {
     any = true;
   }
   return any;
+}
+
+// Less of the rate where other streams are to have more.
+void CellStream::follow_weight() {
+  if (!feed_ || feed_->weight() == weight_) return;
+  if (rate_ == 0) rate_ = static_cast<std::uint64_t>(driver_->statistics().granted);
+  if (rate_ == 0) return;  // it is not known yet
+  weight_ = feed_->weight();
+  driver_->set_rate(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(rate_) * weight_)));
 }
 
 void CellStream::take(net::CellEvent& event) {

@@ -51,6 +51,7 @@ class CellStream {
 
  private:
   void take(net::CellEvent& event);
+  void follow_weight();
   void end(const std::optional<std::string>& problem);
 
   std::string name_;  // for messages
@@ -59,6 +60,8 @@ class CellStream {
   net::CellClientStatistics last_;  // when the driver had ended
   std::shared_ptr<StreamFeed> feed_;
   std::string problem_;  // of the start
+  std::uint64_t rate_ = 0;  // bits a second: wanted, or, where nobody says, what the server granted first
+  double weight_ = 1;       // of the feed, as the server was told last
   std::optional<std::uint32_t> version_;
   std::vector<net::CellEvent> early_;  // pieces that came before the base
   std::size_t early_bytes_ = 0;

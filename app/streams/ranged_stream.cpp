@@ -47,11 +47,13 @@ bool RangedStream::ask_for_more() {
   if (over_ || directory_request_) return false;
   (void)feed_->take_wanted(wanted_);
   bool any = false;
+  // Of a line that they share, streams get as much as they have asked for and not got yet.
+  const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
   while (open_.size() < kMostOpen) {
     Batch batch;
     std::uint64_t bytes = 0;
     for (const qnv::ChunkRange& chunk : wanted_) {
-      if (bytes >= kBatch) break;
+      if (bytes >= most) break;
       if (!asked_.insert(chunk.offset).second) continue;
       batch.chunks.push_back(chunk);
       bytes += chunk.bytes;

@@ -29,11 +29,13 @@ void StreamFeed::add_loose(std::uint32_t number, std::vector<std::byte> chunk) {
 }
 
 void StreamFeed::finish() {
+  over_ = true;
   const std::lock_guard lock(mutex_);
   finished_ = true;
 }
 
 void StreamFeed::fail(std::string why) {
+  over_ = true;
   const std::lock_guard lock(mutex_);
   problem_ = std::move(why);
 }
@@ -72,7 +74,9 @@ bool StreamFeed::apply() {
   if (finished) stream_->finish();
   if (!directory.empty()) (void)stream_->set_directory(directory);
   for (const Chunk& chunk : chunks) (void)stream_->add(chunk.offset, chunk.bytes);
-  return !front.empty() || !directory.empty() || !chunks.empty() || finished;
+  const bool any = !front.empty() || !directory.empty() || !chunks.empty() || finished;
+  if (any) ++applied_;
+  return any;
 }
 
 void StreamFeed::ask() {

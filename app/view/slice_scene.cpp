@@ -124,7 +124,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
                                                   const VolumeSlices& slices) {
   const auto world_from_node = world_from_volume(list);
   if (!grid || !slices.any() || !world_from_node) return list;
-  const bool same_list = of_ == &list && generation_ == list.generation && items_ == list.items.size() &&
+  const bool same_list = of_ == &list && generation_ == list.generation && changes_ == list.changes && items_ == list.items.size() &&
                          world_from_node_ == *world_from_node;
   if (same_list && grid_ == grid && slices_ == slices) return list_;
   const bool same_look = grid_ == grid && slices_.map == slices.map && slices_.window == slices.window;
@@ -136,6 +136,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   }
   list_ = list;
   list_.generation = 0;
+  list_.changes = render::next_change();
   list_.moved.clear();
   if (slices.alone)
     std::erase_if(list_.splats, [](const render::SplatItem& item) {
@@ -165,6 +166,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   }
   of_ = &list;
   generation_ = list.generation;
+  changes_ = list.changes;
   items_ = list.items.size();
   grid_ = grid;
   slices_ = slices;

@@ -26,7 +26,7 @@ class SliceScene {
 
  private:
   const render::RenderList* of_ = nullptr;
-  std::uint64_t generation_ = 0;
+  std::uint64_t generation_ = 0, changes_ = 0;
   std::size_t items_ = 0;
   std::shared_ptr<const VolumeGrid> grid_;
   VolumeSlices slices_;

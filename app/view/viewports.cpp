@@ -4,43 +4,6 @@
 
 namespace gs::app {
 
-ViewportLayout layout_for(std::size_t files) {
-  return files <= 1 ? ViewportLayout::one : files == 2 ? ViewportLayout::two : ViewportLayout::four;
-}
-
-ViewportLayout next_layout(ViewportLayout layout) {
-  switch (layout) {
-    case ViewportLayout::one:
-      return ViewportLayout::two;
-    case ViewportLayout::two:
-      return ViewportLayout::four;
-    case ViewportLayout::four:
-      break;
-  }
-  return ViewportLayout::one;
-}
-
-std::vector<std::size_t> visible_viewports(ViewportLayout layout, std::size_t active) {
-  active = std::min(active, kMostViewports - 1);
-  if (layout == ViewportLayout::one) return {active};
-  if (layout == ViewportLayout::two) return {active / 2 * 2, active / 2 * 2 + 1};
-  return {0, 1, 2, 3};
-}
-
-std::vector<Viewport> arrange(ViewportLayout layout, const Viewport& area) {
-  const bool stacked = area.height > area.width;
-  const int columns = layout == ViewportLayout::four || (layout == ViewportLayout::two && !stacked) ? 2 : 1;
-  const int rows = layout == ViewportLayout::four || (layout == ViewportLayout::two && stacked) ? 2 : 1;
-  std::vector<Viewport> places;
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const int left = area.width * column / columns, right = area.width * (column + 1) / columns;
-      const int top = area.height * row / rows, bottom = area.height * (row + 1) / rows;
-      places.push_back({area.left + left, area.top + top, std::max(1, right - left), std::max(1, bottom - top)});
-    }
-  return places;
-}
-
 std::optional<std::size_t> viewport_at(std::span<const Viewport> viewports, const glm::vec2& pointer) {
   for (std::size_t i = 0; i < viewports.size(); ++i)
     if (viewports[i].contains(pointer)) return i;

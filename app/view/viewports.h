@@ -27,22 +27,6 @@ struct Viewport {
   }
 };
 
-/// How many viewports the window shows.
-enum class ViewportLayout : std::uint8_t { one, two, four };
-inline constexpr std::size_t kMostViewports = 4;
-
-/// The layout that shows so many files at once, as far as one can.
-[[nodiscard]] ViewportLayout layout_for(std::size_t files);
-[[nodiscard]] ViewportLayout next_layout(ViewportLayout layout);
-
-/// Which of the kMostViewports a layout shows, in the order of their places: all, or the pair or the single one that
-/// `active` belongs to.
-[[nodiscard]] std::vector<std::size_t> visible_viewports(ViewportLayout layout, std::size_t active);
-
-/// The places in `area`: one; two side by side, or above each other where it is taller than wide; two rows of two.
-/// They cover it without gaps; none is narrower or lower than a pixel.
-[[nodiscard]] std::vector<Viewport> arrange(ViewportLayout layout, const Viewport& area);
-
 /// The one that has the pixel under `pointer`.
 [[nodiscard]] std::optional<std::size_t> viewport_at(std::span<const Viewport> viewports, const glm::vec2& pointer);
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace gs::app {
@@ -64,9 +65,21 @@ SessionOptions with_settings(SessionOptions options, const UserSettings& setting
   return options;
 }
 
+constexpr double kWeightSteps = 64;  // of a weight of 1
+
 bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
 
 }  // namespace
+
+std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget) {
+  std::vector<std::size_t> weights;
+  for (const Frame::Picture& picture : frame.pictures) {
+    const bool clouds = picture.view && picture.view->document->has_clouds();
+    const double weight = std::round(panes.at(picture.pane).weight * kWeightSteps);
+    weights.push_back(clouds ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
+  }
+  return shares_of(budget, weights);
+}
 
 Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend, DeskWindow& window,
            const std::function<void()>& wake)
@@ -223,11 +236,15 @@ void Desk::apply(const UiActions& actions) {
     keeper_.set(kept);
   }
   if (actions.restore) {
-    if (*actions.restore) session_.open_files(lost_.files);
+    if (*actions.restore) restore();
     lost_ = {};
   }
   if (actions.file) session_.select_file(*actions.file);
   if (actions.layout) session_.choose_layout(*actions.layout);
+  if (actions.divider)
+    session_.move_divider(actions.divider->divider, actions.divider->place, actions.divider->least,
+                          actions.divider->ended);
+  if (actions.pane) session_.serve(*actions.pane);
   if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);
   if (actions.allow_folder) session_.answer_question(*actions.allow_folder);
   if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
@@ -340,7 +357,28 @@ void Desk::note_session() {
   SessionMemory session;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (entry.path != not_kept_) session.files.push_back(absolute_place(entry.path));
+  const Panes& panes = session_.panes();
+  session.split = split_text(panes.split());
+  for (const std::size_t i : panes_of(panes.split())) {
+    const Pane& pane = panes.at(i);
+    const bool kept = !pane.wanted.empty() && pane.wanted != not_kept_;
+    session.viewports.push_back({i + 1, kept ? absolute_place(pane.wanted) : std::string(), pane.weight});
+  }
   keeper_.note_session(session);
+}
+
+void Desk::restore() {
+  session_.open_files(lost_.files);
+  const auto split = read_split(lost_.split);
+  const auto* tree = std::get_if<SplitTree>(&split);
+  if (!tree) return;
+  std::map<std::size_t, std::string> files;
+  std::map<std::size_t, double> weights;
+  for (const SessionMemory::Viewport& one : lost_.viewports) {
+    if (!one.file.empty()) files[one.number - 1] = one.file;
+    if (one.weight > 0) weights[one.number - 1] = one.weight;
+  }
+  session_.restore_split(*tree, files, weights);
 }
 
 bool Desk::take_chosen_files() {
@@ -371,18 +409,34 @@ std::string Desk::progress_of(const std::string& path) const {
   return text;
 }
 
-void Desk::describe_viewports(UiModel& model, const Frame& frame) const {
+void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const {
   const Panes& panes = session_.panes();
+  const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
+  const double drawn = static_cast<double>(std::accumulate(budgets.begin(), budgets.end(), std::size_t{0}));
   for (const Frame::Picture& picture : frame.pictures) {
     const Pane& pane = panes.at(picture.pane);
     UiViewport viewport;
+    viewport.pane = picture.pane;
     viewport.place = picture.place;
     if (pane.view()) viewport.label = file_label(pane.shown);
     if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
     viewport.active = picture.pane == panes.active();
+    viewport.weight = pane.weight;
+    viewport.budget = budgets[model.viewports.size()];
+    if (drawn > 0) viewport.vectors = static_cast<double>(viewport.budget) / drawn;
+    viewport.reading = session_.reading_share(picture.pane);
+    if (pane.failure) {
+      viewport.failed = file_label(pane.failure->path);
+      viewport.reason = pane.failure->error;
+    }
     model.viewports.push_back(std::move(viewport));
   }
-  model.layout = panes.layout();
+  for (const std::size_t pane : panes_of(panes.split()))
+    model.pane_labels.emplace_back(pane, panes.at(pane).view() ? file_label(panes.at(pane).shown) : std::string());
+  model.panes = model.pane_labels.size();
+  model.maximised = panes.split().maximised.has_value();
+  model.layout = layout_of(panes.split());
+  model.dividers = session_.dividers();
   model.linked = session_.linked();
 }
 
@@ -394,7 +448,7 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
     model.paths.push_back(entry.path);
   }
   model.file = panes.selected();
-  describe_viewports(model, frame);
+  describe_viewports(model, frame, measures.budget);
   if (const FolderQuestions::Question* question = session_.question())
     model.question = {file_label(question->worlds.front()), question->folder, question->reference};
   const Pane& pane = panes.at(panes.active());

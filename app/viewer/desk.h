@@ -7,6 +7,7 @@
 #include "app/view/actions.h"
 #include "app/viewer/file_dialog.h"
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -41,9 +42,14 @@ struct DeskOptions {
   std::span<const DialogProgram> dialogs;  // none: files are chosen in its own dialog
 };
 
+/// How many of `budget` vectors each picture of a frame gets: by its size and by the weight of its viewport; 0: it
+/// shows none.
+[[nodiscard]] std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget);
+
 /// What the picture took, for the status bar.
 struct DeskMeasures {
   double frame_ms = 0, frames_a_second = 0;
+  std::size_t budget = 0;  // vectors of all viewports together
   std::string gl_renderer;
 };
 
@@ -88,7 +94,8 @@ class Desk {
   void open_bookmark(std::size_t index);
   void remember(const std::vector<std::string>& arrived);
   void note_session();
-  void describe_viewports(UiModel& model, const Frame& frame) const;
+  void restore();
+  void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const;
   void describe_user(UiModel& model, const Pane& pane);
   [[nodiscard]] std::string progress_of(const std::string& path) const;
 

@@ -41,6 +41,7 @@ glm::ivec2 first_size(const ViewerOptions& options) {
 SessionOptions session_options(const ViewerOptions& options) {
   SessionOptions result;
   result.files = options.files;
+  result.split = options.split;
   result.viewpoint = options.viewpoint;
   result.headlight = options.headlight;
   result.audible = true;
@@ -124,7 +125,7 @@ void Viewer::run() {
     const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
     interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
     // Nothing has happened: what is on the screen is right.
-    if (frames_wanted_ == 0 && !frame_.moving && !refinement_.wanted() && !frame_.loading) continue;
+    if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) continue;
     if (events.empty()) ui_.begin_frame(now, events);
     const bool continuous = std::exchange(was_continuous_, frame_.moving);
     draw_viewports();
@@ -148,7 +149,7 @@ void Viewer::wait_for_something() {
   const glm::ivec2 size = window_->framebuffer_size();
   if (size.x <= 0 || size.y <= 0)
     window_->wait(kIdleWait);
-  else if (frames_wanted_ > 0 || session_.moving() || refinement_.wanted() || window_->has_events())
+  else if (frames_wanted_ > 0 || session_.moving() || wants_finer() || window_->has_events())
     window_->poll();
   else
     wait_idle();

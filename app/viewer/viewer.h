@@ -4,6 +4,7 @@
 #include "app/formats/common/upright.h"
 #include "app/settings/user_folders.h"
 #include "app/view/navigation.h"
+#include "app/view/panes/split_tree.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"
 
@@ -21,6 +22,7 @@ inline constexpr std::size_t kWindowBudget = 2'000'000;
 
 struct ViewerOptions {
   std::vector<std::string> files;       // opened at start, each in a viewport as far as there are
+  std::optional<SplitTree> split;       // how they share the window; nothing: by how many there are
   int width = 1024, height = 768;       // of the window
   bool size_given = false;              // else the last window's counts, where that is known
   int samples = 4;                      // anti-aliasing

@@ -1,3 +1,4 @@
+#include "app/streams/stream_feed.h"
 #include "app/viewer/viewer_window.h"
 
 #include <algorithm>
@@ -19,50 +20,64 @@ std::size_t Viewer::budget() const {
 }
 
 void Viewer::draw_viewports() {
-  std::vector<std::size_t> cloud_pixels, cloud_viewports;
-  for (const Frame::Picture& picture : frame_.pictures) {
-    const bool clouds = picture.view && picture.view->document->has_clouds();
-    cloud_pixels.push_back(clouds ? picture.place.pixels() : 0);
-    cloud_viewports.push_back(clouds ? 1 : 0);
-  }
-  const std::vector<std::size_t> budgets = shares_of(budget(), cloud_pixels);
-  const std::vector<std::size_t> decoded = shares_of(kMostDecoded, cloud_viewports);
-  bool pending = false;
-  std::size_t discs = 0;
+  measures_.budget = budget();
+  const std::vector<std::size_t> budgets = budgets_of(frame_, session_.panes(), measures_.budget);
+  const std::vector<std::size_t> decoded = shares_of(kMostDecoded, budgets);
   for (std::size_t i = 0; i < frame_.pictures.size(); ++i) {
     const Viewport& place = frame_.pictures[i].place;
     render::DrawOptions draw;
+    draw.viewport = static_cast<std::uint32_t>(frame_.pictures[i].pane);
     draw.x = place.left;
     draw.y = window_->framebuffer_size().y - place.top - place.height;
     draw.width = place.width;
     draw.height = place.height;
+    draw.samples = options_.samples;
+    draw.background = options_.background;
+    draw.splats = options_.splats;
     draw.budget = budgets[i];
     draw.most_decoded = decoded[i];
-    draw_viewport(frame_.pictures[i], draw);
-    const render::FrameStatistics& statistics = session_.panes().at(frame_.pictures[i].pane).statistics;
-    pending |= statistics.pending;
-    discs += statistics.vectors;
+    if (frame_.pictures[i].view)
+      draw_viewport(frame_.pictures[i], std::move(draw));
+    else
+      draw_nothing(frame_.pictures[i], std::move(draw));
   }
-  refinement_.note(pending, discs, frames_wanted_ > 0 || frame_.moving);
+}
+
+// Another frame, and nothing else, makes a picture in sight better.
+bool Viewer::wants_finer() const {
+  return std::any_of(frame_.pictures.begin(), frame_.pictures.end(),
+                     [this](const Frame::Picture& picture) { return pictures_.wants_more(picture.pane); });
+}
+
+void Viewer::draw_nothing(const Frame::Picture& picture, render::DrawOptions draw) {
+  static const render::RenderList kNothing;
+  if (!draw.background) draw.background = kEmptyBackground;
+  render::FrameStatistics& statistics = session_.panes().at(picture.pane).statistics;
+  statistics = renderer_->draw(kNothing, render::Camera{}, draw);
+  pictures_.note(picture.pane, {}, statistics, 0);
 }
 
 void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions draw) {
-  static const render::RenderList kNothing;
   Pane& pane = session_.panes().at(picture.pane);
-  draw.viewport = static_cast<std::uint32_t>(picture.pane);
-  draw.samples = options_.samples;
-  draw.background = options_.background;
-  draw.splats = options_.splats;
-  const View* seen = picture.view;
-  if (!seen) {
-    if (!draw.background) draw.background = kEmptyBackground;
-    pane.statistics = renderer_->draw(kNothing, render::Camera{}, draw);
-    return;
-  }
+  const View& seen = *picture.view;
+  draw.headlight = seen.headlight;
+  if (seen.budget > 0) draw.budget = std::min(draw.budget, seen.budget);
+  draw.unit = static_cast<float>(seen.scale);
+  draw.clouds = seen.look;
+  apply_style(seen, draw);
+  draw.guides = tools_.guides(seen);
+  const render::RenderList& list = tools_.shown(picture.pane, seen);
+  PictureSource source{seen.list, &list, list.changes, 0, camera_of(seen.navigation.pose), draw};
+  source.draw.x = source.draw.y = 0;
+  source.draw.most_decoded = 0;
+  for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
+  if (seen.document->living) source.grown += seen.document->living->movie_pictures();
+  const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
+  if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
   // However long a picture takes, who does something is answered; all pixels come when nobody does.
   PictureDetail& detail = details_[picture.pane];
   const double begin = Window::now();
-  draw.coarseness = detail.coarseness(frames_wanted_ > 0 || frame_.moving);
+  draw.coarseness = detail.coarseness(busy && !same);
   draw.go_on = [this, begin] {
     if (interface_first_) return false;
     const double now = Window::now();
@@ -71,20 +86,18 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
     window_->poll();
     return !window_->should_close() && !window_->has_events();
   };
-  draw.headlight = seen->headlight;
-  if (seen->budget > 0) draw.budget = std::min(draw.budget, seen->budget);
-  draw.unit = static_cast<float>(seen->scale);
-  draw.clouds = seen->look;
-  apply_style(*seen, draw);
-  draw.guides = tools_.guides(*seen);
-  pane.statistics = renderer_->draw(tools_.shown(picture.pane, *seen), camera_of(seen->navigation.pose), draw);
+  const render::Camera camera = source.camera;
+  pane.statistics = renderer_->draw(list, camera, draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
   // What was given up for the sake of progress says nothing about who moves.
   const bool given_up = pane.statistics.given_up;
+  if (given_up)
+    pictures_.note_given_up(picture.pane, pane.statistics);
+  else
+    pictures_.note(picture.pane, std::move(source), pane.statistics, end - begin);
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
-  if (!given_up || !(frame_.loading || interface_first_))
-    detail.note(draw.coarseness, pane.statistics.given_up, end - begin);
+  if (!given_up || !(frame_.loading || interface_first_)) detail.note(draw.coarseness, given_up, end - begin);
 }
 
 // What is measured, looked at more closely, or kept ------------------------------------------------

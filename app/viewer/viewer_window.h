@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/view/panes/picture_ledger.h"
 #include "app/view/picture_detail.h"
 #include "app/viewer/desk.h"
 #include "app/viewer/hand_over.h"
@@ -42,7 +43,6 @@ class Viewer final : public DeskWindow {
   void take_handed_over();
   [[nodiscard]] std::size_t budget() const;
 
-
   // DeskWindow, of what draws.
   bool run_tool(Action action) override;
   void note(const SessionInput::Event& event) override;
@@ -54,6 +54,8 @@ class Viewer final : public DeskWindow {
 
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
+  void draw_nothing(const Frame::Picture& picture, render::DrawOptions draw);
+  [[nodiscard]] bool wants_finer() const;
 
   const ViewerOptions& options_;
   std::unique_ptr<Window> window_;
@@ -65,7 +67,7 @@ class Viewer final : public DeskWindow {
   std::unique_ptr<HandOver> hand_over_;      // null: others have no place to hand files over
   Frame frame_;                              // what the last step has led to
   ViewerTools tools_;
-  Refinement refinement_;
+  PictureLedger pictures_;
   std::array<PictureDetail, kMostViewports> details_;
   LoadingPace pace_;
   std::string title_;

@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMostVisits = 200'000, kMostDepth = 256;
+constexpr std::size_t kMostVisits = 200'000, kMostLookedDepth = 256;
 constexpr float kUnknown = 0.25f;  // of what says nothing of its size
 
 class Surveyor {
@@ -41,7 +41,7 @@ class Surveyor {
   };
 
   void push_all(const vrml::SceneGraph& scene, const vrml::MFNode& nodes, const glm::dmat4& matrix, std::size_t depth) {
-    if (depth > kMostDepth) return;
+    if (depth > kMostLookedDepth) return;
     for (const vrml::NodeId id : nodes) open_.push_back({&scene, id, matrix, depth});
   }
 

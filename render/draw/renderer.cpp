@@ -261,6 +261,22 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   return statistics;
 }
 
+bool Renderer::show_again(const DrawOptions& options) {
+  const auto former = state_->former.find(options.viewport);
+  if (former == state_->former.end() || !former->second.framebuffer || options.width <= 0 || options.height <= 0)
+    return false;
+  const Gl& gl = state_->gl;
+  GLint outer = 0;
+  gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
+  const FormerPicture& kept = former->second;
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, kept.framebuffer.name());
+  const bool same_size = kept.width == options.width && kept.height == options.height;
+  gl.BlitFramebuffer(0, 0, kept.width, kept.height, options.x, options.y, options.x + options.width,
+                     options.y + options.height, GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
+  return true;
+}
+
 /// Of the picture that is bound for reading, `width` x `height`, or, if that was given up, of the last one of the
 /// viewport that was not: leaves that bound for reading, and its size.
 void Renderer::keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height) {

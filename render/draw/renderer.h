@@ -28,6 +28,9 @@ class Renderer {
   /// Draws off screen, and shows the picture in its rectangle of the framebuffer that is bound (0: the window's). A
   /// picture that was given up is not shown, but the last whole one of the viewport, if there has been any.
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  /// Shows the last whole picture of a viewport again in its rectangle, as `draw` would if nothing had changed. False:
+  /// there is none, and nothing was shown; only pictures that `go_on` could have ended, and coarse ones, are kept.
+  bool show_again(const DrawOptions& options);
   /// Draws off screen and reads the picture back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
                                                                 const DrawOptions& options,

@@ -11,6 +11,7 @@ namespace gs::render {
 /// A part of a picture, whose corners are at -1 and 1.
 struct PicturePart {
   double left = -1, bottom = -1, right = 1, top = 1;
+  friend bool operator==(const PicturePart&, const PicturePart&) = default;
 };
 
 /// Where the viewer is and what the lens sees. World space is metres, right-handed, Y up; the camera
@@ -25,6 +26,7 @@ struct Camera {
   /// World units that the smaller side of the picture shows by parallel rays; 0: in perspective.
   double height = 0;
   double back = 0;  // of far_camera: how far behind the viewer it is
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 /// The same without `part`.

@@ -20,6 +20,14 @@ enum class SplatPath : std::uint8_t { automatic, gl, cpu };
 /// How faces are drawn. Clouds of discs and volumes have none, and are drawn as they are.
 enum class DisplayMode : std::uint8_t { surface, edges, wireframe, points };
 
+/// Whether drawing goes on, as who draws is asked; null: yes.
+struct GoOn : std::function<bool()> {
+  using std::function<bool()>::function;
+  /// It says nothing about the picture that is drawn.
+  friend bool operator==(const GoOn&, const GoOn&) { return true; }
+};
+
+/// Two that are equal give the same picture of the same list, as far as it is whole.
 struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // pixels of the target, from its lower left
   int samples = 4;                               // anti-aliasing; lowered to what the context can
@@ -38,8 +46,9 @@ struct DrawOptions {
   CloudLook clouds;
   std::uint32_t viewport = 0;    // which of those that are drawn by turns; each keeps its own detail
   std::size_t most_decoded = 0;  // discs that may be decoded for this frame; 0: as many as it needs
-  std::function<bool()> go_on;   // asked some times a second; false: what is not drawn yet is left out. Null: true
+  GoOn go_on;                    // asked some times a second; false: what is not drawn yet is left out. Null: true
   int target_samples = 64;       // at most, of what OpenGL draws: what the processor rasterises has samples of its own
+  friend bool operator==(const DrawOptions&, const DrawOptions&) = default;
 };
 
 struct FrameStatistics {

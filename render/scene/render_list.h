@@ -153,6 +153,10 @@ struct RenderList {
   /// account.
   std::uint64_t generation = 0, dressed = 0;
   std::vector<std::uint32_t> moved;
+  /// Another number, unlike that of any list of the process, whenever something in it is another: `next_change`. Who
+  /// has drawn it has nothing to draw anew while it stays. 0: nobody keeps account. What grows in the clouds and images
+  /// that it holds is not counted.
+  std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
   std::vector<ViewpointState> viewpoints;  // in the order of the file; the first one is bound at start
@@ -168,6 +172,9 @@ struct RenderList {
   std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
   std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // of Inlines that `places` name, kept for as long
 };
+
+/// A number for RenderList::changes. Any thread.
+[[nodiscard]] std::uint64_t next_change();
 
 /// Walks the live scene (PROTO instances and attached Inlines included) and gathers what is visible.
 /// Safe for any graph a file can describe: cycles are cut; depth, items, triangles and the memory of meshes are bounded

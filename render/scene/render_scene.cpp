@@ -33,6 +33,11 @@ bool has_changed(const vrml::NodeChange& change, const NodeView& view, int field
 
 }  // namespace
 
+std::uint64_t next_change() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
 RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, const Clouds& clouds, MeshCache& meshes)
     : scene_(scene),
       images_(images),
@@ -48,6 +53,7 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
                .collect(scene_);
   ++gathered_;
   begin_generation();
+  list_->changes = next_change();
   frame_uses_known_ = item_uses_known_ = false;
   frame_uses_.clear();
   item_uses_.clear();
@@ -129,6 +135,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     return true;
   }
   sum_bounds();
+  if (any) list_->changes = next_change();
   return any;
 }
 

@@ -51,6 +51,11 @@ constexpr IconRow kDrawings[] = {
     {Icon::clock, "C8 8 6.2 M8 4.5 L8 8 L10.5 9.8"},
     {Icon::viewpoint, "M1.5 5 L4.5 5 L5.8 3 L10.2 3 L11.5 5 L14.5 5 L14.5 13 L1.5 13 Z C8 8.8 2.6"},
     {Icon::web, "C8 8 6.3 M1.7 8 L14.3 8 M8 1.7 L5.3 4.6 L5.3 11.4 L8 14.3 L10.7 11.4 L10.7 4.6 Z"},
+    {Icon::split_right, "M2 3 L14 3 L14 13 L2 13 Z M8 3 L8 13 M11 6 L11 10 M9.5 8 L12.5 8"},
+    {Icon::split_below, "M2 3 L14 3 L14 13 L2 13 Z M2 8 L14 8 M8 9 L8 12 M6.5 10.5 L9.5 10.5"},
+    {Icon::maximise, "M3 3 L13 3 L13 13 L3 13 Z M3 4.5 L13 4.5"},
+    {Icon::restore, "M5.5 5.5 L5.5 2.5 L13.5 2.5 L13.5 10.5 L10.5 10.5 M2.5 5.5 L10.5 5.5 L10.5 13.5 L2.5 13.5 Z"},
+    {Icon::menu, "M3 4.5 L13 4.5 M3 8 L13 8 M3 11.5 L13 11.5"},
 };
 static_assert(std::size(kDrawings) == kIcons);
 
@@ -72,6 +77,10 @@ constexpr ActionIcon kActionIcons[] = {
     {Action::look_at, Icon::look_at},
     {Action::log, Icon::log},
     {Action::clouds, Icon::curve},
+    {Action::split_right, Icon::split_right},
+    {Action::split_below, Icon::split_below},
+    {Action::maximise, Icon::maximise},
+    {Action::close_viewport, Icon::stop},
     {Action::link, Icon::link},
     {Action::help, Icon::help},
     {Action::close, Icon::stop},

@@ -41,8 +41,13 @@ enum class Icon : std::uint8_t {
   clock,
   viewpoint,
   web,
+  split_right,
+  split_below,
+  maximise,
+  restore,
+  menu,
 };
-inline constexpr std::size_t kIcons = 29;
+inline constexpr std::size_t kIcons = 34;
 
 /// Draws it in a square of this size, whose upper left corner is `place`, in the colour of text.
 void draw_icon(ImDrawList& draw, Icon icon, const ImVec2& place, float size, ImU32 color);

@@ -7,7 +7,8 @@
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"
 #include "app/view/navigation.h"
-#include "app/view/viewports.h"
+#include "app/view/panes/pane_request.h"
+#include "app/view/panes/split_tree.h"
 #include "qnv/base/cloud.h"
 #include "render/draw/renderer.h"
 #include "render/scene/cloud_look.h"
@@ -19,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -27,10 +29,16 @@ class Inspection;
 
 /// A viewport in sight.
 struct UiViewport {
+  std::size_t pane = 0;  // its number, from 0
   Viewport place;
   std::string label;    // of the file it shows; empty: none
   std::string loading;  // label of what is being read for it, or empty
   bool active = false;
+  double weight = 1;           // of its shares
+  double vectors = 0;          // its share of the budget of vectors, 0 to 1; 0: it shows none
+  std::size_t budget = 0;      // that many
+  double reading = 0;          // its share of what is read over the network; 0: it waits for nothing there
+  std::string failed, reason;  // label of a file that it could not show, and why; empty: none
 };
 
 /// Whether a world may read a folder that is not its own.
@@ -46,7 +54,11 @@ struct UiModel {
   std::optional<std::size_t> file;  // of these, the chosen one
 
   std::vector<UiViewport> viewports;
-  ViewportLayout layout = ViewportLayout::one;
+  std::optional<ViewportLayout> layout = ViewportLayout::one;  // nothing: a split that has no button
+  std::size_t panes = 1;                                       // those out of sight beside a maximised one, too
+  bool maximised = false;
+  std::vector<std::pair<std::size_t, std::string>> pane_labels;  // of all of them, with their numbers from 0
+  std::vector<SplitDivider> dividers;                            // between those in sight
   bool linked = false;  // all viewports move as one
   std::optional<UiQuestion> question;
 
@@ -105,6 +117,13 @@ struct UiActions {
   std::optional<NavigationMode> mode;
   std::optional<Action> run;
   std::optional<ViewportLayout> layout;
+  std::optional<PaneRequest> pane;  // what is wanted of a viewport
+  struct DividerMove {
+    SplitDivider divider;
+    int place = 0, least = 1;  // framebuffer pixels: its column or row, and what every viewport keeps
+    bool ended = false;        // it has been let go
+  };
+  std::optional<DividerMove> divider;
   std::optional<bool> allow_folder;                           // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
   std::optional<render::CloudLook> look;                      // instead of the model's

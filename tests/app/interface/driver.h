@@ -8,6 +8,7 @@
 #include <imgui.h>
 #include <glm/vec2.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -16,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -121,6 +123,8 @@ class Driver final : public DeskWindow {
   const Frame& frame() const { return frame_; }
   /// What was asked for in the frames since this was called last; the newest of each kind.
   const UiActions& actions() const { return actions_; }
+  /// What the picture took, as the model has it.
+  DeskMeasures& measures() { return measures_; }
   bool closed() const { return closed_; }
   int full_screens() const { return full_screens_; }
   Viewport picture() { return desk_.ui().picture_area(size_); }
@@ -151,7 +155,7 @@ class Driver final : public DeskWindow {
     (void)desk_.take_chosen_files();
     frame_ = session().step(time_, input);
     (void)desk_.tell(frame_);
-    UiModel model = desk_.model(frame_, {});
+    UiModel model = desk_.model(frame_, measures_);
     if (change_model_) change_model_(model);
     const UiActions actions = desk_.ui().build(model);
     desk_.ui().draw();
@@ -166,6 +170,15 @@ class Driver final : public DeskWindow {
   /// Until the interface rests.
   void settle() {
     for (int i = 0; i < 4 || desk_.ui().has_input_left(); ++i) step();
+  }
+  /// Until this is so; false: it never is.
+  bool wait_for(const std::function<bool()>& so) {
+    for (int i = 0; i < 5000; ++i) {
+      step();
+      if (so()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
   }
   /// Lets so much time go by.
   void wait(double seconds) {
@@ -222,6 +235,18 @@ class Driver final : public DeskWindow {
     }
     step({event(WindowEvent::Kind::button_up)});
     settle();
+  }
+  void drop(const glm::vec2& place, const std::vector<std::string>& paths) {
+    pointer_ = place;
+    WindowEvent dropped = event(WindowEvent::Kind::drop);
+    dropped.paths = paths;
+    step({dropped});
+    settle();
+  }
+  /// The button goes down there, and is not let go.
+  void hold(const glm::vec2& place) {
+    point(place);
+    step({event(WindowEvent::Kind::button_down)});
   }
   /// A key with what is held, pressed and released.
   void press(Key key, bool control = false, bool shift = false, bool alt = false) {
@@ -296,6 +321,7 @@ class Driver final : public DeskWindow {
   int full_screens_ = 0;
   std::function<void(UiModel&)> change_model_;
   UiActions actions_;
+  DeskMeasures measures_;
   Frame frame_;
   Desk desk_;
 };

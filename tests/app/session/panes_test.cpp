@@ -30,7 +30,7 @@ std::shared_ptr<Document> document_of(const glm::vec3& lower, const glm::vec3& u
   return result;
 }
 
-std::vector<Panes::Change> settle(Panes& panes) { return panes.settle(arrange(panes.layout(), kArea), {}); }
+std::vector<Panes::Change> settle(Panes& panes) { return panes.settle(arrange(panes.split(), kArea), {}); }
 
 /// Reads everything that is waited for.
 void load_all(Panes& panes) {
@@ -45,16 +45,16 @@ TEST_CASE("The files of the command line get a viewport each, as far as there ar
   for (std::size_t count = 0; count <= all.size(); ++count) {
     Panes panes;
     panes.start(std::span(all).first(count));
-    CHECK(panes.layout() == layout_for(count));
+    CHECK(layout_of(panes.split()) == layout_for(count));
     CHECK(panes.active() == 0);
-    for (std::size_t i = 0; i < kMostViewports; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
+    for (std::size_t i = 0; i < kMostViewportsAtStart; ++i) CHECK(panes.at(i).wanted == (i < count ? all[i] : ""));
     CHECK(panes.documents().entries().size() == count);
     std::size_t readings = 0;
     while (const auto reading = panes.begin_loading()) {
       CHECK(reading->path == all[readings]);  // the active one first
       ++readings;
     }
-    CHECK(readings == std::min(count, kMostViewports));  // what is not shown is not read
+    CHECK(readings == std::min(count, kMostViewportsAtStart));  // what is not shown is not read
   }
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("One file may stand in several viewports, and is read once") {
   Panes panes;
   const std::string twice[] = {"a", "a"};
   panes.start(twice);
-  CHECK(panes.layout() == ViewportLayout::two);
+  CHECK(layout_of(panes.split()) == ViewportLayout::two);
   const auto reading = panes.begin_loading();
   REQUIRE(reading);
   CHECK_FALSE(panes.begin_loading());

@@ -57,7 +57,8 @@ TEST_CASE("Files that failed stay in the log when another one shows, and each is
   session.open_files({missing});
   const Frame first = steps_until(session, [](const Frame& frame) { return !frame.failed.empty(); });
   CHECK(first.failed[0].path == missing);
-  CHECK(first.show_log);
+  REQUIRE(session.panes().at(0).failure);  // so says the viewport
+  CHECK(session.panes().at(0).failure->path == missing);
   session.open_files({other, good});
   bool failed = false, arrived = false;
   (void)steps_until(session, [&](const Frame& frame) {

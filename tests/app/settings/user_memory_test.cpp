@@ -34,6 +34,15 @@ TEST_CASE("Bookmarks are written and read again") {
 TEST_CASE("A window's files are written and read again") {
   const SessionMemory session{{"/a.wrl", "/b.qnv"}};
   CHECK(read_session(session_text(session)) == session);
+  const SessionMemory split{{"/a.wrl", "/b.qnv"}, "1:2|(2/4)", {{1, "/a.wrl", 1}, {2, "", 1}, {4, "/b.qnv", 2.5}}};
+  CHECK(read_session(session_text(split)) == split);
+  // Whatever stands in it.
+  const auto spoilt = read_session(
+      "{\"files\": [\"/a.wrl\"], \"split\": 7, \"viewports\": [3, {\"number\": -1}, {\"number\": 1e99}, {\"number\": 2, "
+      "\"file\": [], \"weight\": \"x\"}]}");
+  REQUIRE(spoilt);
+  CHECK(spoilt->split.empty());
+  CHECK(spoilt->viewports == std::vector<SessionMemory::Viewport>{{2, "", 0}});
 }
 
 TEST_CASE("Of a file that is spoilt what can be used is used") {

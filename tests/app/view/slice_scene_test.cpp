@@ -124,6 +124,15 @@ TEST_CASE("Slices stand where their voxels are, beside the volume or alone") {
   const render::RenderList& alone = scene.with_slices(list, grid, slices);
   CHECK(alone.splats.empty());
   CHECK(alone.items.front().texture.image == image);  // kept
+  // Who has drawn it knows whether it is the same still.
+  const std::uint64_t before = alone.changes;
+  CHECK(before != 0);
+  CHECK(scene.with_slices(list, grid, slices).changes == before);
+  slices.places[1] = 0;
+  CHECK(scene.with_slices(list, grid, slices).changes != before);
+  const std::uint64_t moved = scene.with_slices(list, grid, slices).changes;
+  list.changes = render::next_change();  // the world has gone on
+  CHECK(scene.with_slices(list, grid, slices).changes != moved);
 }
 
 TEST_CASE("Planes are named by voxels or parts, and nothing else") {

@@ -10,89 +10,12 @@ namespace {
 
 using namespace gs::app;
 
-void check(const Viewport& place, int left, int top, int width, int height) {
-  CHECK(place.left == left);
-  CHECK(place.top == top);
-  CHECK(place.width == width);
-  CHECK(place.height == height);
-}
+std::vector<Viewport> beside() { return {{0, 0, 100, 100}, {100, 0, 100, 100}}; }
 
 }  // namespace
 
-TEST_CASE("Several files make several viewports") {
-  CHECK(layout_for(0) == ViewportLayout::one);
-  CHECK(layout_for(1) == ViewportLayout::one);
-  CHECK(layout_for(2) == ViewportLayout::two);
-  CHECK(layout_for(3) == ViewportLayout::four);
-  CHECK(layout_for(4) == ViewportLayout::four);
-  CHECK(layout_for(100) == ViewportLayout::four);
-  CHECK(next_layout(ViewportLayout::one) == ViewportLayout::two);
-  CHECK(next_layout(ViewportLayout::two) == ViewportLayout::four);
-  CHECK(next_layout(ViewportLayout::four) == ViewportLayout::one);
-}
-
-TEST_CASE("The active viewport is always in sight") {
-  CHECK(visible_viewports(ViewportLayout::one, 0) == std::vector<std::size_t>{0});
-  CHECK(visible_viewports(ViewportLayout::one, 3) == std::vector<std::size_t>{3});
-  CHECK(visible_viewports(ViewportLayout::two, 1) == std::vector<std::size_t>{0, 1});
-  CHECK(visible_viewports(ViewportLayout::two, 2) == std::vector<std::size_t>{2, 3});
-  CHECK(visible_viewports(ViewportLayout::four, 2) == std::vector<std::size_t>{0, 1, 2, 3});
-  CHECK(visible_viewports(ViewportLayout::one, 99) == std::vector<std::size_t>{3});
-}
-
-TEST_CASE("Layouts cover the area without gaps") {
-  const Viewport area{0, 34, 1025, 735};
-  auto places = arrange(ViewportLayout::one, area);
-  REQUIRE(places.size() == 1);
-  check(places[0], 0, 34, 1025, 735);
-
-  places = arrange(ViewportLayout::two, area);
-  REQUIRE(places.size() == 2);
-  check(places[0], 0, 34, 512, 735);
-  check(places[1], 512, 34, 513, 735);
-
-  places = arrange(ViewportLayout::two, {10, 20, 300, 601});  // taller than wide
-  REQUIRE(places.size() == 2);
-  check(places[0], 10, 20, 300, 300);
-  check(places[1], 10, 320, 300, 301);
-
-  places = arrange(ViewportLayout::four, area);
-  REQUIRE(places.size() == 4);
-  check(places[0], 0, 34, 512, 367);
-  check(places[1], 512, 34, 513, 367);
-  check(places[2], 0, 401, 512, 368);
-  check(places[3], 512, 401, 513, 368);
-
-  for (const Viewport& place : arrange(ViewportLayout::four, {0, 0, 1, 1})) {
-    CHECK(place.width == 1);
-    CHECK(place.height == 1);
-  }
-}
-
-TEST_CASE("Every pixel of the area belongs to one viewport") {
-  const Viewport area{3, 5, 7, 9};
-  for (const ViewportLayout layout : {ViewportLayout::one, ViewportLayout::two, ViewportLayout::four}) {
-    const auto places = arrange(layout, area);
-    for (int y = 0; y < 16; ++y)
-      for (int x = 0; x < 12; ++x) {
-        const glm::vec2 pointer(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-        int owners = 0;
-        for (const Viewport& place : places) owners += place.contains(pointer) ? 1 : 0;
-        CHECK(owners == (area.contains(pointer) ? 1 : 0));
-        CHECK(viewport_at(places, pointer).has_value() == (owners == 1));
-      }
-  }
-  const auto places = arrange(ViewportLayout::four, {0, 0, 100, 100});
-  CHECK(viewport_at(places, {0, 0}) == 0u);
-  CHECK(viewport_at(places, {49.9f, 50}) == 2u);
-  CHECK(viewport_at(places, {50, 49.9f}) == 1u);
-  CHECK(viewport_at(places, {99, 99}) == 3u);
-  CHECK_FALSE(viewport_at(places, {100, 50}));
-  CHECK_FALSE(viewport_at(places, {-1, 50}));
-}
-
 TEST_CASE("A drag stays with the viewport where it began") {
-  const auto places = arrange(ViewportLayout::two, {0, 0, 200, 100});
+  const auto places = beside();
   const glm::vec2 left(50, 50), right(150, 50), outside(-20, 50);
   PointerRouter router;
   CHECK(router.route(event(EventKind::pointer, left), places) == 0u);
@@ -114,7 +37,7 @@ TEST_CASE("A drag stays with the viewport where it began") {
 }
 
 TEST_CASE("Events beside all viewports belong to none") {
-  const auto places = arrange(ViewportLayout::two, {0, 0, 200, 100});
+  const auto places = beside();
   PointerRouter router;
   CHECK_FALSE(router.route(event(EventKind::button_down, {300, 50}), places));
   CHECK(router.route(event(EventKind::pointer, {50, 50}), places) == 0u);  // no drag began there

@@ -286,6 +286,48 @@ TEST_CASE("a stream shows from its front on, and grows") {
   CHECK(world.clouds.begin()->second->levels->clusters() == clusters.back());
 }
 
+TEST_CASE("beside a stream of more weight, one asks for less at a time") {
+  const auto longest = [](double weight) {
+    Web web;
+    web.options.by_view = true;
+    web.put("memory://a/ball.qnv", large_stream());
+    WorldLoading loading("memory://a/ball.qnv", web.options);
+    while (!loading.done()) (void)loading.step(kLoadingWait);
+    const OpenedWorld world = loading.take();
+    REQUIRE(world.feeds.size() == 1);
+    StreamFeed& feed = *world.feeds[0];
+    feed.set_weight(weight);
+    qnv::LodStream& stream = *world.clouds.begin()->second->levels;
+    qnv::LodView view;
+    view.eye = {0, 0, 4};
+    view.pixels = 500;
+    view.error_pixels = 4;
+    const std::size_t before = web.network->transfers().size();
+    bool has_read = false;
+    for (int rounds = 0; rounds < 1000 && !(has_read && stream.complete()); ++rounds) {
+      (void)loading.step(kLoadingWait);
+      (void)feed.apply();
+      (void)stream.cut(view);
+      feed.ask();
+      has_read = has_read || feed.reading();
+    }
+    CHECK(has_read);
+    CHECK(stream.complete());
+    CHECK_FALSE(feed.reading());
+    std::uint64_t most = 0;
+    const auto transfers = web.network->transfers();
+    for (std::size_t i = before; i < transfers.size(); ++i) {
+      REQUIRE(transfers[i].range);
+      const std::uint64_t end = std::min<std::uint64_t>(transfers[i].range->end, large_stream().size());
+      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // not the directory
+    }
+    return most;
+  };
+  const std::uint64_t favoured = longest(1), other = longest(0.125);
+  CHECK(other > 0);
+  CHECK(other * 2 < favoured);
+}
+
 TEST_CASE("of a long stream only what a view wants is read") {
   Web web;
   web.options.by_view = true;

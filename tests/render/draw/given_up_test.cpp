@@ -86,6 +86,31 @@ TEST_CASE("A picture that is given up leaves the last whole one of its viewport 
   CHECK(screen.at(32, 32) == glm::vec3(0, 255, 0));
 }
 
+TEST_CASE("The last whole picture of a viewport is shown again without being drawn, wherever it stands by now") {
+  Drawing drawing;
+  Screen screen(drawing.context(), 64);
+  drawing.options.width = drawing.options.height = 32;
+  drawing.options.go_on = [] { return true; };
+  CHECK_FALSE(drawing.renderer().show_again(drawing.options));
+  RenderList list;
+  add(list, glowing(square(20), {1, 0, 0}));
+  for (const int samples : {1, 4}) {
+    CAPTURE(samples);
+    drawing.options.samples = samples;
+    drawing.options.x = drawing.options.y = 0;
+    screen.clear();
+    (void)drawing.renderer().draw(list, camera_at({0, 0, 10}), drawing.options);
+    screen.clear();
+    drawing.options.x = drawing.options.y = 16;
+    CHECK(drawing.renderer().show_again(drawing.options));
+    for (const int at : {16, 32, 47}) CHECK(screen.at(at, at) == glm::vec3(255, 0, 0));
+    CHECK(screen.at(15, 15) == glm::vec3(0));
+    CHECK(screen.at(48, 48) == glm::vec3(0));
+  }
+  drawing.options.viewport = 7;
+  CHECK_FALSE(drawing.renderer().show_again(drawing.options));
+}
+
 TEST_CASE("Who does not wait for large meshes to be uploaded has them next time") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 32;

@@ -142,6 +142,26 @@ std::string world_text() {
 
 }  // namespace
 
+TEST_CASE("a list has another number whenever it is another, and only then") {
+  World world(
+      "DEF T Transform { children Shape { appearance Appearance { material DEF M Material { } } geometry Box { } } }");
+  std::uint64_t before = world.list().changes;
+  CHECK(before != 0);
+  CHECK_FALSE(world.update());
+  CHECK(world.list().changes == before);
+  const auto is_another = [&] { return std::exchange(before, world.list().changes) != before; };
+  world.send("T.set_translation", vrml::SFVec3f{1, 2, 3});
+  CHECK(world.update());
+  CHECK(is_another());
+  world.send("M.set_diffuseColor", vrml::SFColor{1, 0, 0});
+  CHECK(world.update());
+  CHECK(is_another());
+  CHECK_FALSE(world.update());
+  CHECK_FALSE(is_another());
+  World other("Shape { geometry Box { } }");
+  CHECK(other.list().changes != world.list().changes);
+}
+
 TEST_CASE("what has moved is moved in its place, with all that is below it") {
   World world(world_text());
   world.check();

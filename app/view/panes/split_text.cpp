@@ -1,0 +1,124 @@
+#include "app/view/panes/split_tree.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <string>
+#include <utility>
+
+// Splits of a window as texts: of the command line, and of what is kept.
+namespace gs::app {
+namespace {
+
+constexpr std::string_view kSigns = "|/+";  // of SplitAxis, in its order
+constexpr std::size_t kMostDepth = kMostViewports;
+constexpr double kLeastWeight = 1e-3, kMostWeight = 1e3;
+
+std::string weight_text(double weight) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, ":%.5g", std::min(weight, kMostWeight));
+  return buffer;
+}
+
+void write(const SplitPart& part, std::string& text) {
+  if (part.parts.empty()) {
+    text += std::to_string(part.pane + 1);
+    return;
+  }
+  double least = part.parts.front().weight;
+  for (const SplitPart& one : part.parts) least = std::min(least, one.weight);
+  for (const SplitPart& one : part.parts) {
+    if (&one != &part.parts.front()) text += kSigns[static_cast<std::size_t>(part.axis)];
+    if (!one.parts.empty()) text += '(';
+    write(one, text);
+    if (!one.parts.empty()) text += ')';
+    if (one.weight / least > 1 + 1e-4) text += weight_text(one.weight / least);
+  }
+}
+
+struct SplitReader {
+  std::string_view rest;
+  std::vector<std::size_t> panes;
+  std::string problem;
+
+  char next() const { return rest.empty() ? '\0' : rest.front(); }
+  bool fail(std::string why) {
+    if (problem.empty()) problem = std::move(why);
+    return false;
+  }
+  bool weight(SplitPart& part) {
+    if (next() != ':') return true;
+    rest.remove_prefix(1);
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.weight);
+    if (error != std::errc() || !(part.weight >= kLeastWeight && part.weight <= kMostWeight))
+      return fail("behind ':' there must be a number from 0.001 to 1000");
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    return true;
+  }
+  bool one(SplitPart& part, std::size_t depth) {
+    if (next() == '(') {
+      rest.remove_prefix(1);
+      if (!parts(part, depth + 1)) return false;
+      if (next() != ')') return fail("a bracket is not closed");
+      rest.remove_prefix(1);
+      return weight(part);
+    }
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), part.pane);
+    if (error != std::errc() || part.pane < 1 || part.pane > kMostViewports)
+      return fail("there must be numbers of viewports, from 1 to " + std::to_string(kMostViewports));
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    --part.pane;
+    if (std::find(panes.begin(), panes.end(), part.pane) != panes.end())
+      return fail("viewport " + std::to_string(part.pane + 1) + " stands in it twice");
+    panes.push_back(part.pane);
+    return weight(part);
+  }
+  bool parts(SplitPart& part, std::size_t depth) {
+    if (depth > kMostDepth) return fail("there are too many brackets");
+    std::vector<SplitPart> all(1);
+    if (!one(all.back(), depth)) return false;
+    const char sign = next();
+    const std::size_t axis = sign == '\0' ? kSigns.npos : kSigns.find(sign);
+    if (axis == kSigns.npos) {
+      part = std::move(all.front());
+      return true;
+    }
+    while (next() == sign) {
+      rest.remove_prefix(1);
+      if (!one(all.emplace_back(), depth)) return false;
+    }
+    if (next() != '\0' && kSigns.find(next()) != kSigns.npos)
+      return fail("where '|', '/' and '+' stand beside each other there must be brackets");
+    part = {1, 0, static_cast<SplitAxis>(axis), std::move(all)};
+    return true;
+  }
+};
+
+}  // namespace
+
+std::string split_text(const SplitTree& tree) {
+  std::string text;
+  write(tree.root, text);
+  if (tree.maximised) text += '!' + std::to_string(*tree.maximised + 1);
+  return text;
+}
+
+std::variant<SplitTree, std::string> read_split(std::string_view text) {
+  SplitReader reader{text, {}, {}};
+  SplitTree tree;
+  if (!reader.parts(tree.root, 0)) return reader.problem;
+  tree.root.weight = 1;
+  if (reader.next() == '!') {
+    reader.rest.remove_prefix(1);
+    std::size_t pane = 0;
+    const auto [end, error] = std::from_chars(reader.rest.data(), reader.rest.data() + reader.rest.size(), pane);
+    if (error != std::errc() || pane < 1 || !has_pane(tree, pane - 1))
+      return std::string("behind '!' there must be the number of a viewport in it");
+    reader.rest.remove_prefix(static_cast<std::size_t>(end - reader.rest.data()));
+    if (!tree.root.parts.empty()) tree.maximised = pane - 1;
+  }
+  if (!reader.rest.empty()) return "nothing may follow in it before '" + std::string(reader.rest.substr(0, 20)) + "'";
+  return tree;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,277 @@
+#include "tests/app/interface/driver.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+// Viewports as a user has them: split, dragged, swapped, maximised, closed, dropped on.
+namespace gs::app::viewports_ui_test {
+
+using driver::Driver;
+
+constexpr char kBox[] = "Shape { geometry Box { } }", kCone[] = "Shape { geometry Cone { } }";
+
+std::string split(Driver& user) { return split_text(user.session().panes().split()); }
+std::string shown(Driver& user, std::size_t pane) { return user.session().panes().at(pane).shown; }
+
+Viewport place(Driver& user, std::size_t pane) {
+  for (const Frame::Picture& picture : user.frame().pictures)
+    if (picture.pane == pane) return picture.place;
+  FAIL("viewport " << pane << " is out of sight");
+  return {};
+}
+
+glm::vec2 middle(Driver& user, std::size_t pane) {
+  const Viewport one = place(user, pane);
+  return {one.left + one.width / 2, one.top + one.height / 2};
+}
+
+// Two files in two viewports, the second of which is active.
+void show_two(Driver& user) {
+  user.show_world(kBox, "box.wrl");
+  user.press(Key::right, true, true);
+  user.show_world(kCone, "cone.wrl");
+}
+
+TEST_CASE("Keys split viewports, go from one to the next, maximise, swap and close them") {
+  Driver user;
+  user.show_world(kBox, "box.wrl");
+  CHECK(split(user) == "1");
+  user.press(Key::right, true, true);
+  CHECK(split(user) == "1|2");
+  CHECK(user.session().panes().active() == 1);
+  // There is no other file: it shows the same, from the same place, and is moved by itself.
+  CHECK(shown(user, 1) == "box.wrl");
+  REQUIRE(user.session().view());
+  user.session().view()->navigation.pose.position.x += 1;
+  CHECK(user.session().panes().at(0).view()->navigation.pose.position !=
+        user.session().panes().at(1).view()->navigation.pose.position);
+  user.press(Key::down, true, true);
+  CHECK(split(user) == "1|(2/3)");
+  CHECK(place(user, 2).top == place(user, 1).top + place(user, 1).height);
+
+  user.press(Key::f6, true);
+  CHECK(user.session().panes().active() == 0);
+  user.press(Key::f6, true, true);
+  CHECK(user.session().panes().active() == 2);
+  user.press(letter_key('2'), true);
+  CHECK(user.session().panes().active() == 1);
+
+  user.press(letter_key('M'), true);
+  CHECK(split(user) == "1|(2/3)!2");
+  CHECK(user.frame().pictures.size() == 1);
+  CHECK(place(user, 1).width == user.picture().width);
+  user.press(letter_key('3'), true);  // another one, as large
+  CHECK(split(user) == "1|(2/3)!3");
+  user.press(letter_key('M'), true);
+  CHECK(user.frame().pictures.size() == 3);
+
+  user.press(letter_key('X'), true, true);
+  CHECK(split(user) == "3|(2/1)");
+  user.press(letter_key('W'), true);
+  CHECK(split(user) == "2/1");
+  CHECK(user.session().panes().active() == 0);
+  CHECK(user.session().panes().at(2).wanted.empty());
+  user.press(letter_key('W'), true);
+  CHECK(split(user) == "2");
+  user.press(letter_key('W'), true);  // the last one stays
+  CHECK(split(user) == "2");
+  CHECK(shown(user, 1) == "box.wrl");
+  for (int i = 0; i < 20; ++i) user.press(Key::right, true, true);
+  CHECK(panes_of(user.session().panes().split()).size() == kMostViewports);
+  CHECK(user.sees("There cannot be more than 12 viewports"));
+}
+
+TEST_CASE("Menus and the palette have what is done with viewports") {
+  Driver user;
+  user.show_world(kBox, "box.wrl");
+  user.click("Window");
+  user.click("Split the viewport: another on its right");
+  CHECK(split(user) == "1|2");
+  user.press(letter_key('P'), true, true);
+  user.type("swap the viewport");
+  user.press(Key::enter);
+  CHECK(split(user) == "2|1");
+  user.press(letter_key('P'), true, true);
+  user.type("close the viewport");
+  user.press(Key::enter);
+  CHECK(split(user) == "1");
+  user.press(letter_key('P'), true, true);
+  user.type("maximise the viewport");
+  CHECK(user.sees("Nothing is called so."));  // there is only one
+}
+
+TEST_CASE("A divider is dragged with the cursor for it, as far as viewports keep their room") {
+  Driver user;
+  show_two(user);
+  const Viewport left = place(user, 0);
+  const auto edge = static_cast<float>(left.left + left.width), height = static_cast<float>(left.top + left.height / 2);
+  user.point({edge, height});
+  user.step();
+  CHECK(ImGui::GetMouseCursor() == ImGuiMouseCursor_ResizeEW);
+  user.drag({edge, height}, {edge - 120, height});
+  CHECK(place(user, 0).width == Approx(left.width - 120).margin(1));
+  CHECK(place(user, 1).left == place(user, 0).left + place(user, 0).width);
+  // Nobody has turned the world with it.
+  CHECK(at_home(*user.session().panes().at(0).view()));
+  const float there = edge - 120;
+  user.drag({there, height}, {2, height});
+  CHECK(place(user, 0).width == Approx(96).margin(1));
+  user.point(middle(user, 1));
+  user.step();
+  CHECK(ImGui::GetMouseCursor() != ImGuiMouseCursor_ResizeEW);
+  user.press(letter_key('0'), true, true);
+  CHECK(place(user, 0).width == left.width);
+  // A divider between rows.
+  user.press(Key::down, true, true);
+  const Viewport above = place(user, 1);
+  const glm::vec2 at(above.left + above.width / 2, above.top + above.height);
+  user.point(at);
+  user.step();
+  CHECK(ImGui::GetMouseCursor() == ImGuiMouseCursor_ResizeNS);
+  user.drag(at, at + glm::vec2(0, 60));
+  CHECK(place(user, 1).height == Approx(above.height + 60).margin(1));
+}
+
+TEST_CASE("The bar of a viewport splits, maximises and closes it, and its menu swaps it and weighs its shares") {
+  Driver user;
+  show_two(user);
+  CHECK(user.sees("1 box.wrl"));
+  CHECK(user.sees("2 cone.wrl"));
+  user.click("2 cone.wrl", MouseButton::right);
+  CHECK(user.sees("Split below"));
+  user.click("Split below");
+  CHECK(split(user) == "1|(2/3)");
+  user.click("1 box.wrl", MouseButton::right);
+  user.click("Maximise");
+  CHECK(split(user) == "1|(2/3)!1");
+  user.click("1 box.wrl", MouseButton::right);
+  user.click("Show all viewports");
+  CHECK(split(user) == "1|(2/3)");
+  user.click("1 box.wrl", MouseButton::right);
+  user.point(*user.find("Swap with"));
+  user.wait(0.5);
+  user.click("3 cone.wrl");
+  CHECK(split(user) == "3|(2/1)");
+  user.click("2 cone.wrl", MouseButton::right);
+  const auto slider = user.find("1.00 times");
+  REQUIRE(slider);
+  user.drag(*slider, *slider + glm::vec2(400, 0));
+  CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
+  user.press(Key::escape);
+  user.click("2 cone.wrl", MouseButton::right);
+  CHECK(user.sees("4.00 times"));
+  user.click("Close");
+  CHECK(split(user) == "3/1");
+}
+
+TEST_CASE("The weight of a viewport changes its share of the vectors, and of what is read") {
+  Driver user;
+  show_two(user);
+  user.measures().budget = 1'000'000;
+  for (const std::size_t pane : {0u, 1u})
+    user.session().panes().at(pane).view()->document->has_surface_clouds = true;
+  user.settle();
+  CHECK(user.sees("50 %"));
+  std::vector<std::size_t> budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);
+  CHECK(budgets[0] == Approx(500'000).epsilon(0.01));
+  user.session().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 3});
+  user.settle();
+  budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);
+  CHECK(budgets[0] == Approx(250'000).epsilon(0.01));
+  CHECK(budgets[1] == Approx(750'000).epsilon(0.01));
+  CHECK(user.sees("25 %"));
+  CHECK(user.sees("75 %"));
+  user.session().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 1e9});
+  CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
+}
+
+TEST_CASE("A file that is dropped on a viewport opens there") {
+  ScratchFolder scratch;
+  scratch.write("sphere.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
+  Driver user;
+  show_two(user);
+  REQUIRE(user.session().panes().active() == 1);
+  user.drop(middle(user, 0), {scratch.path("sphere.wrl")});
+  CHECK(user.session().panes().active() == 0);
+  CHECK(user.wait_for([&] { return shown(user, 0) == scratch.path("sphere.wrl"); }));
+  CHECK(shown(user, 1) == "cone.wrl");
+}
+
+TEST_CASE("A viewport whose file failed says so, with what was wrong first, and opens it again") {
+  ScratchFolder scratch;
+  Driver user;
+  user.show_world(kBox, "box.wrl");
+  user.press(Key::right, true, true);
+  user.session().open_in(1, scratch.path("late.wrl"));
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
+  user.settle();
+  INFO(user.screen());
+  CHECK(user.sees("late.wrl could not be opened"));
+  CHECK_FALSE(user.session().panes().at(1).failure->error.empty());
+  CHECK(user.sees("Open again"));
+  // What it showed before is still there.
+  CHECK(shown(user, 1) == "box.wrl");
+  CHECK_FALSE(user.session().panes().at(0).failure);
+  // The same again, with the file there.
+  scratch.write("late.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
+  user.click("Open again");
+  REQUIRE(user.wait_for([&] { return shown(user, 1) == scratch.path("late.wrl"); }));
+  user.settle();
+  CHECK_FALSE(user.sees("could not be opened"));
+
+  user.session().open_in(1, scratch.path("none.wrl"));
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
+  user.settle();
+  CHECK_FALSE(user.sees("1 error"));
+  user.click("Problems");
+  CHECK(user.sees("1 error"));
+  user.desk().ui().clear_notices();
+  user.settle();
+  user.click("Close");  // only the message: something is shown
+  CHECK_FALSE(user.session().panes().at(1).failure);
+  CHECK(split(user) == "1|2");
+}
+
+TEST_CASE("A viewport with nothing but a file that failed is closed with the message") {
+  Driver user;
+  user.session().open_in(0, "/nowhere/first.wrl");
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
+  user.press(Key::right, true, true);
+  user.session().open_in(1, "/nowhere/second.wrl");
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(1).failure.has_value(); }));
+  user.desk().ui().clear_notices();
+  user.settle();
+  CHECK(user.sees("first.wrl could not be opened"));
+  CHECK(user.sees("second.wrl could not be opened"));
+  CHECK_FALSE(user.sees("Drop a file here"));
+  user.click("Close");
+  CHECK(panes_of(user.session().panes().split()).size() == 1);
+}
+
+TEST_CASE("A window that ended by itself is split again as it was, with files and weights") {
+  ScratchFolder scratch;
+  scratch.write("a.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  scratch.write("b.wrl", "#VRML V2.0 utf8\nShape { geometry Cone { } }\n");
+  scratch.write("state/session-999999999.json",
+                "{\"files\": [\"" + scratch.path("a.wrl") + "\", \"" + scratch.path("b.wrl") +
+                    "\"], \"split\": \"2:3|(1/4)\", \"viewports\": [{\"number\": 2, \"file\": \"" +
+                    scratch.path("b.wrl") + "\", \"weight\": 2}, {\"number\": 1, \"file\": \"" + scratch.path("a.wrl") +
+                    "\", \"weight\": 1}, {\"number\": 4, \"file\": \"" + scratch.path("b.wrl") + "\"}]}");
+  DeskOptions options;
+  options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
+  Driver user(options);
+  CHECK(user.sees("Open the 2 files that it showed?"));
+  user.click("Open");
+  CHECK(user.wait_for([&] {
+    return shown(user, 0) == scratch.path("a.wrl") && shown(user, 1) == scratch.path("b.wrl") &&
+           shown(user, 3) == scratch.path("b.wrl");
+  }));
+  CHECK(panes_of(user.session().panes().split()) == std::vector<std::size_t>{1, 0, 3});
+  CHECK(place(user, 1).width == Approx(place(user, 0).width * 3).margin(3));
+  CHECK(user.session().panes().at(1).weight == 2);
+}
+
+}  // namespace gs::app::viewports_ui_test

@@ -1,0 +1,100 @@
+#include "app/view/panes/picture_ledger.h"
+
+#include <catch2/catch.hpp>
+
+#include <memory>
+
+namespace gs::app::picture_ledger_test {
+
+render::FrameStatistics drawn(bool pending = false, std::size_t vectors = 0) {
+  render::FrameStatistics statistics;
+  statistics.pending = pending;
+  statistics.vectors = vectors;
+  return statistics;
+}
+
+PictureSource source_of(const std::shared_ptr<const render::RenderList>& list) {
+  PictureSource source;
+  source.list = list;
+  source.shown = list.get();
+  source.changes = list->changes;
+  source.draw.width = source.draw.height = 100;
+  return source;
+}
+
+TEST_CASE("A picture stands as long as nothing that it was made of is another") {
+  const auto list = std::make_shared<const render::RenderList>(), other = std::make_shared<const render::RenderList>();
+  PictureLedger ledger;
+  const PictureSource source = source_of(list);
+  CHECK_FALSE(ledger.is_same(0, source));
+  CHECK_FALSE(ledger.stands(0, false));
+  ledger.note(0, source, drawn(), 0.01);
+  CHECK(ledger.is_same(0, source));
+  CHECK(ledger.stands(0, false));
+  CHECK_FALSE(ledger.is_same(1, source));  // that is of another viewport
+  CHECK_FALSE(ledger.wants_more(0));
+
+  const auto changed = [&](auto change) {
+    PictureSource now = source;
+    change(now);
+    return !ledger.is_same(0, now);
+  };
+  CHECK(changed([&](PictureSource& now) { now.list = other; }));
+  CHECK(changed([&](PictureSource& now) { now.shown = other.get(); }));  // with slices
+  CHECK(changed([](PictureSource& now) { now.changes = 5; }));           // the world has gone on
+  CHECK(changed([](PictureSource& now) { now.grown = 1; }));             // a stream or a movie
+  CHECK(changed([](PictureSource& now) { now.camera.world_from_camera[3].x = 1; }));
+  CHECK(changed([](PictureSource& now) { now.camera.field_of_view = 1; }));
+  CHECK(changed([](PictureSource& now) { now.draw.width = 101; }));
+  CHECK(changed([](PictureSource& now) { now.draw.budget = 7; }));
+  CHECK(changed([](PictureSource& now) { now.draw.headlight = false; }));
+  CHECK(changed([](PictureSource& now) { now.draw.background = glm::vec3(1); }));
+  CHECK(changed([](PictureSource& now) { now.draw.clouds.opacity = 3; }));
+  CHECK(changed([](PictureSource& now) { now.draw.clouds.color_by = render::ColorBy::normal; }));
+  CHECK(changed([](PictureSource& now) { now.draw.clouds.transfer.resize(2); }));
+  CHECK(changed([](PictureSource& now) { now.draw.splats = render::SplatPath::gl; }));
+  CHECK_FALSE(changed([](PictureSource& now) { now.draw.go_on = [] { return false; }; }));
+}
+
+TEST_CASE("A list that was made where one that is gone stood is another one") {
+  PictureLedger ledger;
+  auto list = std::make_shared<const render::RenderList>();
+  ledger.note(0, source_of(list), drawn(), 0);
+  PictureSource same_place = source_of(list);
+  const auto successor = std::make_shared<const render::RenderList>();
+  same_place.list = successor;  // all else is as it was, its address too
+  list.reset();
+  CHECK_FALSE(ledger.is_same(0, same_place));
+}
+
+TEST_CASE("What can get better is drawn again, but not while it would keep somebody waiting") {
+  const auto list = std::make_shared<const render::RenderList>();
+  const PictureSource source = source_of(list);
+  PictureLedger ledger;
+  ledger.note(0, source, drawn(true, 100), 2 * PictureLedger::kQuick);
+  CHECK(ledger.wants_more(0));
+  CHECK_FALSE(ledger.stands(0, false));
+  CHECK(ledger.stands(0, true));
+  ledger.note(0, source, drawn(true, 200), PictureLedger::kQuick / 2);
+  CHECK_FALSE(ledger.stands(0, true));
+  // What is promised for ever does not keep it busy for ever.
+  for (int i = 0; i <= Refinement::kMostFramesAlike; ++i) ledger.note(0, source, drawn(true, 200), 0);
+  CHECK_FALSE(ledger.wants_more(0));
+  CHECK(ledger.stands(0, false));
+  PictureSource moved = source;
+  moved.camera.field_of_view = 1;
+  ledger.note(0, moved, drawn(true, 200), 0);
+  CHECK(ledger.wants_more(0));
+}
+
+TEST_CASE("A picture that was given up is none") {
+  const auto list = std::make_shared<const render::RenderList>();
+  const PictureSource source = source_of(list);
+  PictureLedger ledger;
+  ledger.note(0, source, drawn(), 0);
+  ledger.note_given_up(0, drawn());
+  CHECK_FALSE(ledger.is_same(0, source));
+  CHECK_FALSE(ledger.wants_more(0));  // who gave it up says when there is another
+}
+
+}  // namespace gs::app::picture_ledger_test
