@@ -78,8 +78,9 @@ void Panes::set_split(SplitTree split) {
   const std::size_t model = active_;
   const std::vector<std::size_t> sight = visible();
   if (std::find(sight.begin(), sight.end(), active_) == sight.end()) active_ = sight.front();
+  // Not where a file has failed: the viewport says so.
   for (const std::size_t i : sight)
-    if (panes_[i].wanted.empty()) fill(i, model);
+    if (panes_[i].wanted.empty() && !panes_[i].failure) fill(i, model);
 }
 
 bool Panes::split_pane(std::size_t pane, SplitAxis axis) {

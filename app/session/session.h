@@ -37,7 +37,6 @@ class Session;
 
 struct SessionOptions {
   std::vector<std::string> files;  // opened at start, each in a viewport as far as there are
-  std::optional<SplitTree> split;  // how they share the window; nothing: by how many there are
   std::string viewpoint;           // description, DEF name or number of the Viewpoint where worlds are entered
   std::optional<bool> headlight;   // in place of what the worlds say
   /// Time is what `step` is told and nothing else: who is taken to a Viewpoint is there at once, no step is left out
@@ -49,6 +48,7 @@ struct SessionOptions {
   double speed = 1;      // of the viewer, times what worlds say
   ViewStyle style{};     // of views of files
   std::optional<Pose> camera{};  // where the first file is first seen from
+  std::optional<SplitTree> split{};  // how the viewports share the window; nothing: by how many files there are
 };
 
 /// What happens in a step of a session.

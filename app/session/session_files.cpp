@@ -186,14 +186,15 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
   const std::vector<std::size_t> waited = panes_.fail(reading, error);
   if (waited.empty()) return;
   frame_.failed.push_back({path, reason});
-  // A viewport in sight says so itself, until somebody has read it.
+  // The first URL that can be read (VRML97 6.2).
+  auto behind = places_behind_.extract(path);
+  // A viewport in sight says so itself, until somebody has read it, or another file comes.
   const std::vector<std::size_t> sight = panes_.visible();
-  if (std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
+  if (behind || std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
     tell("Could not open " + file_label(path) + ": " + reason, true);
   frame_.news = true;
   entries_.erase(path);
-  // The first URL that can be read (VRML97 6.2).
-  if (auto behind = places_behind_.extract(path)) follow_link(waited.front(), behind.mapped());
+  if (behind) follow_link(waited.front(), behind.mapped());
 }
 
 void Session::show_loaded() {

@@ -164,7 +164,7 @@ TEST_CASE("The bar of a viewport splits, maximises and closes it, and its menu s
   user.click("2 cone.wrl", MouseButton::right);
   CHECK(user.sees("4.00 times"));
   user.click("Close");
-  CHECK(split(user) == "3/1");
+  CHECK(split(user) == "3|1");
 }
 
 TEST_CASE("The weight of a viewport changes its share of the vectors, and of what is read") {

@@ -300,8 +300,8 @@ TEST_CASE("beside a stream of more weight, one asks for less at a time") {
     qnv::LodStream& stream = *world.clouds.begin()->second->levels;
     qnv::LodView view;
     view.eye = {0, 0, 4};
-    view.pixels = 500;
-    view.error_pixels = 4;
+    view.pixels = 5000;
+    view.error_pixels = 1;
     const std::size_t before = web.network->transfers().size();
     bool has_read = false;
     for (int rounds = 0; rounds < 1000 && !(has_read && stream.complete()); ++rounds) {
