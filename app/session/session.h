@@ -46,7 +46,7 @@ struct SessionOptions {
   bool audible = false;  // sounds are played on the system's device
   bool muted = false;    // until somebody wants to hear them
   double speed = 1;      // of the viewer, times what worlds say
-  std::optional<SplitTree> split;  // how the viewports share the window; nothing: by how many files there are
+  std::optional<SplitTree> split{};  // how the viewports share the window; nothing: by how many files there are
 };
 
 /// What happens in a step of a session.

@@ -186,9 +186,11 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
   const std::vector<std::size_t> waited = panes_.fail(reading, error);
   if (waited.empty()) return;
   frame_.failed.push_back({path, reason});
-  // A viewport in sight says so itself, until somebody has read it.
+  // A viewport in sight says so itself, until somebody has read it, or a link leads on.
   const std::vector<std::size_t> sight = panes_.visible();
-  if (std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
+  const auto next = places_behind_.find(path);
+  const bool leads_on = next != places_behind_.end() && !next->second.places.empty();
+  if (leads_on || std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
     tell("Could not open " + file_label(path) + ": " + reason, true);
   frame_.news = true;
   entries_.erase(path);
