@@ -11,8 +11,8 @@
 #include "app/session/travel_history.h"
 #include "app/session/world_reader.h"
 #include "app/view/actions.h"
-#include "app/view/picking.h"
 #include "app/view/panes/split_tree.h"
+#include "app/view/picking.h"
 #include "app/world/world_loader.h"
 
 #include <glm/vec2.hpp>
@@ -43,9 +43,9 @@ struct SessionOptions {
   /// because the one before took long, and nothing is shown before it is up to date. What follows depends on the input
   /// only.
   bool simulated = false;
-  bool audible = false;  // sounds are played on the system's device
-  bool muted = false;    // until somebody wants to hear them
-  double speed = 1;      // of the viewer, times what worlds say
+  bool audible = false;              // sounds are played on the system's device
+  bool muted = false;                // until somebody wants to hear them
+  double speed = 1;                  // of the viewer, times what worlds say
   std::optional<SplitTree> split{};  // how the viewports share the window; nothing: by how many files there are
 };
 
@@ -139,8 +139,8 @@ class Session {
   bool run(Action action);
   void open_files(const std::vector<std::string>& paths);
   void select_file(std::size_t index);
-  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the viewer
-  /// at `pose` once all of it is there. Neither: where it is entered, or was left.
+  /// Opens a file or URL in the active viewport: at the Viewpoint of this name, unless it is empty, then with the
+  /// viewer at `pose` once all of it is there. Neither: where it is entered, or was left.
   void open_at(const std::string& place, const std::string& viewpoint, const std::optional<Pose>& pose);
   /// Whether the active viewport has shown something else before (-1), or, gone back from, after (1).
   [[nodiscard]] bool can_travel(int direction) const;

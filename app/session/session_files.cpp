@@ -17,8 +17,8 @@ constexpr std::size_t kMostFailed = 16;  // worlds whose loads are remembered
 std::string problem_text(const vrml::Diagnostic& diagnostic, const std::string& path) {
   if (diagnostic.file != path) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
-  return "line " + std::to_string(diagnostic.location.line) + ", column " +
-         std::to_string(diagnostic.location.column) + ": " + diagnostic.message;
+  return "line " + std::to_string(diagnostic.location.line) + ", column " + std::to_string(diagnostic.location.column) +
+         ": " + diagnostic.message;
 }
 
 }  // namespace
