@@ -12,8 +12,8 @@
 namespace gs::app {
 namespace {
 
-constexpr float kHandle = 8;         // of a divider, times the scale: where it can be taken
-constexpr float kLeastViewport = 96;  // a side, likewise
+constexpr float kHandle = 8;                            // of a divider, times the scale: where it can be taken
+constexpr float kLeastViewport = 96;                    // a side, likewise
 constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // bytes of a name
 
 std::string name_of_pane(std::size_t pane, const std::string& label) {

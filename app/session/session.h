@@ -11,8 +11,8 @@
 #include "app/session/travel_history.h"
 #include "app/session/world_reader.h"
 #include "app/view/actions.h"
-#include "app/view/picking.h"
 #include "app/view/panes/split_tree.h"
+#include "app/view/picking.h"
 #include "app/world/world_loader.h"
 
 #include <glm/vec2.hpp>

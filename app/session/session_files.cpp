@@ -17,8 +17,8 @@ constexpr std::size_t kMostFailed = 16;  // worlds whose loads are remembered
 std::string problem_text(const vrml::Diagnostic& diagnostic, const std::string& path) {
   if (diagnostic.file != path) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
-  return "line " + std::to_string(diagnostic.location.line) + ", column " +
-         std::to_string(diagnostic.location.column) + ": " + diagnostic.message;
+  return "line " + std::to_string(diagnostic.location.line) + ", column " + std::to_string(diagnostic.location.column) +
+         ": " + diagnostic.message;
 }
 
 }  // namespace
@@ -186,15 +186,16 @@ void Session::show_failed(std::uint64_t reading, const std::string& path, const 
   const std::vector<std::size_t> waited = panes_.fail(reading, error);
   if (waited.empty()) return;
   frame_.failed.push_back({path, reason});
-  // The first URL that can be read (VRML97 6.2).
-  auto behind = places_behind_.extract(path);
-  // A viewport in sight says so itself, until somebody has read it, or another file comes.
+  // A viewport in sight says so itself, until somebody has read it, or a link leads on.
   const std::vector<std::size_t> sight = panes_.visible();
-  if (behind || std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
+  const auto next = places_behind_.find(path);
+  const bool leads_on = next != places_behind_.end() && !next->second.places.empty();
+  if (leads_on || std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())
     tell("Could not open " + file_label(path) + ": " + reason, true);
   frame_.news = true;
   entries_.erase(path);
-  if (behind) follow_link(waited.front(), behind.mapped());
+  // The first URL that can be read (VRML97 6.2).
+  if (auto behind = places_behind_.extract(path)) follow_link(waited.front(), behind.mapped());
 }
 
 void Session::show_loaded() {

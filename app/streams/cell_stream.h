@@ -59,7 +59,7 @@ class CellStream {
   std::unique_ptr<net::CellClientDriver> driver_;
   net::CellClientStatistics last_;  // when the driver had ended
   std::shared_ptr<StreamFeed> feed_;
-  std::string problem_;  // of the start
+  std::string problem_;     // of the start
   std::uint64_t rate_ = 0;  // bits a second: wanted, or, where nobody says, what the server granted first
   double weight_ = 1;       // of the feed, as the server was told last
   std::optional<std::uint32_t> version_;

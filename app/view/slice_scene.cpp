@@ -124,8 +124,8 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
                                                   const VolumeSlices& slices) {
   const auto world_from_node = world_from_volume(list);
   if (!grid || !slices.any() || !world_from_node) return list;
-  const bool same_list = of_ == &list && generation_ == list.generation && changes_ == list.changes && items_ == list.items.size() &&
-                         world_from_node_ == *world_from_node;
+  const bool same_list = of_ == &list && generation_ == list.generation && changes_ == list.changes &&
+                         items_ == list.items.size() && world_from_node_ == *world_from_node;
   if (same_list && grid_ == grid && slices_ == slices) return list_;
   const bool same_look = grid_ == grid && slices_.map == slices.map && slices_.window == slices.window;
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -59,7 +59,7 @@ struct UiModel {
   bool maximised = false;
   std::vector<std::pair<std::size_t, std::string>> pane_labels;  // of all of them, with their numbers from 0
   std::vector<SplitDivider> dividers;                            // between those in sight
-  bool linked = false;  // all viewports move as one
+  bool linked = false;                                           // all viewports move as one
   std::optional<UiQuestion> question;
 
   // Of the user.

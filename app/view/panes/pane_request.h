@@ -10,9 +10,9 @@ struct PaneRequest {
   enum class Kind : std::uint8_t {
     split_right,
     split_below,
-    maximise,    // or all in sight again
-    swap,        // with `other`
-    even_out,    // all of them
+    maximise,  // or all in sight again
+    swap,      // with `other`
+    even_out,  // all of them
     close,
     weigh,       // `weight`, of its shares
     open_again,  // what it failed to show

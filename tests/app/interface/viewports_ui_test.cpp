@@ -171,8 +171,7 @@ TEST_CASE("The weight of a viewport changes its share of the vectors, and of wha
   Driver user;
   show_two(user);
   user.measures().budget = 1'000'000;
-  for (const std::size_t pane : {0u, 1u})
-    user.session().panes().at(pane).view()->document->has_surface_clouds = true;
+  for (const std::size_t pane : {0u, 1u}) user.session().panes().at(pane).view()->document->has_surface_clouds = true;
   user.settle();
   CHECK(user.sees("50 %"));
   std::vector<std::size_t> budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);

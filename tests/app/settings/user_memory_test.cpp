@@ -38,7 +38,8 @@ TEST_CASE("A window's files are written and read again") {
   CHECK(read_session(session_text(split)) == split);
   // Whatever stands in it.
   const auto spoilt = read_session(
-      "{\"files\": [\"/a.wrl\"], \"split\": 7, \"viewports\": [3, {\"number\": -1}, {\"number\": 1e99}, {\"number\": 2, "
+      "{\"files\": [\"/a.wrl\"], \"split\": 7, \"viewports\": [3, {\"number\": -1}, {\"number\": 1e99}, {\"number\": "
+      "2, "
       "\"file\": [], \"weight\": \"x\"}]}");
   REQUIRE(spoilt);
   CHECK(spoilt->split.empty());

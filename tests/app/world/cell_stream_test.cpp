@@ -310,7 +310,8 @@ TEST_CASE("In a window the base shows at once, and views say what comes next") {
   CHECK(preferred);
   // Beside a stream of more weight it wants less of the rate.
   feed.set_weight(0.25);
-  while (loading.cells().granted > 1'100'000 && std::chrono::steady_clock::now() < deadline) (void)loading.step(kCellWait);
+  while (loading.cells().granted > 1'100'000 && std::chrono::steady_clock::now() < deadline)
+    (void)loading.step(kCellWait);
   CHECK(loading.cells().granted <= 1'100'000);
   feed.set_weight(1);
   // When all of it is there nobody goes on asking.

@@ -134,8 +134,7 @@ TEST_CASE("A viewport is split on the right and below, again and again") {
 TEST_CASE("A split along the longer side becomes columns or rows where it stands") {
   CHECK(split_text(resolved(split("1+2"), {0, 0, 200, 100})) == "1|2");
   CHECK(split_text(resolved(split("1+2"), {0, 0, 100, 200})) == "1/2");
-  CHECK(split_text(split_pane(resolved(split("1+2"), {0, 0, 200, 100}), 1, SplitAxis::columns, 2)) ==
-        "1:2|2|3");
+  CHECK(split_text(split_pane(resolved(split("1+2"), {0, 0, 200, 100}), 1, SplitAxis::columns, 2)) == "1:2|2|3");
   CHECK(split_text(resolved(split("(1+2)|3"), {0, 0, 800, 100})) == "1|2|3:2");
 }
 
@@ -229,7 +228,8 @@ TEST_CASE("Viewports change places, are maximised, evened out, and follow each o
 }
 
 TEST_CASE("Splits are texts that read back the same") {
-  for (const char* text : {"1", "12", "1|2", "2/1", "1:2|(2/3)", "1:1.25|2|3:40", "1+2", "1|2|3", "(1|2)/(3|4)", "1|(2/(3|4))", "1|2!2"})
+  for (const char* text :
+       {"1", "12", "1|2", "2/1", "1:2|(2/3)", "1:1.25|2|3:40", "1+2", "1|2|3", "(1|2)/(3|4)", "1|(2/(3|4))", "1|2!2"})
     CHECK(split_text(split(text)) == text);
   CHECK(split_text(split("1:1|2:1")) == "1|2");
   CHECK(split_text(split("1:3|2:2")) == "1:1.5|2");
