@@ -6,6 +6,7 @@
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/export/outline_text.h"
+#include "app/formats/export/vrml_text.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codec/payloads.h"
@@ -119,18 +120,24 @@ int encode_outlines(const Options& options) {
   const auto& groups = std::get<qnv::OutlineGroups>(grouped);
   if (groups.groups.empty()) return fail(in + ": no polygon has an area");
   make_relative(model.appearances, out);
+  const Upright upright = wanted_upright(options, *input);
   std::vector<std::byte> bytes;
   if (stream) {
     qnv::OutlineEncodeOptions encode;
     encode.position_bits = options.position_bits;
     if (options.max_bytes_given) encode.max_bytes = options.max_bytes;
     encode.metadata = {{"title", input->title}};
+    for (auto& pair : metadata_of(upright)) encode.metadata.push_back(std::move(pair));
     auto encoded =
         qnv::row_of(qnv::Payload::outlines).encode(qnv::OutlineSource{groups, model.appearances, encode}, {}, nullptr);
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
     bytes = std::move(std::get<qnv::EncodedStream>(encoded).bytes);
   } else {
-    bytes = outline_world(groups, model.appearances, input->title);
+    // What stands as VRML97 has it, is seen so without being told.
+    qnv::Box box;
+    for (const glm::vec3& position : model.model.positions) box.add(position);
+    bytes = outline_world(groups, model.appearances, input->title,
+                          upright == Upright{} ? std::string() : front_viewpoint(box, upright));
     if (out.ends_with(".wrz")) bytes = gzip(bytes);
   }
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);

@@ -216,6 +216,8 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   // Levels of detail and billboards follow the viewer, who is only known now.
   const render::RenderList& list =
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
+  if (options.display != render::DisplayMode::surface && !has_faces(list))
+    complain("%s: warning: clouds of discs and volumes have no faces; --display changes nothing", file.c_str());
   vrml::Diagnostics left_out;
   report_left_out(list, left_out);
   print_diagnostics(left_out);

@@ -247,6 +247,13 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
   return input;
 }
 
+Upright wanted_upright(const Options& options, const OpenedInput& input) {
+  if (options.up && *options.up != UpAxis::automatic) return upright_of(*options.up);
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content))
+    if (const auto stated = stated_upright(volume->layout.metadata)) return *stated;
+  return input.upright;
+}
+
 std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& options, const OpenedInput& input,
                                                            ProgressBar& progress) {
   const std::string& path = options.files.front();

@@ -37,6 +37,9 @@ struct OpenedInput {
 /// when there is nothing to work with.
 [[nodiscard]] std::optional<OpenedInput> open_input(const Options& options, const std::string& path);
 
+/// How what is made of it stands: as the options say, else as the file does.
+[[nodiscard]] Upright wanted_upright(const Options& options, const OpenedInput& input);
+
 /// Encodes an input as the options say; surfaces packed unless `records`.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const Options& options,
                                                                               const OpenedInput& input,

@@ -74,6 +74,10 @@ bool get_viewer(ServiceCall& call) {
   put_numbers(call.result, "orientation", turn);
   call.result += ",\"fieldOfView\":";
   append_json_number(call.result, pose.field_of_view);
+  if (pose.height > 0) {
+    call.result += ",\"height\":";
+    append_json_number(call.result, pose.height);
+  }
   call.result += '}';
   return true;
 }
@@ -166,7 +170,8 @@ constexpr ServiceRow kViewServices[] = {
     {"getViewer",
      {},
      "{\"position\":[x,y,z],\"orientation\":[x,y,z,angle],\"fieldOfView\"}",
-     "where the viewer is, in coordinates of the world: metres, axis and radians",
+     "where the viewer is, in coordinates of the world: metres, axis and radians; `height` besides where rays are "
+     "parallel: how much the smaller side of the picture shows",
      true,
      get_viewer},
     {"setViewer",

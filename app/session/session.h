@@ -294,6 +294,7 @@ class Session {
   void jump_to_viewpoint(View& view, std::size_t index);
   void step_viewpoint(int direction);
   void undo_move(View& view, int direction);
+  void tell_of_display(const View& view);
   void fit();
   void reset();
   void change_speed(float factor);

@@ -165,9 +165,11 @@ bool Session::run_in(View& seen, Action action) {
     case Action::display_points:
       seen.style.display = static_cast<render::DisplayMode>(static_cast<int>(action) -
                                                             static_cast<int>(Action::display_surface));
+      tell_of_display(seen);
       return true;
     case Action::next_display:
       seen.style.display = static_cast<render::DisplayMode>((static_cast<int>(seen.style.display) + 1) % 4);
+      tell_of_display(seen);
       return true;
     case Action::grid:
       seen.style.grid = !seen.style.grid;
@@ -308,6 +310,13 @@ void Session::look_from(ViewSide side) {
                                                   upright_of(*seen)));
   navigation.center = bounds.center();
   leader_ = panes_.active();
+}
+
+void Session::tell_of_display(const View& seen) {
+  static constexpr std::string_view kModes[] = {"filled", "filled, with edges", "wireframe", "points"};
+  tell(has_faces(*seen.list) ? "Faces: " + std::string(kModes[static_cast<std::size_t>(seen.style.display)])
+                             : "Clouds of discs and volumes have no faces: they stay as they are",
+       false);
 }
 
 void Session::set_style(const ViewStyle& style) {

@@ -144,6 +144,12 @@ void apply_style(const View& view, render::DrawOptions& draw) {
   draw.backdrop = view.style.backdrop && view.document && !view.document->world.authored;
 }
 
+bool has_faces(const render::RenderList& list) {
+  return std::any_of(list.items.begin(), list.items.end(), [](const render::DrawItem& item) {
+    return item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles;
+  });
+}
+
 void choose_up(View& view, UpAxis up) {
   const bool stays = at_home(view);
   view.style.up = up;

@@ -74,6 +74,8 @@ struct View {
 [[nodiscard]] Upright upright_of(const View& view);
 /// What of a style is for the picture: display mode and backdrop.
 void apply_style(const View& view, render::DrawOptions& draw);
+/// Whether a display mode changes what is drawn of it: there are triangles.
+[[nodiscard]] bool has_faces(const render::RenderList& list);
 /// Something else is up from now on; who looks at the first view of a world without a Viewpoint goes to the new one.
 void choose_up(View& view, UpAxis up);
 /// Sees by parallel rays from now on, or in perspective: what he looks at is as large as before.

@@ -140,6 +140,7 @@ CloudHandler& SceneHandler::cloud_handler() {
 }
 
 void SceneHandler::show_outlines() {
+  if (role == Role::root) world_.world.stated_up = outlines_->upright();
   for (const vrml::NodeId id : outlines_->take_changed()) outlines_changed(id);
   attach();
   look_for_references();  // textures

@@ -12,6 +12,35 @@
 #include <utility>
 
 namespace gs::app {
+
+std::string front_viewpoint(const qnv::Box& box, const Upright& upright) {
+  const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
+  const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
+  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
+  std::string text;
+  const auto numbers = [&](const glm::vec3& v) {
+    for (int k = 0; k < 3; ++k) {
+      append_number(text, v[k]);
+      text += ' ';
+    }
+  };
+  if (upright == Upright{}) {
+    text += "Viewpoint { description \"Front\" position ";
+    numbers({middle.x, middle.y, middle.z + kDistance * radius});
+    return text += "}\n";
+  }
+  // What is up for a Viewpoint's viewer, its coordinates say (6.29).
+  const glm::dquat turn = glm::quat_cast(world_from_upright(upright));
+  text += "Transform { translation ";
+  numbers(middle);
+  text += "rotation ";
+  numbers(glm::vec3(glm::axis(turn)));
+  append_number(text, static_cast<float>(glm::angle(turn)));
+  text += " children Viewpoint { description \"Front\" position ";
+  numbers({0, 0, kDistance * radius});
+  return text += "} }\n";
+}
+
 namespace {
 
 /// The interface of the QNV node, as our node table prints it; browsers without it get it from the PROTO.
@@ -105,30 +134,9 @@ void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
   text.add("    ] }\n  }\n");
 }
 
-/// Looks at the whole box from the front.
 void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
-  const qnv::Box& box = description.box;
-  const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
-  const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
-  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), with the default field of view
   text.add("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }\n");
-  const Upright upright = stated_upright(description.metadata).value_or(Upright{});
-  if (upright == Upright{}) {
-    text.add("Viewpoint { description \"Front\" position ");
-    text.vector({middle.x, middle.y, middle.z + kDistance * radius}, ' ');
-    return text.add("}\n");
-  }
-  // What is up for a Viewpoint's viewer, its coordinates say (6.29).
-  const glm::dquat turn = glm::quat_cast(world_from_upright(upright));
-  const glm::dvec3 axis = glm::axis(turn);
-  text.add("Transform { translation ");
-  text.vector(middle, ' ');
-  text.add("rotation ");
-  text.vector(glm::vec3(axis), ' ');
-  text.number(static_cast<float>(glm::angle(turn)));
-  text.add(" children Viewpoint { description \"Front\" position ");
-  text.vector({0, 0, kDistance * radius}, ' ');
-  text.add("} }\n");
+  text.add(front_viewpoint(description.box, stated_upright(description.metadata).value_or(Upright{})));
 }
 
 /// `moved`: all numbers are as they are stored, below a Transform to their origin, which float32 has without rounding.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "app/formats/common/upright.h"
+#include "qnv/base/cloud.h"
+
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -24,5 +27,8 @@ inline void append_quoted(std::string& to, std::string_view text) {
   }
   to += '"';
 }
+
+/// A Viewpoint that looks at the whole box from the front of what stands so, on a line of its own.
+[[nodiscard]] std::string front_viewpoint(const qnv::Box& box, const Upright& upright);
 
 }  // namespace gs::app

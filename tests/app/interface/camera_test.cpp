@@ -218,6 +218,7 @@ TEST_CASE("The axes in the corner of what no author has dressed show its sides, 
   CHECK(pose(user).orientation == before.orientation);
   user.press(letter_key('X'));
   CHECK(user.session().view()->style.display == render::DisplayMode::edges);
+  CHECK(user.sees("Faces: filled, with edges"));
   user.click("View");
   user.click("How faces are drawn");
   user.click("Faces: points");
