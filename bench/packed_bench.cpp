@@ -96,7 +96,7 @@ double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int
 
 void measure(const std::string& file, const render::RenderList& list, int level, bool compact) {
   const app::SurfaceSummary summary = app::summarize_surface(list);
-  const qnv::Cube cube = qnv::Cube::around(summary.box);
+  const qnv::Cube cube = qnv::Cube::around({glm::vec3(summary.box.lower), glm::vec3(summary.box.upper)});
   qnv::PackedOptions options;
   options.compact = compact;
   double encode_seconds = 1e300;

@@ -26,7 +26,7 @@ class Studio {
   /// False where nothing can be drawn.
   [[nodiscard]] bool good() const { return renderer_ != nullptr; }
   /// One picture a view, of an object with these bounds; fewer where drawing failed.
-  [[nodiscard]] std::vector<render::Image> pictures(const render::RenderList& list, const vrml::Bounds& bounds,
+  [[nodiscard]] std::vector<render::Image> pictures(const render::RenderList& list, const render::WorldBounds& bounds,
                                                     std::span<const View> views);
 
  private:
