@@ -7,10 +7,10 @@
 #include "app/picture/picture_request.h"
 #include "app/view/navigation.h"
 #include "app/view/panes/split_tree.h"
-#include "app/view/slices.h"
+#include "app/view/values/slices.h"
 #include "net/base/address_space.h"
-#include "render/scene/draw_options.h"
 #include "net/cells/congestion.h"
+#include "render/scene/draw_options.h"
 #include "vrml/scene/limits.h"
 
 #include <glm/vec3.hpp>

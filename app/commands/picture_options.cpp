@@ -2,7 +2,7 @@
 
 #include "app/commands/option_values.h"
 #include "app/view/camera_text.h"
-#include "app/view/color_maps.h"
+#include "app/view/values/color_maps.h"
 
 #include <algorithm>
 #include <array>
@@ -85,7 +85,8 @@ OptionProblem set_background(Options& options, const std::string& value) {
   options.backdrop = value == "gradient";
   if (options.picture.transparent || options.backdrop) return {};
   options.background = read_color(value);
-  return options.background ? OptionProblem{} : "expected transparent, gradient, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
+  return options.background ? OptionProblem{}
+                            : "expected transparent, gradient, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
 }
 
 OptionProblem set_slice(Options& options, const std::string& value) {
@@ -162,11 +163,13 @@ constexpr OptionRow kPictureOptions[] = {
      "or the text of a Viewpoint; Copy camera in the window's menu gives both",
      "open animate ", set_camera},
     {"--display", "MODE", "surface",
-     "how faces are drawn: surface, edges (with the edges of their triangles), wireframe or points; clouds of discs and "
+     "how faces are drawn: surface, edges (with the edges of their triangles), wireframe or points; clouds of discs "
+     "and "
      "volumes stay as they are",
      "open animate ", set_display},
     {"--up", "AXIS", "auto",
-     "what is up: x, -x, y, -y, z or -z; auto: as the file says, or as its format has it (docs/formats.md). --orbit and "
+     "what is up: x, -x, y, -y, z or -z; auto: as the file says, or as its format has it (docs/formats.md). --orbit "
+     "and "
      "--turntable follow it; encode writes it into streams",
      "open animate encode ", set_up},
     {"--orthographic", "", "", "parallel rays, without perspective", "open animate ",

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/view/color_bar.h"
+#include "app/view/values/color_bar.h"
 #include "render/image/image.h"
 
 #include <glm/vec2.hpp>

@@ -1,8 +1,8 @@
 #include "app/picture/volume_show.h"
 
 #include "app/picture/picture_marks.h"
-#include "app/view/color_maps.h"
-#include "app/view/transfer_file.h"
+#include "app/view/values/color_maps.h"
+#include "app/view/values/transfer_file.h"
 #include "net/files/file.h"
 
 #include <utility>

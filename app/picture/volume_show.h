@@ -1,11 +1,11 @@
 #pragma once
 
 #include "app/picture/paint.h"
-#include "app/view/color_bar.h"
-#include "app/view/slice_scene.h"
-#include "app/view/slices.h"
-#include "app/view/transfer_editor.h"
-#include "app/view/volume_grid.h"
+#include "app/view/values/color_bar.h"
+#include "app/view/values/slice_scene.h"
+#include "app/view/values/slices.h"
+#include "app/view/values/transfer_editor.h"
+#include "app/view/values/volume_grid.h"
 
 #include <memory>
 #include <optional>

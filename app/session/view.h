@@ -3,7 +3,7 @@
 #include "app/session/documents.h"
 #include "app/view/navigation.h"
 #include "app/view/pose_history.h"
-#include "app/view/slices.h"
+#include "app/view/values/slices.h"
 #include "render/scene/cloud_look.h"
 #include "render/scene/draw_options.h"
 

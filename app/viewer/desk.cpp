@@ -3,8 +3,8 @@
 #include "app/base/console.h"
 #include "app/base/text.h"
 #include "app/view/camera_text.h"
-#include "app/view/color_bar.h"
 #include "app/view/ground_grid.h"
+#include "app/view/values/color_bar.h"
 #include "app/viewer/hand_over.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "app/picture/picture_marks.h"
 #include "app/picture/screenshot.h"
 #include "app/picture/volume_show.h"
-#include "app/view/transfer_file.h"
+#include "app/view/values/transfer_file.h"
 #include "net/files/file.h"
 
 #include <glm/geometric.hpp>

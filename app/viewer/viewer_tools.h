@@ -8,7 +8,7 @@
 #include "app/view/ground_grid.h"
 #include "app/view/picking.h"
 #include "app/view/ruler.h"
-#include "app/view/slice_scene.h"
+#include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"
 
 #include <atomic>

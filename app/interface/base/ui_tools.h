@@ -1,8 +1,8 @@
 #pragma once
 
 #include "app/picture/picture_request.h"
-#include "app/view/color_bar.h"
-#include "app/view/slices.h"
+#include "app/view/values/color_bar.h"
+#include "app/view/values/slices.h"
 
 #include <glm/vec2.hpp>
 

@@ -1,7 +1,7 @@
 #include "app/interface/panels/cloud_panel.h"
 
-#include "app/view/color_bar.h"
-#include "app/view/color_maps.h"
+#include "app/view/values/color_bar.h"
+#include "app/view/values/color_maps.h"
 
 #include <imgui.h>
 

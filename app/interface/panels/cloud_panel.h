@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/interface/panels/panel.h"
-#include "app/view/transfer_editor.h"
+#include "app/view/values/transfer_editor.h"
 
 #include <imgui.h>
 

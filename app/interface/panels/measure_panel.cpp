@@ -1,6 +1,6 @@
 #include "app/interface/panels/measure_panel.h"
 
-#include "app/view/color_maps.h"
+#include "app/view/values/color_maps.h"
 
 #include <imgui.h>
 

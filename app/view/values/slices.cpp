@@ -1,4 +1,4 @@
-#include "app/view/slices.h"
+#include "app/view/values/slices.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "app/view/slices.h"
-#include "app/view/volume_grid.h"
+#include "app/view/values/slices.h"
+#include "app/view/values/volume_grid.h"
 #include "render/scene/render_list.h"
 
 #include <cstddef>

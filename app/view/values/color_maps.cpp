@@ -1,4 +1,4 @@
-#include "app/view/color_maps.h"
+#include "app/view/values/color_maps.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -1,4 +1,4 @@
-#include "app/view/volume_grid.h"
+#include "app/view/values/volume_grid.h"
 
 #include "qnv/volume/volume_slices.h"
 

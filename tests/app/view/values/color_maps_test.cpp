@@ -1,4 +1,4 @@
-#include "app/view/color_maps.h"
+#include "app/view/values/color_maps.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

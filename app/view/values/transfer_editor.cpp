@@ -1,4 +1,4 @@
-#include "app/view/transfer_editor.h"
+#include "app/view/values/transfer_editor.h"
 
 #include "qnv/encode/encode_volume.h"
 

@@ -1,6 +1,6 @@
-#include "app/view/slice_scene.h"
+#include "app/view/values/slice_scene.h"
 
-#include "app/view/color_maps.h"
+#include "app/view/values/color_maps.h"
 
 #include <glm/geometric.hpp>
 

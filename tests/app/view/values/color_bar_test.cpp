@@ -1,4 +1,4 @@
-#include "app/view/color_bar.h"
+#include "app/view/values/color_bar.h"
 
 #include <catch2/catch.hpp>
 

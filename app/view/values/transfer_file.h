@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/view/transfer_editor.h"
+#include "app/view/values/transfer_editor.h"
 
 #include <string>
 #include <string_view>

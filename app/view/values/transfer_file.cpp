@@ -1,4 +1,4 @@
-#include "app/view/transfer_file.h"
+#include "app/view/values/transfer_file.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/view/slice_scene.h"
+#include "app/view/values/slice_scene.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/view/transfer_editor.h"
+#include "app/view/values/transfer_editor.h"
 
 #include "render/scene/cloud_look.h"
 #include "render/volume/volume_model.h"
