@@ -298,6 +298,10 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (actions.save_transfer) {
     const Transfer transfer = seen->look.transfer.empty() ? own_transfer(*volume) : seen->look.transfer;
     const std::string text = transfer_text(transfer, volume->value_range, value_unit(*volume));
+    // The folder that the panel proposes need not be there yet; one that somebody types is.
+    std::error_code error;
+    if (std::filesystem::path(*actions.save_transfer).parent_path() == folder_)
+      std::filesystem::create_directories(folder_, error);
     const auto problem = net::write_file_atomically(*actions.save_transfer, std::as_bytes(std::span(text)));
     tell(problem ? *actions.save_transfer + ": " + problem->message : "Saved: " + *actions.save_transfer,
          problem.has_value());

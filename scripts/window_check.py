@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""window_check.py [-k FOLDER]: uses the window as somebody does, with the mouse and the keyboard under Xvfb, and looks
+through --control at what came of it: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer
+function, save a picture. Prints a line a step; exit status 1 if one failed. -k: pictures of the window are kept there.
+
+GHOSTSPACE: the program, in the place of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
+xdotool, imagemagick).
+"""
+
+import base64
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "docs/examples/control"))
+from ghostspace_control import GhostSpace  # noqa: E402
+
+WIDTH, HEIGHT = 900, 560
+MIDDLE = (WIDTH // 2, 58 + (HEIGHT - 58) // 2)  # of the picture, below the menu and the tools
+
+FIRST = """#VRML V2.0 utf8
+Viewpoint { position 0 0 10 description "Before it" }
+DEF Slider Transform { children [
+  DEF Plane PlaneSensor { }
+  Shape { appearance Appearance { material Material { diffuseColor 0.8 0.2 0.1 } } geometry Box { } } ] }
+Transform { translation 3.5 0 0 children Anchor { url "second.wrl" children
+  Shape { appearance Appearance { material Material { diffuseColor 0.1 0.4 0.8 } } geometry Box { } } } }
+ROUTE Plane.translation_changed TO Slider.set_translation
+"""
+SECOND = """#VRML V2.0 utf8
+Viewpoint { position 0 0 6 }
+Shape { appearance Appearance { material Material { diffuseColor 0.2 0.8 0.3 } } geometry Cone { } }
+"""
+
+
+def volume():
+    """A ball whose values fall from its middle to its rim."""
+    size = 32
+    lines = ["NRRD0004", "type: uchar", "dimension: 3", f"sizes: {size} {size} {size}", "encoding: ascii", ""]
+    half = (size - 1) / 2
+    for z in range(size):
+        for y in range(size):
+            row = []
+            for x in range(size):
+                r = math.sqrt((x - half) ** 2 + (y - half) ** 2 + (z - half) ** 2) / half
+                row.append(str(max(0, int(255 * (1 - r)))))
+            lines.append(" ".join(row))
+    return "\n".join(lines) + "\n"
+
+
+class Failed(Exception):
+    pass
+
+
+class Check:
+    def __init__(self, kept):
+        self.kept = kept
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="ghostspace-window."))
+        self.program = os.environ.get("GHOSTSPACE", str(ROOT / "build/release/ghostspace"))
+        self.environment = dict(os.environ, HOME=str(self.folder / "home"), XDG_RUNTIME_DIR=str(self.folder))
+        for name in ("XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME", "XDG_PICTURES_DIR",
+                     "DBUS_SESSION_BUS_ADDRESS", "WAYLAND_DISPLAY", "XDG_CURRENT_DESKTOP"):
+            self.environment.pop(name, None)
+        (self.folder / "home").mkdir()
+        self.folder.chmod(0o700)
+        self.display = self.window = self.world = None
+        self.failed = 0
+
+    def file(self, name, text):
+        (self.folder / name).write_text(text)
+        return str(self.folder / name)
+
+    def start_display(self):
+        read, write = os.pipe()
+        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24"],
+                                        pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as number:
+            self.environment["DISPLAY"] = ":" + number.readline().strip()
+
+    def open(self, *files):
+        if self.window:
+            self.window.kill()
+            self.window.wait()
+        socket, token = self.folder / "socket", self.folder / "token"
+        for path in (socket, token):
+            path.unlink(missing_ok=True)
+        self.log = open(self.folder / "log", "a")
+        self.window = subprocess.Popen(
+            [self.program, "--mute", "--size", f"{WIDTH}x{HEIGHT}", "--control", str(socket), "--control-token",
+             str(token), *files], env=self.environment, stderr=self.log, cwd=self.folder)
+        wait("the program listens", lambda: socket.exists() and token.exists() and token.stat().st_size > 0)
+        self.world = GhostSpace(str(socket), str(token))
+        self.world.awaitWorld()
+        # What is drawn is what is seen when the window has stood for a moment.
+        time.sleep(1.5)
+
+    def xdotool(self, *arguments):
+        subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, check=True)
+
+    def key(self, *keys):
+        for each in keys:
+            self.xdotool("key", each)
+            time.sleep(0.4)
+
+    def click(self, place):
+        self.xdotool("mousemove", *place)
+        time.sleep(0.4)
+        self.xdotool("click", 1)
+        time.sleep(0.4)
+
+    def drag(self, start, end):
+        self.xdotool("mousemove", *start)
+        time.sleep(0.4)
+        self.xdotool("mousedown", 1)
+        for part in range(1, 6):
+            time.sleep(0.15)
+            self.xdotool("mousemove", *(round(a + (b - a) * part / 5) for a, b in zip(start, end)))
+        time.sleep(0.3)
+        self.xdotool("mouseup", 1)
+        time.sleep(0.4)
+
+    def picture(self):
+        """What the viewer sees, drawn anew."""
+        return base64.b64decode(self.world.snapshot(width=200, height=150)["png"])
+
+    def differing(self, one, other):
+        """Pixels of two pictures that differ visibly."""
+        for name, data in (("one.png", one), ("other.png", other)):
+            (self.folder / name).write_bytes(data)
+        result = subprocess.run(["compare", "-metric", "AE", "-fuzz", "4%", "one.png", "other.png", "null:"],
+                                cwd=self.folder, capture_output=True, text=True)
+        return float(result.stderr.split()[0])
+
+    def step(self, what, work):
+        try:
+            work()
+            print(f"ok      {what}", flush=True)
+        except Exception as error:  # what follows is tried all the same
+            self.failed += 1
+            print(f"FAILED  {what}: {error}", flush=True)
+        if self.kept:
+            name = "".join(c if c.isalnum() else "-" for c in what) + ".png"
+            subprocess.run(["import", "-window", "root", str(pathlib.Path(self.kept) / name)], env=self.environment)
+
+    def end(self):
+        for process in (self.window, self.display):
+            if process:
+                process.kill()
+                process.wait()
+        if not self.failed:
+            shutil.rmtree(self.folder)
+        else:
+            print(f"files and log: {self.folder}")
+
+
+def wait(what, holds, seconds=20):
+    until = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > until:
+            raise Failed(f"{what}: not within {seconds} s")
+        time.sleep(0.1)
+
+
+def near(one, other, margin=1e-3):
+    return all(abs(a - b) <= margin for a, b in zip(one, other))
+
+
+def run(check):
+    first, second = check.file("first.wrl", FIRST), check.file("second.wrl", SECOND)
+    ball = check.file("ball.nrrd", volume())
+    check.start_display()
+    check.open(first)
+
+    def slides():
+        node = check.world.getNode(node="Slider")["node"]
+        before = check.picture()
+        check.drag(MIDDLE, (MIDDLE[0] - 90, MIDDLE[1] - 60))
+        wait("the box follows the pointer", lambda: check.world.getValue(node=node, event="translation")[0] < -0.5)
+        place = check.world.getValue(node=node, event="translation")
+        # 8.28 m of the plane at 10 m are 502 pixels high, and the face that is held is 9 m away.
+        metres = 2 * 9 * math.tan(0.785398 / 2) / (HEIGHT - 58)
+        if not near(place, (-90 * metres, 60 * metres, 0), 0.15):
+            raise Failed(f"it went to {place}")
+        if check.differing(before, check.picture()) < 100:
+            raise Failed("its picture is as before")
+
+    def moves():
+        before = check.world.getViewer()["position"]
+        check.drag((300, 500), (420, 460))
+        wait("the viewer moves", lambda: not near(check.world.getViewer()["position"], before, 0.05))
+        check.key("ctrl+z")
+        wait("the movement is undone", lambda: near(check.world.getViewer()["position"], before, 0.01))
+
+    def splits():
+        check.key("ctrl+shift+Right")
+        wait("there are two viewports", lambda: len(check.world.getViewports()) == 2)
+        check.key("ctrl+w")
+        wait("there is one again", lambda: len(check.world.getViewports()) == 1)
+
+    def follows():
+        metres = 2 * 10 * math.tan(0.785398 / 2) / (HEIGHT - 58)
+        check.key("Home")
+        time.sleep(1.5)
+        check.click((MIDDLE[0] + round(3.5 / metres), MIDDLE[1]))
+        wait("the Anchor leads on", lambda: check.world.getWorldURL().endswith("second.wrl"))
+        wait("its Viewpoint is bound", lambda: near(check.world.getViewer()["position"], (0, 0, 6)))
+
+    def goes_back():
+        check.key("alt+Left")
+        wait("back is the first world", lambda: check.world.getWorldURL().endswith("first.wrl"))
+        check.key("alt+Right")
+        wait("forward is the second", lambda: check.world.getWorldURL().endswith("second.wrl"))
+
+    def opens():
+        check.key("ctrl+l", "ctrl+a")
+        check.xdotool("type", "--delay", 40, ball)
+        check.key("Return")
+        wait("the volume is open", lambda: check.world.getWorldURL().endswith("ball.nrrd"))
+        time.sleep(1.5)
+
+    def edits():
+        check.key("F4")
+        time.sleep(2)
+        check.key("F4", "F4")  # the panel stands where it stood
+        time.sleep(1)
+        before = window_picture(check)
+        check.drag((712, 239), (712, 172))
+        time.sleep(2)
+        if check.differing(before, window_picture(check)) < 500:
+            raise Failed("the picture is as before")
+        check.click((809, 499))
+        saved = check.folder / "home/Pictures/transfer.json"
+        wait("the function is saved", saved.exists)
+        points = json.loads(saved.read_text())["points"]
+        if not any(abs(point["value"] - 120) < 5 and point["opacity"] > 0.9 for point in points):
+            raise Failed(f"no point is where it was dragged to: {points}")
+
+    def keeps():
+        check.key("F12")
+        wait("a picture is saved", lambda: any(check.folder.glob("home/**/*.png")))
+        picture = next(check.folder.glob("home/**/*.png"))
+        size = subprocess.run(["identify", "-format", "%k", str(picture)], capture_output=True, text=True).stdout
+        if int(size) < 50:
+            raise Failed(f"{picture} has {size} colours")
+
+    check.step("a PlaneSensor is dragged", slides)
+    check.step("the viewer moves, and undoes it", moves)
+    check.step("a viewport is split, and closed", splits)
+    check.step("an Anchor is followed", follows)
+    check.step("back and forward", goes_back)
+    check.step("a file is opened by its path", opens)
+    check.step("a transfer function is edited, and saved", edits)
+    check.step("a picture is saved", keeps)
+
+
+def window_picture(check):
+    """The left part of the window, where the picture is beside the panel."""
+    path = check.folder / "window.png"
+    subprocess.run(["import", "-window", "root", "-crop", "500x480+0+60", "+repage", str(path)], env=check.environment,
+                   check=True)
+    return path.read_bytes()
+
+
+def main():
+    kept = None
+    if len(sys.argv) == 3 and sys.argv[1] == "-k":
+        kept = sys.argv[2]
+        os.makedirs(kept, exist_ok=True)
+    elif len(sys.argv) > 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    missing = [tool for tool in ("Xvfb", "xdotool", "import", "compare") if not shutil.which(tool)]
+    if missing:
+        print("window_check.py: missing:", *missing, file=sys.stderr)
+        return 2
+    check = Check(kept)
+    try:
+        run(check)
+    finally:
+        check.end()
+    return 1 if check.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
