@@ -66,7 +66,7 @@ TEST_CASE("PNG keeps images of 1 to 4 components") {
 
 TEST_CASE("A PNG that comes in bands of rows is the picture, and tells how large it is printed (PNG 11.3.5.3)") {
   const Image image = made(5, 150, 3);
-  PngWriter writer(5, 150, 3, 300);
+  gs::render::PngWriter writer(5, 150, 3, 300);
   for (std::uint32_t y = 0; y < 150; y += 70) {
     const std::uint32_t rows = std::min(70u, 150 - y);
     const auto first = image.pixels.begin() + 15 * std::ptrdiff_t{y};
@@ -77,10 +77,10 @@ TEST_CASE("A PNG that comes in bands of rows is the picture, and tells how large
   // 300 dots an inch are 11811 a metre.
   static constexpr unsigned char kChunk[] = {0, 0, 0, 9, 'p', 'H', 'Y', 's', 0, 0, 0x2e, 0x23, 0, 0, 0x2e, 0x23, 1};
   CHECK(std::memcmp(bytes.data() + 33, kChunk, sizeof kChunk) == 0);  // behind the signature and IHDR
-  PngWriter incomplete(5, 150, 3);
+  gs::render::PngWriter incomplete(5, 150, 3);
   incomplete.add({5, 1, 3, std::vector<std::uint8_t>(15)});
   CHECK(incomplete.finish().empty());
-  PngWriter other(5, 2, 3);
+  gs::render::PngWriter other(5, 2, 3);
   other.add({4, 2, 3, std::vector<std::uint8_t>(24)});
   CHECK(other.finish().empty());
 }
@@ -323,12 +323,12 @@ TEST_CASE("a header that claims a huge picture costs nothing") {
 }
 
 TEST_CASE("what is not an image is said so") {
-  CHECK(
-      message_of({}) ==
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found nothing");
-  CHECK(
-      message_of(bytes_of({'#', 'V', 'R'})) ==
-      "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found 23 56 52");
+  CHECK(message_of({}) ==
+        "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
+        "nothing");
+  CHECK(message_of(bytes_of({'#', 'V', 'R'})) ==
+        "not an image that can be read: expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
+        "23 56 52");
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }
 
