@@ -172,7 +172,7 @@ TEST_CASE("a disk that is full is said, whatever is written, and leaves nothing"
 }
 
 TEST_CASE("too little memory gives a line and a status, never a crash, however little it is") {
-  if (watched()) return;  // it takes terabytes of addresses
+  if (gs::watched()) return;  // it takes terabytes of addresses
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 120; ++i) text += "Shape { geometry Sphere { radius " + std::to_string(i) + " } }\n";
