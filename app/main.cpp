@@ -1,3 +1,3 @@
-#include "app/commands/command_line.h"
+#include "app/commands/options/command_line.h"
 
 int main(int count, char** arguments) { return gs::app::run_command_line(count, arguments); }

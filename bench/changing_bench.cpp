@@ -2,7 +2,7 @@
 // and beside them.
 //
 // changing_bench [TRIANGLES] [FRAMES]
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 #include "render/rays/item_bvh.h"
 #include "render/scene/late_meshes.h"
 #include "vrml/syntax/parser.h"

@@ -1,6 +1,6 @@
 #include "app/base/console.h"
 #include "app/base/numbered_files.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/picture_world.h"
 #include "app/commands/progress_bar.h"
 #include "app/picture/animation.h"

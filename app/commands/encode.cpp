@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "net/files/file.h"

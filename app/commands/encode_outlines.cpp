@@ -1,6 +1,6 @@
 #include "app/base/console.h"
 #include "app/base/gunzip.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "app/encode/outline_model.h"

@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/progress_bar.h"
 #include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
@@ -109,7 +109,7 @@ int run_fetch(const Options& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
   load.whole_surfaces = true;  // whose vectors are counted
-  load.cache_folder.clear();  // what comes is measured
+  load.cache_folder.clear();   // what comes is measured
   Report report;
   report.is_cells = comes_as_cells(url);
   ProgressBar progress;

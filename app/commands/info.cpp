@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"

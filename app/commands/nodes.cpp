@@ -1,6 +1,6 @@
 #include "app/base/console.h"
-#include "app/commands/command_line.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/command_line.h"
+#include "app/commands/options/commands.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/syntax/printer.h"
 

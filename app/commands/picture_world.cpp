@@ -1,7 +1,7 @@
 #include "app/commands/picture_world.h"
 
 #include "app/base/numbered_files.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 
 #include <glm/trigonometric.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "app/picture/volume_show.h"
 #include "app/session/view.h"
 

@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/world/world_loader.h"
 #include "vrml/syntax/printer.h"
 

@@ -2,7 +2,7 @@
 
 #include "app/base/confinement.h"
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 
 #include <atomic>
 #include <csignal>

@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
 #include "net/files/file.h"

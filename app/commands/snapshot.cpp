@@ -1,5 +1,5 @@
 #include "app/base/console.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/picture_world.h"
 #include "app/media/wave_file.h"
 #include "app/picture/paint.h"

@@ -3,7 +3,7 @@
 #include "app/base/console.h"
 #include "app/base/local_file.h"
 #include "app/base/text.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "app/commands/progress_bar.h"
 #include "app/encode/outline_model.h"
 #include "app/world/opened_world.h"

@@ -1,6 +1,6 @@
 #include "app/control/control.h"
 
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "vrml/events/node_names.h"
 #include "vrml/scene/scene_graph.h"
 

@@ -1,7 +1,7 @@
 #include "app/control/control.h"
 #include "app/control/services.h"
 #include "app/script/run_time_nodes.h"
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/session_log.h"
+#include "app/session/documents/session_log.h"
 
 #include <cstddef>
 #include <cstdint>

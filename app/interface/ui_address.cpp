@@ -1,7 +1,7 @@
 #include "app/interface/base/fuzzy.h"
 #include "app/interface/base/text_field.h"
 #include "app/interface/ui_state.h"
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 
 #include <imgui.h>
 

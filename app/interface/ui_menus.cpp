@@ -1,5 +1,5 @@
 #include "app/interface/ui_state.h"
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 
 #include <imgui.h>
 
@@ -35,6 +35,12 @@ void begin_row(const char* name, float left, float width, float height, const Im
 float UiOverlay::State::menu_bar_height() const { return ImGui::GetFontSize() + 2 * std::round(6 * scale); }
 
 bool UiOverlay::State::is_on(Action action, const UiModel& model) const {
+  if (const auto mode = place_in(Action::examine, Action::look_at, action))
+    return model.has_world && static_cast<int>(model.mode) == 1 + *mode;
+  if (const auto display = place_in(Action::display_surface, Action::display_points, action))
+    return model.has_world && static_cast<int>(model.style.display) == *display;
+  if (const auto up = place_in(Action::up_auto, Action::up_minus_z, action))
+    return model.has_world && static_cast<int>(model.style.up) == *up;
   switch (action) {
     case Action::headlight:
       return model.headlight;
@@ -54,30 +60,8 @@ bool UiOverlay::State::is_on(Action action, const UiModel& model) const {
       return model.settings.backdrop;
     case Action::axes:
       return model.settings.axes;
-    case Action::display_surface:
-    case Action::display_edges:
-    case Action::display_wireframe:
-    case Action::display_points:
-      return model.has_world && static_cast<int>(model.style.display) ==
-                                    static_cast<int>(action) - static_cast<int>(Action::display_surface);
-    case Action::up_auto:
-    case Action::up_x:
-    case Action::up_minus_x:
-    case Action::up_y:
-    case Action::up_minus_y:
-    case Action::up_z:
-    case Action::up_minus_z:
-      return model.has_world &&
-             static_cast<int>(model.style.up) == static_cast<int>(action) - static_cast<int>(Action::up_auto);
     case Action::bookmark:
       return model.bookmark.has_value();
-    case Action::examine:
-    case Action::fly:
-    case Action::walk:
-    case Action::pan:
-    case Action::look_at:
-      return model.has_world &&
-             static_cast<int>(model.mode) == 1 + static_cast<int>(action) - static_cast<int>(Action::examine);
     default:
       return panel_of(action) && dock.dock().is_open(*panel_of(action));
   }

@@ -1,6 +1,6 @@
 #include "app/session/links.h"
 
-#include "app/session/link_file.h"
+#include "app/session/documents/link_file.h"
 
 #include "app/formats/content_types.h"
 #include "net/base/schemes.h"

@@ -1,6 +1,6 @@
 #include "app/session/panes.h"
 
-#include "app/session/world_reader.h"
+#include "app/session/documents/world_reader.h"
 
 #include <algorithm>
 #include <utility>

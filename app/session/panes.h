@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "app/session/view.h"
 #include "app/view/input_tracker.h"
 #include "app/view/panes/pane_request.h"

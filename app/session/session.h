@@ -2,14 +2,14 @@
 
 #include "app/media/sound_device.h"
 #include "app/media/sound_stage.h"
-#include "app/session/documents.h"
-#include "app/session/folder_questions.h"
+#include "app/session/documents/documents.h"
+#include "app/session/documents/folder_questions.h"
+#include "app/session/documents/series.h"
+#include "app/session/documents/session_log.h"
+#include "app/session/documents/world_reader.h"
 #include "app/session/links.h"
 #include "app/session/panes.h"
-#include "app/session/series.h"
-#include "app/session/session_log.h"
 #include "app/session/travel_history.h"
-#include "app/session/world_reader.h"
 #include "app/view/actions.h"
 #include "app/view/panes/split_tree.h"
 #include "app/view/picking.h"
@@ -43,11 +43,11 @@ struct SessionOptions {
   /// because the one before took long, and nothing is shown before it is up to date. What follows depends on the input
   /// only.
   bool simulated = false;
-  bool audible = false;  // sounds are played on the system's device
-  bool muted = false;    // until somebody wants to hear them
-  double speed = 1;      // of the viewer, times what worlds say
-  ViewStyle style{};     // of views of files
-  std::optional<Pose> camera{};  // where the first file is first seen from
+  bool audible = false;              // sounds are played on the system's device
+  bool muted = false;                // until somebody wants to hear them
+  double speed = 1;                  // of the viewer, times what worlds say
+  ViewStyle style{};                 // of views of files
+  std::optional<Pose> camera{};      // where the first file is first seen from
   std::optional<SplitTree> split{};  // how the viewports share the window; nothing: by how many files there are
 };
 

@@ -108,6 +108,23 @@ bool Session::run(Action action) {
 }
 
 bool Session::run_in(View& seen, Action action) {
+  if (const auto mode = place_in(Action::examine, Action::look_at, action)) {
+    choose_mode(static_cast<NavigationMode>(1 + *mode));
+    return true;
+  }
+  if (const auto side = place_in(Action::side_front, Action::side_bottom, action)) {
+    look_from(static_cast<ViewSide>(*side));
+    return true;
+  }
+  if (const auto display = place_in(Action::display_surface, Action::display_points, action)) {
+    seen.style.display = static_cast<render::DisplayMode>(*display);
+    tell_of_display(seen);
+    return true;
+  }
+  if (const auto up = place_in(Action::up_auto, Action::up_minus_z, action)) {
+    choose_up(seen, static_cast<UpAxis>(*up));
+    return true;
+  }
   switch (action) {
     case Action::next_viewpoint:
       step_viewpoint(1);
@@ -124,24 +141,9 @@ bool Session::run_in(View& seen, Action action) {
     case Action::headlight:
       seen.headlight = !seen.headlight;
       return true;
-    case Action::examine:
-    case Action::fly:
-    case Action::walk:
-    case Action::pan:
-    case Action::look_at:
-      choose_mode(static_cast<NavigationMode>(1 + static_cast<int>(action) - static_cast<int>(Action::examine)));
-      return true;
     case Action::ghost:
       seen.navigation.ghost = !seen.navigation.ghost;
       tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false);
-      return true;
-    case Action::side_front:
-    case Action::side_back:
-    case Action::side_left:
-    case Action::side_right:
-    case Action::side_top:
-    case Action::side_bottom:
-      look_from(static_cast<ViewSide>(static_cast<int>(action) - static_cast<int>(Action::side_front)));
       return true;
     case Action::straighten:
       if (seen.navigation.mode != NavigationMode::none)
@@ -159,29 +161,12 @@ bool Session::run_in(View& seen, Action action) {
       choose_parallel(seen, !seen.style.parallel);
       tell(seen.style.parallel ? "Orthographic: parallel rays" : "Perspective", false);
       return true;
-    case Action::display_surface:
-    case Action::display_edges:
-    case Action::display_wireframe:
-    case Action::display_points:
-      seen.style.display = static_cast<render::DisplayMode>(static_cast<int>(action) -
-                                                            static_cast<int>(Action::display_surface));
-      tell_of_display(seen);
-      return true;
     case Action::next_display:
       seen.style.display = static_cast<render::DisplayMode>((static_cast<int>(seen.style.display) + 1) % 4);
       tell_of_display(seen);
       return true;
     case Action::grid:
       seen.style.grid = !seen.style.grid;
-      return true;
-    case Action::up_auto:
-    case Action::up_x:
-    case Action::up_minus_x:
-    case Action::up_y:
-    case Action::up_minus_y:
-    case Action::up_z:
-    case Action::up_minus_z:
-      choose_up(seen, static_cast<UpAxis>(static_cast<int>(action) - static_cast<int>(Action::up_auto)));
       return true;
     case Action::faster:
       change_speed(std::sqrt(2.0f));
@@ -306,8 +291,8 @@ void Session::look_from(ViewSide side) {
   if (!seen || seen->list->bounds.empty() || seen->navigation.mode == NavigationMode::none) return;
   Navigation& navigation = seen->navigation;
   const render::WorldBounds& bounds = seen->list->bounds;
-  navigation = travel_to(navigation, pose_at_side(side, navigation.pose, bounds, place_of(panes_.active()).size(),
-                                                  upright_of(*seen)));
+  navigation = travel_to(
+      navigation, pose_at_side(side, navigation.pose, bounds, place_of(panes_.active()).size(), upright_of(*seen)));
   navigation.center = bounds.center();
   leader_ = panes_.active();
 }

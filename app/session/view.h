@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "app/view/navigation.h"
 #include "app/view/pose_history.h"
 #include "app/view/values/slices.h"

@@ -103,6 +103,13 @@ enum class Action : std::uint8_t {
   quit,
 };
 
+/// The place of an action in a choice, whose actions stand beside each other from `first` to `last`; nothing: it is
+/// none of them.
+[[nodiscard]] constexpr std::optional<int> place_in(Action first, Action last, Action action) {
+  if (action < first || action > last) return std::nullopt;
+  return static_cast<int>(action) - static_cast<int>(first);
+}
+
 /// Where an action stands in the menu bar.
 enum class Menu : std::uint8_t { file, view, navigate, window, help };
 inline constexpr std::size_t kMenus = 5;
@@ -117,7 +124,7 @@ struct ActionRow {
   std::string_view label;  // on a button
   std::string_view help;   // what it does, in one line, as it stands in menus
   Menu menu = Menu::view;
-  bool alt = false;            // with the key
+  bool alt = false;             // with the key
   std::string_view group = {};  // the menu in the menu; empty: none. Rows of one stand together
 };
 [[nodiscard]] std::span<const ActionRow> actions();

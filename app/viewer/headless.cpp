@@ -1,7 +1,7 @@
 #include "app/viewer/headless.h"
 
 #include "app/base/console.h"
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 #include "app/viewer/offscreen.h"
 
 #include <semaphore.h>

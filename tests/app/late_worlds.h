@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"
 #include "net/load/transport_memory.h"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/interface/base/ui_tools.h"
-#include "app/session/session_log.h"
+#include "app/session/documents/session_log.h"
 #include "app/session/view.h"
 #include "app/settings/user_memory.h"
 #include "app/settings/user_settings.h"

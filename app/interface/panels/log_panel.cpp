@@ -2,7 +2,7 @@
 
 #include "app/base/text.h"
 #include "app/interface/base/text_field.h"
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 
 #include <imgui.h>
 

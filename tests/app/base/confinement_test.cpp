@@ -1,7 +1,7 @@
 // What a confined process can still do: each attempt is made in a process of its own.
 #include "app/base/confinement.h"
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "app/serve/child_program.h"
 #include "net/files/file.h"
 #include "tests/app/program.h"

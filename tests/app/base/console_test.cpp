@@ -1,7 +1,7 @@
 // What the program prints: nothing that controls a terminal, and nothing that is lost in silence.
 #include "app/base/console.h"
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "tests/app/program.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

@@ -1,5 +1,5 @@
 // encode, info and export, as a user runs them.
-#include "app/commands/commands.h"
+#include "app/commands/options/commands.h"
 #include "app/commands/vectors_of.h"
 #include "app/formats/export/export.h"
 #include "tests/app/run_program.h"

@@ -1,7 +1,7 @@
 // Meshes of a living world that take longer than a frame: who makes them, when they are shown, and which are dropped.
 #include "render/scene/late_meshes.h"
 
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 #include "tests/app/worlds.h"
 #include "vrml/syntax/parser.h"
 

@@ -1,4 +1,4 @@
-#include "app/session/world_reader.h"
+#include "app/session/documents/world_reader.h"
 #include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
+#include "app/session/documents/world_reader.h"
 #include "app/simulation/simulation.h"
-#include "app/session/world_reader.h"
 #include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>

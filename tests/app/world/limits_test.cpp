@@ -2,7 +2,7 @@
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/formats/volume/volume.h"
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "app/world/world_loader.h"
 #include "render/image/image.h"
 #include "tests/app/formats_helpers.h"

@@ -1,5 +1,5 @@
 #include "app/formats/media_file.h"
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "app/world/world_loader.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/render/media/media_files.h"

@@ -1,4 +1,4 @@
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 
 #include "app/formats/media_file.h"
 #include "app/formats/qnv/cloud_reader.h"

@@ -1,4 +1,4 @@
-#include "app/session/link_file.h"
+#include "app/session/documents/link_file.h"
 
 #include "app/session/links.h"
 #include "app/session/session.h"

@@ -1,5 +1,5 @@
-#include "app/commands/commands.h"
-#include "app/commands/options.h"
+#include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
 
 #include <cstddef>
 #include <limits>

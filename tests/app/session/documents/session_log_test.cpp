@@ -1,4 +1,4 @@
-#include "app/session/session_log.h"
+#include "app/session/documents/session_log.h"
 
 #include "app/session/session.h"
 #include "tests/app/one_world.h"

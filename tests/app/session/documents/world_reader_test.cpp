@@ -1,4 +1,4 @@
-#include "app/session/world_reader.h"
+#include "app/session/documents/world_reader.h"
 
 #include "net/load/transport_memory.h"
 #include "render/image/image.h"

@@ -1,4 +1,4 @@
-#include "app/commands/option_values.h"
+#include "app/commands/options/option_values.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 
 #include "app/session/view.h"
 #include "vrml/scene/node_type.h"

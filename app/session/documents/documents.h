@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 #include "app/world/opened_world.h"
 #include "app/world/world_loading.h"
 #include "qnv/base/cloud.h"

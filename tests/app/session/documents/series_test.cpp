@@ -1,4 +1,4 @@
-#include "app/session/series.h"
+#include "app/session/documents/series.h"
 
 #include "tests/app/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "app/commands/option_values.h"
+#include "app/commands/options/option_values.h"
 
 #include "tests/app/program.h"
 #include "tests/app/run_program.h"

@@ -1,4 +1,4 @@
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 
 #include "app/view/navigation.h"
 #include "app/world/left_out.h"

@@ -1,4 +1,4 @@
-#include "app/session/link_file.h"
+#include "app/session/documents/link_file.h"
 
 #include "app/base/text.h"
 #include "net/base/schemes.h"

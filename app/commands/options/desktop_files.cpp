@@ -1,8 +1,8 @@
-#include "app/commands/desktop_files.h"
+#include "app/commands/options/desktop_files.h"
 
 #include "app/base/console.h"
-#include "app/commands/command_line.h"
-#include "app/commands/commands.h"
+#include "app/commands/options/command_line.h"
+#include "app/commands/options/commands.h"
 #include "app/formats/content_types.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include "app/commands/picture_options.h"
+#include "app/commands/options/picture_options.h"
 
-#include "app/commands/option_values.h"
+#include "app/commands/options/option_values.h"
 #include "app/view/camera_text.h"
 #include "app/view/values/color_maps.h"
 

@@ -1,6 +1,6 @@
-#include "app/commands/desktop_files.h"
+#include "app/commands/options/desktop_files.h"
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 #include "app/world/opened_world.h"
 #include "app/world/world_loader.h"
 #include "render/draw/renderer.h"

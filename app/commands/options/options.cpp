@@ -1,9 +1,9 @@
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 
 #include "app/base/text.h"
-#include "app/commands/commands.h"
-#include "app/commands/option_values.h"
-#include "app/commands/picture_options.h"
+#include "app/commands/options/commands.h"
+#include "app/commands/options/option_values.h"
+#include "app/commands/options/picture_options.h"
 #include "app/formats/content_types.h"
 #include "net/base/host_names.h"
 #include "qnv/exact/exact_mesh.h"

@@ -1,4 +1,4 @@
-#include "app/session/world_reader.h"
+#include "app/session/documents/world_reader.h"
 
 #include "app/base/world_budget.h"
 

@@ -1,10 +1,10 @@
-#include "app/commands/command_line.h"
+#include "app/commands/options/command_line.h"
 
 #include "app/base/confinement.h"
 #include "app/base/console.h"
 #include "app/base/temporary_file.h"
-#include "app/commands/commands.h"
-#include "app/commands/options.h"
+#include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"

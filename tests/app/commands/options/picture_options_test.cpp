@@ -1,4 +1,4 @@
-#include "app/commands/picture_options.h"
+#include "app/commands/options/picture_options.h"
 
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
@@ -125,12 +125,12 @@ TEST_CASE("Pictures are taken from where a camera's text says, by parallel rays,
   const ScratchFolder folder;
   const std::string world = folder.write("a.wrl", kBox);
   // A wedge whose height is along Z.
-  const std::string wedge = folder.write(
-      "w.stl",
-      "solid w\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 0 9\nendloop\nendfacet\nendsolid\n");
+  const std::string wedge = folder.write("w.stl",
+                                         "solid w\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex "
+                                         "0 0 9\nendloop\nendfacet\nendsolid\n");
   const auto picture = [&](const std::string& options, const std::string& file) {
-    const Run drawn = run(kDraw + "--size 48x48 " + options + " --snapshot " + quoted(folder.path("o.png")) + " " +
-                          quoted(file));
+    const Run drawn =
+        run(kDraw + "--size 48x48 " + options + " --snapshot " + quoted(folder.path("o.png")) + " " + quoted(file));
     INFO(options << ": " << drawn.output);
     CHECK(drawn.status == 0);
     return folder.read("o.png");
@@ -155,9 +155,8 @@ TEST_CASE("Pictures are taken from where a camera's text says, by parallel rays,
   REQUIRE(run("encode --outlines " + quoted(wedge) + " " + quoted(folder.path("o.qnv"))).status == 0);
   CHECK(run("info " + quoted(folder.path("o.qnv"))).output.find("up: z") != std::string::npos);
   CHECK(picture("", folder.path("o.qnv")) == picture("--up z", folder.path("o.qnv")));
-  for (const char* wrong :
-       {"--up w", "--camera nowhere", "--display dots", "--camera position=1,2,3 --orbit 0,0",
-        "--orthographic --stereo anaglyph"}) {
+  for (const char* wrong : {"--up w", "--camera nowhere", "--display dots", "--camera position=1,2,3 --orbit 0,0",
+                            "--orthographic --stereo anaglyph"}) {
     INFO(wrong);
     CHECK(run(std::string(wrong) + " --snapshot " + quoted(folder.path("p.png")) + " " + quoted(world)).status == 2);
   }

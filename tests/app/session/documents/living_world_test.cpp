@@ -1,4 +1,4 @@
-#include "app/session/living_world.h"
+#include "app/session/documents/living_world.h"
 
 #include "vrml/syntax/parser.h"
 

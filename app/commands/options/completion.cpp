@@ -1,5 +1,5 @@
-#include "app/commands/desktop_files.h"
-#include "app/commands/options.h"
+#include "app/commands/options/desktop_files.h"
+#include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/commands/options.h"
+#include "app/commands/options/options.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -1,4 +1,4 @@
-#include "app/session/session_log.h"
+#include "app/session/documents/session_log.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "app/session/folder_questions.h"
+#include "app/session/documents/folder_questions.h"
 
 #include <catch2/catch.hpp>
 

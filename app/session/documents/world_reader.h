@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/session/documents.h"
+#include "app/session/documents/documents.h"
 #include "app/streams/load_ledger.h"
 #include "app/world/world_loader.h"
 #include "app/world/world_loading.h"

@@ -1,0 +1,148 @@
+#include "app/base/text.h"
+#include "app/view/ground_grid.h"
+#include "app/view/values/color_bar.h"
+#include "app/viewer/desk.h"
+
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+// What a desk shows: its session, as the interface is told of it.
+namespace gs::app {
+namespace {
+
+constexpr double kWeightSteps = 64;  // of a weight of 1
+
+}  // namespace
+
+std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget) {
+  std::vector<std::size_t> weights;
+  for (const Frame::Picture& picture : frame.pictures) {
+    const bool clouds = picture.view && picture.view->document->has_clouds();
+    const double weight = std::round(panes.at(picture.pane).weight * kWeightSteps);
+    weights.push_back(clouds ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
+  }
+  return shares_of(budget, weights);
+}
+
+// "city.wrl: 3.1 of 12.0 MB, 4 files to come"
+std::string Desk::progress_of(const std::string& path) const {
+  std::string text = file_label(path);
+  for (const LoadingState& state : session_.progress_of(path)) {
+    if (state.received == 0) continue;
+    text += ": " + (state.total ? readable_part(state.received, *state.total) : readable_size(state.received));
+    if (state.waiting > 1) text += ", " + std::to_string(state.waiting) + " files to come";
+  }
+  return text;
+}
+
+void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const {
+  const Panes& panes = session_.panes();
+  const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
+  const double drawn = static_cast<double>(std::accumulate(budgets.begin(), budgets.end(), std::size_t{0}));
+  for (const Frame::Picture& picture : frame.pictures) {
+    const Pane& pane = panes.at(picture.pane);
+    UiViewport viewport;
+    viewport.pane = picture.pane;
+    viewport.place = picture.place;
+    if (pane.view()) viewport.label = file_label(pane.shown);
+    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
+    viewport.active = picture.pane == panes.active();
+    viewport.weight = pane.weight;
+    viewport.budget = budgets[model.viewports.size()];
+    if (drawn > 0) viewport.vectors = static_cast<double>(viewport.budget) / drawn;
+    viewport.reading = session_.reading_share(picture.pane);
+    if (pane.failure) {
+      viewport.failed = file_label(pane.failure->path);
+      viewport.reason = pane.failure->error;
+    }
+    model.viewports.push_back(std::move(viewport));
+  }
+  for (const std::size_t pane : panes_of(panes.split()))
+    model.pane_labels.emplace_back(pane, panes.at(pane).view() ? file_label(panes.at(pane).shown) : std::string());
+  model.panes = model.pane_labels.size();
+  model.maximised = panes.split().maximised.has_value();
+  model.layout = layout_of(panes.split());
+  model.dividers = session_.dividers();
+  model.linked = session_.linked();
+}
+
+UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
+  UiModel model;
+  const Panes& panes = session_.panes();
+  for (const DocumentList::Entry& entry : panes.documents().entries()) {
+    model.files.push_back(file_label(entry.path));
+    model.paths.push_back(entry.path);
+  }
+  model.file = panes.selected();
+  describe_viewports(model, frame, measures.budget);
+  if (const FolderQuestions::Question* question = session_.question())
+    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
+  const Pane& pane = panes.at(panes.active());
+  describe_user(model, pane);
+  model.statistics = pane.statistics;
+  model.frame_ms = measures.frame_ms;
+  model.frames_a_second = measures.frames_a_second;
+  model.gl_renderer = measures.gl_renderer;
+  model.log = &session_.log();
+  model.inspection = &inspection_;
+  model.travel_anchor = pane.input.travel_anchor();
+  model.pointer = pane.input.pointer();
+  const View* seen = pane.view();
+  if (const SeriesList::Series* series = session_.series()) {
+    model.tools.files = series->files.size();
+    model.tools.file = series->shown;
+    model.tools.playing = series->playing;
+    model.tools.rate = series->rate;
+  }
+  window_.describe_tools(model.tools);
+  if (!seen) return model;
+  model.has_world = true;
+  const auto& viewpoints = seen->list->viewpoints;
+  for (const std::size_t index : listed_viewpoints(viewpoints)) {
+    if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
+    model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
+  }
+  const Session::Pointed pointed = session_.pointed();
+  model.over_sensor = pointed.sensor;
+  model.link = pointed.description;
+  model.mode = seen->navigation.mode;
+  model.rules = seen->rules;
+  model.speed = seen->navigation.speed;
+  model.headlight = seen->headlight;
+  model.style = seen->style;
+  model.pose = seen->navigation.pose;
+  model.upright = upright_of(*seen);
+  model.axes = seen->style.axes && !seen->document->world.authored;
+  if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
+    model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
+  model.can_undo_move = session_.can_undo_move(-1);
+  model.can_redo_move = session_.can_undo_move(1);
+  model.has_sounds = !seen->list->sounds.empty();
+  model.muted = session_.sounds().muted();
+  model.look = seen->look;
+  model.has_surface_clouds = seen->document->has_surface_clouds;
+  model.has_volumes = seen->document->has_volumes;
+  model.bounds = seen->list->bounds;
+  model.looking = seen->navigation.pose.forward();
+  for (const render::SplatItem& item : seen->list->splats)
+    if (item.cloud && item.cloud->description.kind == qnv::Kind::volume) model.volumes.push_back(item.cloud);
+  return model;
+}
+
+void Desk::describe_user(UiModel& model, const Pane& pane) {
+  model.settings = keeper_.settings();
+  model.recent = keeper_.memory().recent;
+  model.bookmarks = keeper_.bookmarks();
+  model.to_restore = lost_.files.size();
+  model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
+  model.bookmark = find_bookmark();
+  model.can_go_back = session_.can_travel(-1);
+  model.can_go_forward = session_.can_travel(1);
+  model.loading = session_.panes().loading(session_.panes().active());
+}
+
+}  // namespace gs::app
