@@ -1,7 +1,6 @@
 #include "render/scene/collector.h"
 
 #include "render/scene/surface_mesh.h"
-
 #include "vrml/scene/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
