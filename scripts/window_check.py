@@ -55,6 +55,10 @@ def volume():
     return "\n".join(lines) + "\n"
 
 
+def program():
+    return os.path.abspath(os.environ.get("GHOSTSPACE", ROOT / "build/release/ghostspace"))
+
+
 class Failed(Exception):
     pass
 
@@ -63,7 +67,7 @@ class Check:
     def __init__(self, kept):
         self.kept = kept
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="ghostspace-window."))
-        self.program = os.environ.get("GHOSTSPACE", str(ROOT / "build/release/ghostspace"))
+        self.program = program()
         self.environment = dict(os.environ, HOME=str(self.folder / "home"), XDG_RUNTIME_DIR=str(self.folder))
         for name in ("XDG_CONFIG_HOME", "XDG_STATE_HOME", "XDG_DATA_HOME", "XDG_CACHE_HOME", "XDG_PICTURES_DIR",
                      "DBUS_SESSION_BUS_ADDRESS", "WAYLAND_DISPLAY", "XDG_CURRENT_DESKTOP"):
@@ -280,6 +284,9 @@ def main():
     missing = [tool for tool in ("Xvfb", "xdotool", "import", "compare") if not shutil.which(tool)]
     if missing:
         print("window_check.py: missing:", *missing, file=sys.stderr)
+        return 2
+    if not os.access(program(), os.X_OK):
+        print(f"window_check.py: {program()} is missing; build it first (scripts/run.sh)", file=sys.stderr)
         return 2
     check = Check(kept)
     try:
