@@ -35,7 +35,7 @@ Run measured(const ScratchFolder& folder, const std::string& command, const std:
 
 }  // namespace
 
-TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay below two gigabytes") {
+TEST_CASE("Worlds that unpack to gigabytes, or that PROTO and USE multiply, stay below two gigabytes", "[gigabytes]") {
   const ScratchFolder folder;
   const std::size_t large = !watched() ? std::size_t{600} << 20 : std::size_t{80} << 20;
   SECTION("nodes") {
