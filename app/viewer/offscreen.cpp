@@ -19,6 +19,7 @@ OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptio
   } else {
     result.renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
     result.renderer->prepare(draw);
+    render::release_driver_code();
   }
   result.context->release_current();
   return result;

@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Below are the services of systems (RFC 6335): name servers, clocks.
-constexpr std::uint16_t kFirstFreePort = 1024;
+/// Below are the services of systems (RFC 6335): name servers, clocks, mail.
+constexpr std::uint16_t kFirstFreePort = 1024, kFtpPort = 21;
 
 std::string known_schemes(bool from_network_only) {
   std::string result;
@@ -72,6 +72,11 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
   if (target->transport == TransportKind::cells && place && place->port.value_or(kFirstFreePort) < kFirstFreePort)
     return ReferenceRefusal{"a document may not have datagrams sent to port " + std::to_string(*place->port) +
                                 "; expected one from " + std::to_string(kFirstFreePort) + " on",
+                            {}};
+  if (target->name == "ftp" && place && place->port && *place->port < kFirstFreePort && *place->port != kFtpPort)
+    return ReferenceRefusal{"a document may not have commands of FTP sent to port " + std::to_string(*place->port) +
+                                "; expected " + std::to_string(kFtpPort) + ", or one from " +
+                                std::to_string(kFirstFreePort) + " on",
                             {}};
   const Scheme* const source = find_scheme(own.scheme);
   if (source && source->secure && target->has_host && !target->secure)

@@ -12,6 +12,7 @@ constexpr std::array kSchemes{
     Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false},
     Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true},
     Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true},
+    Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, true},
     Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true},
     Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true},
 };

@@ -10,7 +10,7 @@
 
 namespace gs::net {
 
-/// Who carries the bytes of a scheme.
+/// Who carries the bytes of a scheme. `http` carries all that libcurl is asked for, files by FTP too.
 enum class TransportKind { file, http, data, cells, memory };
 
 /// Which of the loader's threads a scheme lives on: disks may block, networks may not.

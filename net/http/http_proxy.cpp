@@ -1,7 +1,10 @@
 #include "net/http/http_proxy.h"
 
 #include <algorithm>
+#include <memory>
 #include <string_view>
+
+#include <curl/curl.h>
 
 #include "net/base/address_space.h"
 
@@ -42,6 +45,10 @@ bool is_listed_host(const std::string& host, std::string_view list) {
   return false;
 }
 
+struct FreeUrl {
+  void operator()(CURLU* url) const { curl_url_cleanup(url); }
+};
+
 }  // namespace
 
 std::string proxy_of(const Url& url, const Environment& environment) {
@@ -58,6 +65,23 @@ std::string proxy_of(const Url& url, const Environment& environment) {
   std::string host = lower_name(place->host);
   if (host.ends_with('.')) host.pop_back();
   return is_listed_host(host, direct) ? std::string() : proxy;
+}
+
+AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {
+  const std::unique_ptr<CURLU, FreeUrl> parts(curl_url());
+  char* text = nullptr;
+  // curl writes numbers of any base as addresses.
+  if (curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
+      curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
+    return AddressSpace::special;
+  std::string host = text;
+  curl_free(text);
+  if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.find(']') - 1);
+  if (const auto address = ip_address_of(host)) return space_of(*address);
+  if (host.ends_with('.')) host.pop_back();
+  std::transform(host.begin(), host.end(), host.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return host == "localhost" || host.ends_with(".localhost") ? AddressSpace::loopback : AddressSpace::global;
 }
 
 }  // namespace gs::net

@@ -120,7 +120,7 @@ struct LoaderOptions {
   // Transfers at once. A few more may be kept waiting half-way while more urgent ones run.
   unsigned max_transfers = 16;
   unsigned max_transfers_per_host = 6;
-  std::uint64_t bytes_per_second = 0;  // of all transfers over HTTP together at most; 0: any
+  std::uint64_t bytes_per_second = 0;  // of all transfers over HTTP and FTP together at most; 0: any
   std::uint64_t join_gap = 4096;       // ranges closer than this are asked for as one
   // Patience
   unsigned max_redirects = 10;

@@ -81,7 +81,7 @@ class Waiter {
   virtual void wake() = 0;
 };
 
-/// http and https, by libcurl; also waits for its own sockets.
+/// http, https and ftp, by libcurl; also waits for its own sockets.
 class HttpTransport : public Transport, public Waiter {};
 
 [[nodiscard]] std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "net/base/token_bucket.h"
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
+#include "net/load/curl_failures.h"
 #include "net/load/transport.h"
 
 namespace gs::net {
@@ -27,6 +29,8 @@ constexpr long kIdleConnections = 32;
 /// One block of a compressed body may grow a thousandfold, and is held by curl while we have no room: so it is small.
 constexpr long kCompressedBlock = 16 << 10;
 constexpr long kPlainBlock = 64 << 10;
+/// Where curl waits for an answer of an FTP server and for nothing else meanwhile: no longer than this.
+constexpr Milliseconds kLongestHold{1000};
 /// Where the rate is limited: what is handed over at once, and what the system may hold of a connection.
 constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
 
@@ -40,70 +44,9 @@ struct FreeList {
   void operator()(curl_slist* list) const { curl_slist_free_all(list); }
 };
 
-struct FreeUrl {
-  void operator()(CURLU* url) const { curl_url_cleanup(url); }
-};
-
-/// Where a host is that a proxy will look up: what its name alone tells. Hosts whose names tell nothing are the
-/// proxy's to refuse.
-AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {
-  const std::unique_ptr<CURLU, FreeUrl> parts(curl_url());
-  char* text = nullptr;
-  // curl writes numbers of any base as addresses.
-  if (curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
-      curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
-    return AddressSpace::special;
-  std::string host = text;
-  curl_free(text);
-  if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.find(']') - 1);
-  if (const auto address = ip_address_of(host)) return space_of(*address);
-  if (host.ends_with('.')) host.pop_back();
-  std::transform(host.begin(), host.end(), host.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  return host == "localhost" || host.ends_with(".localhost") ? AddressSpace::loopback : AddressSpace::global;
-}
-
 std::string environment_variable(const std::string& name) {
   const char* const value = std::getenv(name.c_str());
   return value ? value : "";
-}
-
-std::string milliseconds(Milliseconds time) { return std::to_string(time.count()) + " ms"; }
-
-/// curl's failures in our words. `detail` is curl's own text.
-TransferEnd describe_failure(CURLcode code, const std::string& detail, const LoaderOptions& options) {
-  const auto end = [&](LoadErrorKind kind, const std::string& what, bool transient) {
-    return TransferEnd{LoadError{kind, detail.empty() ? what : what + " (" + detail + ")", 0}, transient};
-  };
-  switch (code) {
-    case CURLE_URL_MALFORMAT:
-      return end(LoadErrorKind::bad_request, "the URL cannot be understood; expected http://host/path", false);
-    case CURLE_COULDNT_RESOLVE_HOST:
-    case CURLE_COULDNT_RESOLVE_PROXY:
-      return end(LoadErrorKind::unreachable, "there is no such host", false);
-    case CURLE_COULDNT_CONNECT:
-      return end(LoadErrorKind::unreachable, "the server cannot be reached", false);
-    case CURLE_OPERATION_TIMEDOUT:
-      return end(LoadErrorKind::timed_out, "no connection within " + milliseconds(options.connect_timeout), true);
-    case CURLE_PEER_FAILED_VERIFICATION:
-    case CURLE_SSL_CONNECT_ERROR:
-    case CURLE_SSL_CERTPROBLEM:
-    case CURLE_SSL_CIPHER:
-    case CURLE_SSL_CACERT_BADFILE:
-    case CURLE_SSL_ISSUER_ERROR:
-      return end(LoadErrorKind::insecure, "the server cannot be trusted; expected a valid certificate", false);
-    case CURLE_UNSUPPORTED_PROTOCOL:
-    case CURLE_WEIRD_SERVER_REPLY:
-      return end(LoadErrorKind::bad_response, "the server does not speak HTTP", false);
-    case CURLE_BAD_CONTENT_ENCODING:
-      return end(LoadErrorKind::bad_response, "the compressed body is damaged", false);
-    case CURLE_OUT_OF_MEMORY:
-      return end(LoadErrorKind::too_large, "a block of the body decompresses to more than can be held", false);
-    case CURLE_GOT_NOTHING:
-      return end(LoadErrorKind::broken, "the server closed the connection without answer", true);
-    default:
-      return end(LoadErrorKind::broken, "the connection broke", true);
-  }
 }
 
 class CurlTransport final : public HttpTransport {
@@ -156,6 +99,8 @@ class CurlTransport final : public HttpTransport {
     AddressSpace space = AddressSpace::special;  // of the host
     std::string refused_host;                    // why an address was passed over
     bool proxied = false;                        // the host's address is the proxy's to find
+    bool by_ftp = false;
+    std::uint64_t left = 0;  // bytes of a file by FTP
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
     std::optional<TimePoint> slowed;  // since when it waits for its turn at the rate of all
@@ -192,9 +137,17 @@ class CurlTransport final : public HttpTransport {
                : CURL_PREREQFUNC_ABORT;
   }
 
+  static int progress_callback(void* user, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+    const auto& transfer = *static_cast<Transfer*>(user);
+    return std::chrono::steady_clock::now() - transfer.transport->step_began_ > kLongestHold ? 1 : 0;
+  }
+
   bool may_reach(Transfer& transfer, const std::optional<IpAddress>& address) const;
   void set_options(Transfer& transfer, const TransferRequest& request);
+  void set_ftp_options(Transfer& transfer);
   bool on_header(Transfer& transfer, std::string_view line);
+  bool tell_head(Transfer& transfer);
+  bool begin_file(Transfer& transfer);
   std::size_t on_body(Transfer& transfer, std::string_view bytes);
   /// Nothing is held back before its head has come: until curl knows from the first answer of a host whether others can
   /// share its connection, it lets them all wait (CURLOPT_PIPEWAIT). What follows the head is held back by on_body.
@@ -228,6 +181,7 @@ class CurlTransport final : public HttpTransport {
   std::unordered_map<TransferId, std::unique_ptr<Transfer>> transfers_;
   TransferSink* sink_ = nullptr;  // during step
   TimePoint now_{};
+  std::chrono::steady_clock::time_point step_began_{};
   mutable TokenBucket rate_;  // of all transfers together, where that is limited; is filled when it is asked
   bool rate_begun_ = false;
   bool dirty_ = false;  // something is to be done that no socket tells of
@@ -258,7 +212,8 @@ bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
   CURL* const easy = transfer.easy.get();
   curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
-  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+  transfer.by_ftp = parse_url(request.url).scheme == "ftp";
+  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
   // The loader follows redirects itself: each hop is checked, and looked up in the cache.
   curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
   curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
@@ -270,14 +225,13 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
   curl_easy_setopt(easy, CURLOPT_USERAGENT, options_.user_agent.c_str());
   curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.detail.data());
-  curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, &header_callback);
-  curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
   curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
+  // A proxy would answer by HTTP.
   const std::string proxy =
-      options_.proxy_from_environment ? proxy_of(parse_url(request.url), environment_variable) : std::string();
+      options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(parse_url(request.url), environment_variable) : std::string();
   curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
   curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();
@@ -289,6 +243,9 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl_easy_setopt(easy, CURLOPT_OPENSOCKETDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_PREREQFUNCTION, &request_callback);
   curl_easy_setopt(easy, CURLOPT_PREREQDATA, &transfer);
+  if (transfer.by_ftp) return set_ftp_options(transfer);
+  curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, &header_callback);
+  curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
 
   const auto add = [&transfer](const std::string& name, const std::string& value) {
     const bool safe =
@@ -313,6 +270,18 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   add("If-Modified-Since", request.if_modified_since);
   add("Accept", request.accept);
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
+}
+
+/// Whole files of who asks without a name (RFC 959, 1635), by connections that we open (RFC 2428), each for one file.
+void CurlTransport::set_ftp_options(Transfer& transfer) {
+  CURL* const easy = transfer.easy.get();
+  curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
+  curl_easy_setopt(easy, CURLOPT_FTP_SKIP_PASV_IP, 1L);
+  curl_easy_setopt(easy, CURLOPT_FORBID_REUSE, 1L);
+  curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
+  curl_easy_setopt(easy, CURLOPT_NOPROGRESS, 0L);
+  curl_easy_setopt(easy, CURLOPT_XFERINFOFUNCTION, &progress_callback);
+  curl_easy_setopt(easy, CURLOPT_XFERINFODATA, &transfer);
 }
 
 bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
@@ -340,6 +309,26 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   }
   if (transfer.head.status < 200) return true;  // another head follows
   finish_head(transfer.head);
+  return tell_head(transfer);
+}
+
+/// FTP has no head; all that a server says before a file is how long it is (SIZE, RFC 3659). With that we need not wait
+/// for its last word, for which curl would let all others wait.
+bool CurlTransport::begin_file(Transfer& transfer) {
+  curl_off_t size = -1;
+  curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
+  if (size < 0) {
+    transfer.failure =
+        LoadError{LoadErrorKind::bad_response, "the server does not say how long the file is; expected SIZE", 0};
+    return false;
+  }
+  transfer.left = static_cast<std::uint64_t>(size);
+  transfer.head.status = 200;
+  transfer.head.content_length = transfer.left;
+  return tell_head(transfer);
+}
+
+bool CurlTransport::tell_head(Transfer& transfer) {
   transfer.head.space = transfer.space;
   transfer.head_done = true;
   transfer.progress = now_;
@@ -350,7 +339,8 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
 }
 
 std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
-  if (transfer.over) return 0;
+  if (transfer.over || (transfer.by_ftp && !transfer.head_done && !begin_file(transfer))) return 0;
+  if (transfer.by_ftp) bytes = bytes.substr(0, transfer.left);
   if (transfer.wants_pause) {
     transfer.paused = true;
     return CURL_WRITEFUNC_PAUSE;
@@ -371,7 +361,9 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
   const DataVerdict verdict = sink_->on_data(transfer.id, std::as_bytes(std::span(bytes)));
   transfer.over |= verdict == DataVerdict::stop;
   transfer.wants_pause |= verdict == DataVerdict::pause;
-  return transfer.over ? 0 : bytes.size();
+  transfer.left -= transfer.by_ftp ? bytes.size() : 0;
+  transfer.enough = transfer.by_ftp && transfer.left == 0;
+  return transfer.over || transfer.enough ? 0 : bytes.size();
 }
 
 void CurlTransport::apply_pauses() {
@@ -413,6 +405,7 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   apply_pauses();
   if (options_.bytes_per_second > 0) go_on_at_rate();
   int running = 0;
+  step_began_ = std::chrono::steady_clock::now();
   curl_multi_perform(multi_.get(), &running);
   end_refused();
   collect();
@@ -441,6 +434,8 @@ void CurlTransport::collect() {
       end(transfer, {transfer.failure, false});
     else if (transfer.enough || (code == CURLE_OK && transfer.head_done))
       end(transfer, {});
+    else if (code == CURLE_OK && transfer.by_ftp && begin_file(transfer))
+      end(transfer, {});  // an empty file
     else if (code == CURLE_OK)
       end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent no complete head", 0}, false});
     else if (!transfer.head_done && !transfer.refused_host.empty())

@@ -3,9 +3,17 @@
 #include "render/gl/context_backend.h"
 
 #include <dlfcn.h>
+#include <link.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace gs::render {
@@ -16,6 +24,24 @@ constexpr std::array kBackends{
     HeadlessBackend{"egl", open_egl_context, false},
     HeadlessBackend{"osmesa", open_osmesa_context, true},
 };
+
+// Character devices and folders of /dev that are no GPU, without the digits at their end: the kernel's own
+// (admin-guide/devices.txt) and those of virtual machines. GPUs have dri, nvidia0, mali0, kgsl-3d0, dxg, pvrsrvkm, nvmap...
+constexpr std::array<std::string_view, 70> kOtherDevices{
+    "autofs", "block", "bsg", "btrfs-control", "bus", "char", "console", "core", "cpu", "cpu_dma_latency", "cuse",
+    "disk", "fd", "full", "fuse", "gpiochip", "hidraw", "hpet", "hugepages", "hwrng", "i2c-", "input", "kmsg", "kvm",
+    "loop-control", "lp", "mapper", "mcelog", "mei", "mem", "mqueue", "net", "null", "nvme", "nvram", "port", "ppp",
+    "psaux", "ptmx", "ptp", "pts", "random", "raw", "rfkill", "rtc", "sev-guest", "sg", "shm", "snapshot", "snd",
+    "tdx_guest", "tpm", "tpmrm", "tty", "ttyS", "uhid", "uinput", "urandom", "usbmon", "userfaultfd", "vcs", "vcsa",
+    "vcsu", "vfio", "vga_arbiter", "vhost-net", "vhost-vsock", "vsock", "watchdog", "zero"};
+
+bool is_other_device(std::string_view name) {
+  while (!name.empty() && name.back() >= '0' && name.back() <= '9') name.remove_suffix(1);
+  return std::find(kOtherDevices.begin(), kOtherDevices.end(), name) != kOtherDevices.end();
+}
+
+// Read when it was linked, run when a shader was compiled.
+constexpr std::string_view kCompiler = "libLLVM";
 
 }  // namespace
 
@@ -34,6 +60,38 @@ bool is_software_renderer(std::string_view renderer) {
   constexpr std::array<std::string_view, 4> kWords{"llvmpipe", "softpipe", "swrast", "Software"};
   return std::any_of(kWords.begin(), kWords.end(),
                      [&](std::string_view word) { return renderer.find(word) != std::string_view::npos; });
+}
+
+bool may_have_gpu(const std::filesystem::path& devices) {
+  std::error_code error;
+  std::filesystem::directory_iterator entry(devices, error);
+  if (error) return true;
+  for (; entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (error) return true;
+    std::error_code unknown;
+    const std::filesystem::file_type type = entry->symlink_status(unknown).type();
+    const bool device = type != std::filesystem::file_type::block && type != std::filesystem::file_type::symlink &&
+                        type != std::filesystem::file_type::socket && type != std::filesystem::file_type::fifo;
+    if (device && !is_other_device(entry->path().filename().native())) return true;
+  }
+  return false;
+}
+
+void release_driver_code() {
+  const auto release = [](dl_phdr_info* library, std::size_t, void*) {
+    const std::string_view path = library->dlpi_name;
+    if (path.substr(path.rfind('/') + 1).substr(0, kCompiler.size()) != kCompiler) return 0;
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    for (const auto& part : std::span(library->dlpi_phdr, library->dlpi_phnum)) {
+      // What may be written to, or was while it was linked, is nowhere else.
+      if (part.p_type != PT_LOAD || (part.p_flags & PF_W) != 0) continue;
+      const std::uintptr_t begin = (library->dlpi_addr + part.p_vaddr) / page * page;
+      const std::uintptr_t end = library->dlpi_addr + part.p_vaddr + part.p_filesz;
+      (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+    }
+    return 0;
+  };
+  (void)::dl_iterate_phdr(release, nullptr);
 }
 
 std::variant<std::unique_ptr<GlContext>, ContextError> open_headless_context(std::string_view backend) {

@@ -2,6 +2,7 @@
 
 #include "render/gl/context.h"
 
+#include <filesystem>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -22,6 +23,9 @@ struct HeadlessBackend {
 
 [[nodiscard]] OpenedContext open_egl_context(bool hardware_only);
 [[nodiscard]] OpenedContext open_osmesa_context(bool hardware_only);
+
+/// False only if nothing in the folder of devices could be a GPU: whatever is not known to be something else could.
+[[nodiscard]] bool may_have_gpu(const std::filesystem::path& devices = "/dev");
 
 /// Whether this is the GL_RENDERER string of a driver that draws on the CPU.
 [[nodiscard]] bool is_software_renderer(std::string_view renderer);

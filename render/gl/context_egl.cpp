@@ -112,6 +112,8 @@ std::vector<Device> devices(const EglLibrary& egl, bool hardware_only) {
 }  // namespace
 
 OpenedContext open_egl_context(bool hardware_only) {
+  // EGL opens a dozen libraries before it says the same.
+  if (hardware_only && !may_have_gpu()) return ContextError{"no GPU in /dev"};
   EglLibrary egl;
   if (!egl.library) return ContextError{egl.library.error()};
   if (!egl.load()) return ContextError{"libEGL is older than 1.4"};

@@ -41,7 +41,7 @@ TEST_CASE("a document of the network refers to the network only") {
     CHECK(all.refuse_file({from, AddressSpace::loopback}, "/etc/passwd"));
   }
   CHECK(refusal("http://a/", file) ==
-        "a document of http: may not refer to file:; expected one of data, http, https, cells");
+        "a document of http: may not refer to file:; expected one of data, http, https, ftp, cells");
   CHECK(refusal("http://a/", "http://b/").empty());
   CHECK(refusal("http://a/", "data:,x").empty());
   CHECK(refusal("http://a/", "cells://b/x").empty());
@@ -51,8 +51,8 @@ TEST_CASE("what the user asks for is allowed anywhere") {
   for (const char* to : {"file:///etc/passwd", "http://user:password@localhost/", "cells://127.0.0.1:53/x", "data:,x"})
     CHECK(refusal("", to).empty());
   CHECK(Origin{}.reach() == AddressSpace::special);
-  CHECK(refusal("", "gopher://a") == "the scheme gopher: is not known; expected one of file, data, http, https, cells");
-  CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, cells");
+  CHECK(refusal("", "gopher://a") == "the scheme gopher: is not known; expected one of file, data, http, https, ftp, cells");
+  CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, cells");
 }
 
 TEST_CASE("a file refers to what was allowed and below it, links followed") {
@@ -141,6 +141,16 @@ TEST_CASE("no datagrams to the services of systems") {
   CHECK_FALSE(refusal("file:///a", "cells://b:1023/x").empty());
   CHECK(refusal("http://a/", "cells://b:1024/x").empty());
   CHECK(refusal("http://a/", "cells://b/x").empty());
+}
+
+TEST_CASE("no commands of FTP to the services of systems") {
+  CHECK(refusal("http://a/", "ftp://b:25/x") ==
+        "a document may not have commands of FTP sent to port 25; expected 21, or one from 1024 on");
+  CHECK_FALSE(refusal("file:///a", "ftp://b:1023/x").empty());
+  for (const char* to : {"ftp://b/x", "ftp://b:21/x", "ftp://b:2121/x"}) CHECK(refusal("http://a/", to).empty());
+  CHECK_FALSE(refusal("https://a/", "ftp://b/x").empty());
+  CHECK_FALSE(refusal("http://a/", "ftp://somebody:secret@b/x").empty());
+  CHECK(refusal("", "ftp://b:25/x").empty());
 }
 
 TEST_CASE("which hosts a text may reach") {

@@ -13,8 +13,8 @@ using namespace gs::net;
 TEST_CASE("each scheme has one row") {
   std::set<std::string_view> names;
   for (const Scheme& scheme : schemes()) CHECK(names.insert(scheme.name).second);
-  CHECK(names == std::set<std::string_view>{"file", "http", "https", "data", "cells", "memory"});
-  CHECK_FALSE(find_scheme("ftp"));
+  CHECK(names == std::set<std::string_view>{"file", "http", "https", "ftp", "data", "cells", "memory"});
+  CHECK_FALSE(find_scheme("gopher"));
   CHECK_FALSE(find_scheme("HTTP"));
 }
 

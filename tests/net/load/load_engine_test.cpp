@@ -116,7 +116,7 @@ TEST_CASE("requests that cannot be") {
   request.from = {"http://a/b.wrl"};
   CHECK(message(request) ==
         "cannot load file:///etc/passwd: a document of http: may not refer to file:; expected one of "
-        "data, http, https, cells");
+        "data, http, https, ftp, cells");
   request.url = "cells://a/b";
   CHECK(message(request) == "cannot load cells://a/b: there is no transport for the scheme cells:");
   request.url = "memory:a";

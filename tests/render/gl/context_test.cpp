@@ -1,6 +1,8 @@
 #include "render/gl/context.h"
 
+#include "render/gl/context_backend.h"
 #include "render/gl/range_allocator.h"
+#include "tests/app/scratch_folder.h"
 #include "tests/render/drawing.h"
 
 #include <string>
@@ -50,6 +52,34 @@ TEST_CASE("An unknown backend is refused with the known names") {
   CHECK(message.find("'directx'") != std::string::npos);
   for (const std::string_view name : headless_backends()) CHECK(message.find(name) != std::string::npos);
   CHECK(headless_backends() == std::vector<std::string_view>{"egl", "osmesa"});
+}
+
+TEST_CASE("A machine may have a GPU unless all of its devices are known to be something else") {
+  const ScratchFolder plain;
+  for (const char* name : {"null", "tty63", "ttyS0", "loop-control", "vcsa1", "net/tun", "shm/x", "cpu/0/msr"})
+    plain.write(name, "");
+  CHECK_FALSE(may_have_gpu(plain.path("")));
+  // Mesa, WSL, NVIDIA and its Tegras, Mali, PowerVR, Adreno, VideoCore, Vivante, and what nobody has heard of yet.
+  for (const char* name : {"dri/renderD128", "dxg", "nvidia0", "nvidiactl", "nvmap", "nvhost-gpu", "mali0", "pvrsrvkm",
+                           "kgsl-3d0", "vchiq", "galcore", "kfd", "unheard-of7"}) {
+    const ScratchFolder other;
+    other.write("null", "");
+    other.write(name, "");
+    CHECK(may_have_gpu(other.path("")));
+  }
+  CHECK(may_have_gpu(plain.path("not there")));
+}
+
+TEST_CASE("A driver whose code left the memory draws on, also what it has to compile first") {
+  Drawing drawing;
+  RenderList list;
+  add(list, glowing(square(20), {1, 0, 0}));
+  check_color(pixel(drawing.draw(list), 32, 32), {1, 0, 0});
+  release_driver_code();
+  check_color(pixel(drawing.draw(list), 32, 32), {1, 0, 0});
+  list.items[0] = unlit(square(20));
+  release_driver_code();
+  check_color(pixel(drawing.draw(list), 32, 32), {1, 1, 1});
 }
 
 TEST_CASE("Two renderers take turns") {

@@ -2,6 +2,7 @@
 
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 
@@ -55,6 +56,22 @@ TEST_CASE("Sizes of paper, colours and times are read, and nothing else is") {
   request.dots_per_inch = 20000;
   request.paper = glm::dvec2(254, 254);
   CHECK_FALSE(pixels_of(request));
+}
+
+TEST_CASE("A picture is the same where the system limits how many addresses a program may have") {
+  if (gs::watched()) return;  // it takes terabytes of addresses
+  const ScratchFolder folder;
+  const std::string world = quoted(folder.write("box.wrl", kBox));
+  const auto draw = [&](const std::string& limit, const std::string& name) {
+    const Run run = run_shell(limit + program() + " " + kDraw + "--size 32x24 --snapshot " + quoted(folder.path(name)) +
+                              " " + world);
+    INFO(run.output);
+    CHECK(run.status == 0);
+    return folder.read(name);
+  };
+  const std::string free = draw("", "free.png");
+  CHECK(free.size() > 100);
+  CHECK(draw("ulimit -v 4000000; ", "limited.png") == free);
 }
 
 TEST_CASE("A picture for print has the size of its paper, tells it, and has no background where that is asked for") {
