@@ -32,9 +32,9 @@ void PatchMesh::build(const PatchSurface& surface, const PatchCut& cut) {
   const std::size_t patch = cut.patch;
   const int level = cut.level;
   // A patch of level 0 may have the most vertices on its edges.
-  constexpr std::size_t kMostOnEdges = std::size_t{3} << displaced::kDeepestPatch;
+  constexpr std::size_t kMostOnEdges = std::size_t{3} << displaced::kDeepestPatch, kRoom = 8;
   count_ = patch_vertices(level);
-  if (vertices_.size() < count_ + kMostOnEdges + 3) vertices_.resize(count_ + kMostOnEdges + 3);
+  if (vertices_.size() < count_ + kMostOnEdges + kRoom) vertices_.resize(count_ + kMostOnEdges + kRoom);
   colors_.resize(surface.colored() ? count_ : 0);
   std::size_t first = 0;
   for (int l = 0; l <= level; ++l) {
