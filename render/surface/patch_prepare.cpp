@@ -100,10 +100,11 @@ class PatchPreparation {
   // Samples that follow each other lie in one tile, mostly.
   void find_runs(std::size_t first) {
     const std::size_t count = task_.samples.size();
+    const std::uint32_t* const samples = task_.samples.data();
     while (first < count) {
-      const std::uint32_t tile = task_.samples[first] >> kTileBits;
+      const std::uint32_t tile = samples[first] >> kTileBits;
       std::size_t last = first + 1;
-      while (last < count && task_.samples[last] >> kTileBits == tile) ++last;
+      while (last < count && samples[last] >> kTileBits == tile) ++last;
       task_.runs.push_back({tile, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last)});
       first = last;
     }

@@ -41,12 +41,15 @@ struct UsedTiles {
 
 /// Puts the samples of small triangles that lie in a tile where they are the nearest.
 void put_samples(const PatchTask& task, std::size_t number, bool colored, PatchTile& tile) {
+  const SampleKey* const keys = task.keys.data();
+  const std::uint32_t *const samples = task.samples.data(), *const colors = task.colors.data();
   for (std::uint32_t i = task.run_begin[number]; i < task.run_begin[number + 1]; ++i) {
     const SampleRun& run = task.runs[task.run_order[i]];
     for (std::size_t k = run.first; k < run.last; ++k) {
-      const std::size_t at = task.samples[k] & (kTile * kTile - 1);
-      if (colored && task.keys[k] > tile.nearest[at]) tile.color[at] = task.colors[k];
-      tile.nearest[at] = std::max(tile.nearest[at], task.keys[k]);
+      const std::size_t at = samples[k] & (kTile * kTile - 1);
+      SampleKey& nearest = tile.nearest[at];
+      if (colored && keys[k] > nearest) tile.color[at] = colors[k];
+      nearest = std::max(nearest, keys[k]);
     }
   }
 }
