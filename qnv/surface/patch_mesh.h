@@ -19,7 +19,7 @@ class PatchMesh {
 
   void build(const PatchSurface& surface, const PatchCut& cut);
 
-  /// Behind the last one there is room for three more, so that they can be read four at a time.
+  /// Behind the last one there is room for eight more, so that they can be read eight at a time.
   [[nodiscard]] std::span<const PatchVertex> vertices() const { return std::span(vertices_).first(count_); }
   /// One each; empty where the surface has none.
   [[nodiscard]] const std::vector<Rgb8>& colors() const { return colors_; }
@@ -35,14 +35,18 @@ class PatchMesh {
     std::uint8_t edge = PatchTable::Side::kNone;
     std::uint32_t from = 0;
   };
+  void slide_all(std::span<const PatchTable::Middle> middles, float part);
+  void refine_edges(const PatchSurface& surface, const PatchCut& cut, int deepest);
   void split(const Triangle& corners, const std::array<Side, 3>& sides);
 
   std::size_t count_ = 0;
-  std::vector<PatchVertex> vertices_;  // and three more
+  std::vector<PatchVertex> vertices_;  // and room
   std::vector<Rgb8> colors_;
   std::array<std::vector<PatchTable::Number>, 3> edges_;  // numbers of the vertices of an edge, at its own level
-  std::span<const Triangle> inner_;
-  std::vector<Triangle> border_;
+  std::vector<PatchTable::Number> before_;
+  std::vector<PatchTable::Middle> middles_;
+  std::vector<Triangle> split_;
+  std::span<const Triangle> inner_, border_;
 };
 
 }  // namespace gs::qnv

@@ -126,7 +126,7 @@ void PatchSurface::measure(std::size_t patch) {
   };
   for (int l = 0; l <= level_; ++l) {
     for (const auto& t : patch_table(l).inner) add(t);
-    for (const auto& t : patch_table(l).border) add(t.corners);
+    for (const auto& t : patch_table(l).border) add(t);
   }
   if (const float length = glm::length(sum); length > 0 && finite(sum)) {
     bounds.axis = sum / length;

@@ -1,6 +1,6 @@
 #include "qnv/surface/patch_tables.h"
 
-#include <memory>
+#include <atomic>
 #include <mutex>
 
 namespace gs::qnv {
@@ -17,7 +17,6 @@ PatchTable make_table(int level, const PatchTable* before) {
     const std::size_t known = level == 0 ? 0 : patch_vertices(level - 1);
     at(i, j) = static_cast<PatchTable::Number>(known + table.places.size());
     table.places.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
-    table.on_edge.push_back(j == 0 ? 0 : i + j == n ? 1 : i == 0 ? 2 : 3);
   };
   if (level == 0) {
     add(0, 0);
@@ -32,8 +31,10 @@ PatchTable make_table(int level, const PatchTable* before) {
         add(i, j);
         // A vertex lies half-way along a row, along a column, or between both.
         const std::size_t left = i % 2, below = j % 2;
-        table.parents.push_back(left == 1 && below == 1 ? std::array{at(i + 1, j - 1), at(i - 1, j + 1)}
-                                                        : std::array{at(i - left, j - below), at(i + left, j + below)});
+        if (j > 0 && i > 0 && i + j < n)
+          table.inside.push_back({at(i, j), left == 1 && below == 1
+                                                ? std::array{at(i + 1, j - 1), at(i - 1, j + 1)}
+                                                : std::array{at(i - left, j - below), at(i + left, j + below)}});
       }
   }
   for (std::size_t t = 0; t <= n; ++t) {
@@ -41,6 +42,9 @@ PatchTable make_table(int level, const PatchTable* before) {
     table.edges[1].push_back(at(n - t, t));
     table.edges[2].push_back(at(0, n - t));
   }
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t t = 1; t < n; t += 2)
+      table.on_edges[k].push_back({table.edges[k][t], {table.edges[k][t - 1], table.edges[k][t + 1]}});
   using Side = PatchTable::Side;
   const auto side = [&](bool on, std::uint8_t edge, std::size_t from) {
     return on ? Side{edge, static_cast<std::uint16_t>(from)} : Side{};
@@ -49,10 +53,9 @@ PatchTable make_table(int level, const PatchTable* before) {
     for (std::size_t i = 0; i + j < n; ++i) {
       const std::array corners{at(i, j), at(i + 1, j), at(i, j + 1)};
       const std::array sides{side(j == 0, 0, i), side(i + j + 1 == n, 1, j), side(i == 0, 2, n - 1 - j)};
-      if (j == 0 || i == 0 || i + j + 1 == n)
-        table.border.push_back({corners, sides});
-      else
-        table.inner.push_back(corners);
+      const bool on_border = j == 0 || i == 0 || i + j + 1 == n;
+      (on_border ? table.border : table.inner).push_back(corners);
+      if (on_border) table.sides.push_back(sides);
       if (i + j + 1 < n) table.inner.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   return table;
@@ -62,11 +65,17 @@ PatchTable make_table(int level, const PatchTable* before) {
 
 const PatchTable& patch_table(int level) {
   static std::array<PatchTable, displaced::kDeepestPatch + 1> tables;
-  static std::array<std::once_flag, displaced::kDeepestPatch + 1> made;
-  const auto l = static_cast<std::size_t>(level);
-  const PatchTable* before = level > 0 ? &patch_table(level - 1) : nullptr;
-  std::call_once(made[l], [&] { tables[l] = make_table(level, before); });
-  return tables[l];
+  static std::array<std::atomic<bool>, displaced::kDeepestPatch + 1> ready;
+  static std::mutex making;
+  const auto wanted = static_cast<std::size_t>(level);
+  if (ready[wanted].load(std::memory_order_acquire)) return tables[wanted];
+  const std::lock_guard lock(making);
+  for (std::size_t l = 0; l <= wanted; ++l) {
+    if (ready[l].load(std::memory_order_relaxed)) continue;
+    tables[l] = make_table(static_cast<int>(l), l > 0 ? &tables[l - 1] : nullptr);
+    ready[l].store(true, std::memory_order_release);
+  }
+  return tables[wanted];
 }
 
 }  // namespace gs::qnv

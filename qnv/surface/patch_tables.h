@@ -29,18 +29,20 @@ struct PatchTable {
     std::uint8_t edge = kNone;
     std::uint16_t from = 0;
   };
-  struct BorderTriangle {
-    std::array<Number, 3> corners{};
-    std::array<Side, 3> sides;  // side k from corner k to corner k + 1
+  /// A new vertex, and those between which it lies.
+  struct Middle {
+    Number number;
+    std::array<Number, 2> parents;
   };
 
-  std::vector<displaced::GridPlace> places;    // of the new vertices, in steps of this level
-  std::vector<std::array<Number, 2>> parents;  // of the new vertices: between which they lie; none at level 0
-  std::vector<std::uint8_t> on_edge;           // of the new vertices: the edge that they lie on; 3: none
-  std::array<std::vector<Number>, 3> edges;    // the vertices of edge k, from corner k to corner k + 1
-  std::vector<Number> grid;                    // the numbers of all vertices, row by row (displaced::row_start)
-  std::vector<std::array<Number, 3>> inner;    // triangles without a side on an edge
-  std::vector<BorderTriangle> border;          // the others
+  std::vector<displaced::GridPlace> places;     // of the new vertices, in steps of this level
+  std::vector<Middle> inside;                   // the new vertices that lie on no edge
+  std::array<std::vector<Middle>, 3> on_edges;  // those that lie on edge k, from corner k to corner k + 1
+  std::array<std::vector<Number>, 3> edges;     // the vertices of edge k, from corner k to corner k + 1
+  std::vector<Number> grid;                     // the numbers of all vertices, row by row (displaced::row_start)
+  std::vector<std::array<Number, 3>> inner;     // triangles without a side on an edge
+  std::vector<std::array<Number, 3>> border;    // the others
+  std::vector<std::array<Side, 3>> sides;       // of those in `border`: side k from corner k to corner k + 1
 };
 
 /// Of a level from 0 to displaced::kDeepestPatch. Any thread.

@@ -1,6 +1,7 @@
 #include "render/splat/splat_kernel.h"
 
 #include "render/splat/splat_constants.h"
+#include "render/splat/splat_lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -31,15 +32,6 @@ constexpr std::array<std::uint32_t, 16> kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7, 
 // Of the samples of a block.
 constexpr std::array<float, kBlockSamples> kBlockX = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 constexpr std::array<float, kBlockSamples> kBlockY = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
-
-/// The numbers of the bits that are set, by the bits.
-constexpr std::array<std::array<std::uint8_t, 8>, 256> kPackings = [] {
-  std::array<std::array<std::uint8_t, 8>, 256> table{};
-  for (unsigned lanes = 0; lanes < 256; ++lanes)
-    for (std::uint8_t lane = 0, next = 0; lane < 8; ++lane)
-      if (lanes >> lane & 1u) table[lanes][next++] = lane;
-  return table;
-}();
 
 namespace baseline {
 #define SPLAT_LANES 4

@@ -3,46 +3,51 @@
 #include "render/scene/color_ramps.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
-
-// Without fused multiplications and additions: a vertex that two patches share must come out the same in both.
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#else
-#pragma GCC optimize("fp-contract=off")
-#endif
 
 namespace gs::render {
 namespace {
 
 using qnv::PatchVertex;
 
-using Float4 = float __attribute__((vector_size(16)));
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-
-/// Four of four numbers each: rows become columns.
-inline void transpose(std::array<Float4, 4>& v) {
-  const Float4 a = __builtin_shufflevector(v[0], v[1], 0, 4, 1, 5), b = __builtin_shufflevector(v[2], v[3], 0, 4, 1, 5),
-               c = __builtin_shufflevector(v[0], v[1], 2, 6, 3, 7), d = __builtin_shufflevector(v[2], v[3], 2, 6, 3, 7);
-  v = {__builtin_shufflevector(a, b, 0, 1, 4, 5), __builtin_shufflevector(a, b, 2, 3, 6, 7),
-       __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
-}
-
 std::uint32_t packed_color(const qnv::Rgb8& c) {
   return static_cast<std::uint32_t>(c.r) | static_cast<std::uint32_t>(c.g) << 8 | static_cast<std::uint32_t>(c.b) << 16;
 }
 
+glm::vec3 unpacked_color(std::uint32_t c) {
+  return {static_cast<float>(c & 255u), static_cast<float>(c >> 8 & 255u), static_cast<float>(c >> 16 & 255u)};
+}
+
+/// Memory that is kept from patch to patch, and from picture to picture.
+struct PatchScratch {
+  qnv::PatchMesh mesh;
+  std::vector<ScreenVertex> vertices;
+  SiftedTriangles sifted;
+};
+
 class PatchPreparation {
  public:
   PatchPreparation(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut, const PatchLens& lens,
-                   const PatchGrid& grid, const PatchRasterOptions& options, bool colored, PatchTask& task)
-      : surface_(surface), cut_(cut), lens_(lens), grid_(grid), options_(options), colored_(colored), task_(task) {}
+                   const PatchGrid& grid, const PatchRasterOptions& options, const PatchLook& look,
+                   const PatchKernel& kernel, PatchScratch& scratch, PatchTask& task)
+      : surface_(surface),
+        cut_(cut),
+        lens_(lens),
+        grid_(grid),
+        options_(options),
+        look_(look),
+        kernel_(kernel),
+        mesh_(scratch.mesh),
+        vertices_(scratch.vertices),
+        sifted_(scratch.sifted),
+        task_(task) {}
 
   void run() {
-    task_.vertices.clear();
+    task_.vertices = task_.drawn = 0;
+    task_.keys.clear();
+    task_.samples.clear();
     task_.colors.clear();
+    task_.runs.clear();
     task_.triangles.clear();
     for (std::size_t i = task_.first; i < task_.last; ++i) add(*surface_.parts[cut_.patches[i].part], cut_.patches[i]);
     sort();
@@ -51,71 +56,100 @@ class PatchPreparation {
  private:
   void add(const qnv::PatchSurface& part, const qnv::PatchCut& one) {
     mesh_.build(part, one);
-    const std::size_t count = mesh_.vertices().size(), start = task_.vertices.size();
-    task_.vertices.resize(start + count + 3);
-    lens_.project(mesh_.vertices().data(), count, task_.vertices.data() + start);
-    task_.vertices.resize(start + count);
-    if (colored_) add_colors(one);
-    for (const auto& triangles : {mesh_.inner(), mesh_.border()}) {
-      const ScreenVertex* const v = task_.vertices.data() + start;
-      cut_off_.clear();
-      for (const qnv::PatchMesh::Triangle& t : triangles) {
-        const ScreenVertex &a = v[t[0]], &b = v[t[1]], &c = v[t[2]];
-        if (a.inverse == 0 || b.inverse == 0 || c.inverse == 0)
-          cut_off_.push_back(t);
-        else
-          keep(a, b, c, start + t[0], start + t[1], start + t[2]);
-      }
-      for (const qnv::PatchMesh::Triangle& t : cut_off_) clip(t, start);
+    const std::size_t count = mesh_.vertices().size(), first = task_.samples.size();
+    if (vertices_.size() < count + kPatchRoom) vertices_.resize(count + kPatchRoom);
+    kernel_.project(mesh_.vertices().data(), count, lens_, vertices_.data());
+    task_.vertices += count;
+    if (look_.colored) add_colors(one);
+    draw(mesh_.inner());
+    draw(mesh_.border());
+    find_runs(first);
+  }
+
+  void draw(std::span<const PatchTriangle> triangles) {
+    if (triangles.empty()) return;
+    kernel_.sift(vertices_.data(), triangles, look_, sifted_);
+    task_.drawn += sifted_.narrows + sifted_.wides;
+    draw_small(triangles, std::span(sifted_.narrow).first(sifted_.narrows), 2);
+    draw_small(triangles, std::span(sifted_.wide).first(sifted_.wides), kSmallTriangle);
+    for (std::size_t i = 0; i < sifted_.larges; ++i) {
+      const PatchTriangle& t = triangles[sifted_.large[i]];
+      const ScreenVertex &a = vertices_[t[0]], &b = vertices_[t[1]], &c = vertices_[t[2]];
+      if (a.inverse == 0 || b.inverse == 0 || c.inverse == 0)
+        clip(t);
+      else
+        keep(a, b, c);
+    }
+  }
+
+  void draw_small(std::span<const PatchTriangle> triangles, std::span<const std::uint32_t> chosen, int side) {
+    if (chosen.empty()) return;
+    const std::size_t first = task_.samples.size(),
+                      most = first + chosen.size() * static_cast<std::size_t>(side * side) + kPatchRoom;
+    const auto resize = [&](std::size_t size) {
+      task_.keys.resize(size);
+      task_.samples.resize(size);
+      if (look_.colored) task_.colors.resize(size);
+    };
+    resize(most);
+    const PatchSamples out{task_.keys.data() + first, task_.samples.data() + first,
+                           look_.colored ? task_.colors.data() + first : nullptr};
+    resize(first + kernel_.draw_small(vertices_.data(), triangles.data(), chosen, side, grid_, look_, out));
+  }
+
+  // Samples that follow each other lie in one tile, mostly.
+  void find_runs(std::size_t first) {
+    const std::size_t count = task_.samples.size();
+    const std::uint32_t* const samples = task_.samples.data();
+    while (first < count) {
+      const std::uint32_t tile = samples[first] >> kTileBits;
+      std::size_t last = first + 1;
+      while (last < count && samples[last] >> kTileBits == tile) ++last;
+      task_.runs.push_back({tile, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last)});
+      first = last;
     }
   }
 
   void add_colors(const qnv::PatchCut& one) {
+    const std::span<const PatchVertex> from = mesh_.vertices();
+    const auto fill = [&](const qnv::Rgb8& color) {
+      for (std::size_t i = 0; i < from.size(); ++i) vertices_[i].color = packed_color(color);
+    };
     switch (options_.color_by) {
       case ColorBy::own:
-        for (std::size_t i = 0; i < mesh_.vertices().size(); ++i)
-          task_.colors.push_back(packed_color(mesh_.colors().empty() ? options_.color : mesh_.colors()[i]));
+        if (mesh_.colors().empty()) return fill(options_.color);
+        for (std::size_t i = 0; i < from.size(); ++i) vertices_[i].color = packed_color(mesh_.colors()[i]);
         break;
       case ColorBy::normal:
-        for (const PatchVertex& v : mesh_.vertices()) {
-          const glm::vec3 c = (qnv::unpack_direction(v.normal) * 0.5f + 0.5f) * 255.0f + 0.5f;
+        for (std::size_t i = 0; i < from.size(); ++i) {
+          const glm::vec3 c = (qnv::unpack_direction(from[i].normal) * 0.5f + 0.5f) * 255.0f + 0.5f;
           const auto channel = [](float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f)); };
-          task_.colors.push_back(packed_color({channel(c.x), channel(c.y), channel(c.z)}));
+          vertices_[i].color = packed_color({channel(c.x), channel(c.y), channel(c.z)});
         }
         break;
       case ColorBy::level:
       case ColorBy::age:
-        task_.colors.resize(task_.vertices.size(), packed_color(level_color(one.level, qnv::displaced::kDeepestPatch)));
+        fill(level_color(one.level, qnv::displaced::kDeepestPatch));
         break;
       case ColorBy::chunk:
-        task_.colors.resize(task_.vertices.size(), packed_color(chunk_color(one.patch)));
+        fill(chunk_color(one.patch));
         break;
     }
   }
 
-  // Where it covers no sample it is dropped.
-  void keep(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, std::size_t i, std::size_t j,
-            std::size_t k) {
+  // Where it is not seen it is dropped.
+  void keep(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
     SampleBox box(a, b, c);
     box.limit(0, grid_.width - 1, 0, grid_.height - 1);
     if (box.empty()) return;
-    const std::int64_t area = lens_.mirrors ? -area_of(a, b, c) : area_of(a, b, c);
-    if (area == 0 || (area < 0 && !options_.two_sided)) return;
-    // Most triangles are so small that they have one sample to cover, or miss.
-    if (box.x0 == box.x1 && box.y0 == box.y1 && !holds(a, b, c, area_of(a, b, c) < 0, box)) return;
+    const std::int64_t area = look_.mirrors ? -area_of(a, b, c) : area_of(a, b, c);
+    if (area == 0 || (area < 0 && !look_.two_sided)) return;
     ScreenTriangle& t = task_.triangles.emplace_back();
-    t.corners = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(k)};
+    t.corners = {a, b, c};
     const auto tile = [](int sample) { return static_cast<std::uint32_t>(sample) / kTile; };
     t.tiles =
         tile(box.x0) | tile(box.y0) << 8 | (tile(box.x1) - tile(box.x0)) << 16 | (tile(box.y1) - tile(box.y0)) << 24;
-  }
-
-  [[gnu::always_inline]] static bool holds(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
-                                           bool turned, const SampleBox& box) {
-    const std::int64_t x = std::int64_t{box.x0} * kSubsamples, y = std::int64_t{box.y0} * kSubsamples;
-    const ScreenVertex &second = turned ? c : b, &third = turned ? b : c;
-    const EdgeFunction<std::int64_t> ab(a, second, x, y), bc(second, third, x, y), ca(third, a, x, y);
-    return ab.at >= ab.least && bc.at >= bc.least && ca.at >= ca.least;
+    ++task_.drawn;
   }
 
   /// A corner of what is left of a triangle, in camera space.
@@ -124,14 +158,14 @@ class PatchPreparation {
   };
 
   // Sutherland and Hodgman, against the near plane and the sides of the guard band.
-  void clip(const qnv::PatchMesh::Triangle& triangle, std::size_t start) {
+  void clip(const PatchTriangle& triangle) {
     std::vector<Corner> polygon, next;
     for (const auto number : triangle) {
       const PatchVertex& v = mesh_.vertices()[number];
       Corner& corner = polygon.emplace_back();
       corner.place = glm::vec3(lens_.camera_from_node * glm::vec4(v.position, 1));
       corner.normal = qnv::unpack_direction(v.normal);
-      if (colored_) corner.color = unpacked_color(task_.colors[start + number]);
+      if (look_.colored) corner.color = unpacked_color(vertices_[number].color);
     }
     const glm::vec2 reach = glm::vec2(0.49f * kGuard * kSubsamples) / lens_.scale;
     const std::array<glm::vec4, 5> planes{{{0, 0, -1, -lens_.near_plane * 1.0001f},
@@ -153,22 +187,17 @@ class PatchPreparation {
       }
       polygon.swap(next);
     }
-    const std::size_t first = task_.vertices.size();
+    std::vector<ScreenVertex> corners;
     for (const Corner& corner : polygon) {
       const float depth = -corner.place.z;
       const glm::vec2 at = glm::vec2(corner.place) * lens_.scale / depth + glm::vec2(lens_.center_x, lens_.center_y);
       if (!(depth > 0) || !(std::abs(at.x) + std::abs(at.y) < static_cast<float>(2 * kGuard * kSubsamples))) break;
-      task_.vertices.push_back({static_cast<std::int32_t>(std::lround(at.x)),
-                                static_cast<std::int32_t>(std::lround(at.y)), 1 / depth,
-                                qnv::pack_direction(corner.normal)});
       const auto channel = [](float c) { return static_cast<std::uint8_t>(std::clamp(c, 0.0f, 255.0f)); };
-      if (colored_)
-        task_.colors.push_back(
-            packed_color({channel(corner.color.r), channel(corner.color.g), channel(corner.color.b)}));
+      const qnv::Rgb8 color{channel(corner.color.r), channel(corner.color.g), channel(corner.color.b)};
+      corners.push_back(
+          {std::round(at.x), std::round(at.y), 1 / depth, packed_color(color), corner.normal * (1 / depth), 0});
     }
-    const ScreenVertex* const v = task_.vertices.data() + first;
-    for (std::size_t i = 2; i < task_.vertices.size() - first; ++i)
-      keep(v[0], v[i - 1], v[i], first, first + i - 1, first + i);
+    for (std::size_t i = 2; i < corners.size(); ++i) keep(corners[0], corners[i - 1], corners[i]);
   }
 
   template <class Body>
@@ -179,16 +208,29 @@ class PatchPreparation {
       for (std::size_t x = left; x <= left + right; ++x) body(y * static_cast<std::size_t>(grid_.columns) + x);
   }
 
-  void sort() {
+  /// `each(body)` calls body(tile, number) for all that is to be sorted by tiles, every time in the same order.
+  template <class Each>
+  void sort_by_tiles(Each each, std::vector<std::uint32_t>& begin, std::vector<std::uint32_t>& order) const {
     // Two places on, so that each tile's place can move on while it is filled, and is then where the next one begins.
-    std::vector<std::uint32_t>& begin = task_.begin;
     begin.assign(grid_.size() + 2, 0);
-    for (const ScreenTriangle& t : task_.triangles) for_each_tile(t, [&](std::size_t tile) { ++begin[tile + 2]; });
+    each([&](std::size_t tile, std::size_t) { ++begin[tile + 2]; });
     for (std::size_t tile = 2; tile < begin.size(); ++tile) begin[tile] += begin[tile - 1];
-    task_.order.resize(begin.back());
-    for (std::size_t i = 0; i < task_.triangles.size(); ++i)
-      for_each_tile(task_.triangles[i],
-                    [&](std::size_t tile) { task_.order[begin[tile + 1]++] = static_cast<std::uint32_t>(i); });
+    order.resize(begin.back());
+    each([&](std::size_t tile, std::size_t number) { order[begin[tile + 1]++] = static_cast<std::uint32_t>(number); });
+  }
+
+  void sort() {
+    sort_by_tiles(
+        [&](auto body) {
+          for (std::size_t i = 0; i < task_.runs.size(); ++i) body(task_.runs[i].tile, i);
+        },
+        task_.run_begin, task_.run_order);
+    sort_by_tiles(
+        [&](auto body) {
+          for (std::size_t i = 0; i < task_.triangles.size(); ++i)
+            for_each_tile(task_.triangles[i], [&](std::size_t tile) { body(tile, i); });
+        },
+        task_.begin, task_.order);
   }
 
   const qnv::SurfacePatches& surface_;
@@ -196,39 +238,21 @@ class PatchPreparation {
   const PatchLens& lens_;
   const PatchGrid& grid_;
   const PatchRasterOptions& options_;
-  bool colored_;
+  const PatchLook& look_;
+  const PatchKernel& kernel_;
+  qnv::PatchMesh& mesh_;
+  std::vector<ScreenVertex>& vertices_;
+  SiftedTriangles& sifted_;
   PatchTask& task_;
-  qnv::PatchMesh mesh_;
-  std::vector<qnv::PatchMesh::Triangle> cut_off_;
 };
 
 }  // namespace
 
-void PatchLens::project(const PatchVertex* from, std::size_t count, ScreenVertex* to) const {
-  constexpr float kFar = static_cast<float>(kGuard) * kSubsamples;
-  for (std::size_t i = 0; i < count; i += 4) {
-    std::array<Float4, 4> v;
-    std::memcpy(v.data(), from + i, sizeof(v));
-    transpose(v);
-    const auto dot = [&](const glm::vec4& row) { return v[0] * row.x + v[1] * row.y + v[2] * row.z + row.w; };
-    const Float4 d = dot(depth), inverse = 1.0f / d;
-    const Float4 sx = dot(x) * inverse + center_x, sy = dot(y) * inverse + center_y;
-    const Int4 good = (d > near_plane) & (d < 3e38f) & (sx > -kFar) & (sx < kFar) & (sy > -kFar) & (sy < kFar);
-    const auto kept = [&](const Float4& value) { return std::bit_cast<Float4>(std::bit_cast<Int4>(value) & good); };
-    // To the nearest, on both sides of zero.
-    const auto rounded = [&](const Float4& value) {
-      const Float4 positive = kept(value) + (kFar + 0.5f);
-      return std::bit_cast<Float4>(__builtin_convertvector(positive, Int4) - static_cast<std::int32_t>(kFar));
-    };
-    v = {rounded(sx), rounded(sy), kept(inverse), v[3]};
-    transpose(v);
-    std::memcpy(static_cast<void*>(to + i), v.data(), sizeof(v));
-  }
-}
-
 void prepare_patches(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut, const PatchLens& lens,
-                     const PatchGrid& grid, const PatchRasterOptions& options, bool colored, PatchTask& task) {
-  PatchPreparation(surface, cut, lens, grid, options, colored, task).run();
+                     const PatchGrid& grid, const PatchRasterOptions& options, const PatchLook& look,
+                     const PatchKernel& kernel, PatchTask& task) {
+  thread_local PatchScratch scratch;
+  PatchPreparation(surface, cut, lens, grid, options, look, kernel, scratch, task).run();
 }
 
 }  // namespace gs::render

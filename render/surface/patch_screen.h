@@ -1,7 +1,7 @@
 #pragma once
 
-#include "qnv/surface/patch_mesh.h"
 #include "render/splat/splat_camera.h"
+#include "render/splat/splat_raster.h"
 
 #include <glm/glm.hpp>
 
@@ -16,18 +16,22 @@ namespace gs::render {
 
 inline constexpr int kSubsampleBits = 8, kSubsamples = 1 << kSubsampleBits;  // places of a vertex between two samples
 inline constexpr int kGuard = 8192;                                          // samples beyond which a triangle is cut
+inline constexpr int kSmallTriangle = 4;  // samples that a triangle is wide and high which is drawn at once
 
-/// A vertex on the screen: places count in 1 / kSubsamples of samples from the middle of sample (0, 0).
-struct ScreenVertex {
-  std::int32_t x, y;
-  float inverse;  // of its depth; 0: the triangle must be cut
-  std::uint32_t normal;
+/// A vertex on the screen: places are whole numbers, and count in 1 / kSubsamples of samples from the middle of sample
+/// (0, 0).
+struct alignas(32) ScreenVertex {
+  float x, y;
+  float inverse;        // of its depth; 0: the triangle must be cut
+  std::uint32_t color;  // red, green << 8, blue << 16; used only where vertices have colours
+  glm::vec3 normal;     // node space, times `inverse`
+  float unused;
 };
-static_assert(sizeof(ScreenVertex) == 16 && sizeof(qnv::PatchVertex) == 16);
+static_assert(sizeof(ScreenVertex) == 32);
 
-/// Corners are vertices of the task.
+/// One that is drawn tile by tile.
 struct ScreenTriangle {
-  std::array<std::uint32_t, 3> corners;
+  std::array<ScreenVertex, 3> corners;
   std::uint32_t tiles;  // the first that it meets: column | row << 8; how many more: << 16, << 24
 };
 
@@ -54,9 +58,6 @@ struct PatchLens {
     center_x = (camera.tangents.x - camera.center.x) * scale.x - 0.5f * kSubsamples;
     center_y = (camera.tangents.y - camera.center.y) * scale.y - 0.5f * kSubsamples;
   }
-
-  /// `to` and `from` have room for a multiple of four.
-  void project(const qnv::PatchVertex* from, std::size_t count, ScreenVertex* to) const;
 };
 
 /// The tiles of a picture.
@@ -70,27 +71,59 @@ struct PatchGrid {
   int columns, rows, width, height;
 };
 
+/// What the triangles of a surface have in common.
+struct PatchLook {
+  bool two_sided = false, mirrors = false, colored = false;
+};
+
+/// A sample that a triangle covers is a number that is the greater the nearer it is: the bits of 1 / depth, which is
+/// positive, and below them its normal as an octahedron unfolded, 16 bits x and 16 bits y.
+using SampleKey = std::uint64_t;
+using SampleKeys = std::vector<SampleKey, SplatAllocator<SampleKey>>;
+/// Of a triangle: where it is, tile << kTileBits | row in it * kTile | column in it; in a tile that last part alone.
+using SampleNumbers = std::vector<std::uint32_t, SplatAllocator<std::uint32_t>>;
+inline constexpr int kTileBits = 12;
+static_assert(kTile * kTile == 1 << kTileBits && kGuard / kTile * (kGuard / kTile) << kTileBits > 0);
+
+/// A colour of a sample: 10 bits each, in quarters of 1 / 255.
+inline constexpr int kSampleColorBits = 10;
+
+/// The samples of one tile, row by row.
+struct alignas(64) PatchTile {
+  std::array<SampleKey, kTile * kTile> nearest;  // 0: nothing
+  std::array<std::uint32_t, kTile * kTile> color;
+};
+
+/// Consecutive samples of a task that lie in one tile.
+struct SampleRun {
+  std::uint32_t tile, first, last;
+};
+
 /// What one task prepares.
 struct PatchTask {
-  std::size_t first = 0, last = 0;  // patches of the cut
-  std::vector<ScreenVertex> vertices;
-  std::vector<std::uint32_t> colors;
+  std::size_t first = 0, last = 0;      // patches of the cut
+  std::size_t vertices = 0, drawn = 0;  // and triangles
+  SampleKeys keys;
+  SampleNumbers samples, colors;
+  std::vector<SampleRun> runs;
   std::vector<ScreenTriangle> triangles;
-  std::vector<std::uint32_t> begin, order;  // triangles of each tile, tile by tile
+  // Numbers of runs and of triangles in each tile, tile by tile.
+  std::vector<std::uint32_t> run_begin, run_order, begin, order;
 };
 
 /// Twice the area, positive where the corners go counter-clockwise.
 inline std::int64_t area_of(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
-  return static_cast<std::int64_t>(b.x - a.x) * (c.y - a.y) - static_cast<std::int64_t>(b.y - a.y) * (c.x - a.x);
+  const auto whole = [](float v) { return static_cast<std::int64_t>(v); };
+  return whole(b.x - a.x) * whole(c.y - a.y) - whole(b.y - a.y) * whole(c.x - a.x);
 }
 
 /// The first and last samples that three places on the screen may hold between them.
 struct SampleBox {
   SampleBox(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c)
-      : x0((std::min({a.x, b.x, c.x}) + kSubsamples - 1) >> kSubsampleBits),
-        x1(std::max({a.x, b.x, c.x}) >> kSubsampleBits),
-        y0((std::min({a.y, b.y, c.y}) + kSubsamples - 1) >> kSubsampleBits),
-        y1(std::max({a.y, b.y, c.y}) >> kSubsampleBits) {}
+      : x0((whole(std::min({a.x, b.x, c.x})) + kSubsamples - 1) >> kSubsampleBits),
+        x1(whole(std::max({a.x, b.x, c.x})) >> kSubsampleBits),
+        y0((whole(std::min({a.y, b.y, c.y})) + kSubsamples - 1) >> kSubsampleBits),
+        y1(whole(std::max({a.y, b.y, c.y})) >> kSubsampleBits) {}
   void limit(int left, int right, int bottom, int top) {
     x0 = std::max(x0, left);
     x1 = std::min(x1, right);
@@ -98,25 +131,8 @@ struct SampleBox {
     y1 = std::min(y1, top);
   }
   [[nodiscard]] bool empty() const { return x0 > x1 || y0 > y1; }
+  static int whole(float v) { return static_cast<int>(v); }
   int x0, x1, y0, y1;
 };
-
-/// Positive inside, and exactly the negative of that of the triangle on the other side.
-template <class Number>
-struct EdgeFunction {
-  Number at, right, up;  // at a sample, and what the next one adds
-  Number least;          // which of two triangles a sample on the edge belongs to
-  EdgeFunction(const ScreenVertex& a, const ScreenVertex& b, Number x, Number y) {
-    const Number dx = b.x - a.x, dy = b.y - a.y;
-    at = dx * (y - a.y) - dy * (x - a.x);
-    right = -dy * kSubsamples;
-    up = dx * kSubsamples;
-    least = dy < 0 || (dy == 0 && dx > 0) ? 0 : 1;
-  }
-};
-
-inline glm::vec3 unpacked_color(std::uint32_t c) {
-  return {static_cast<float>(c & 255u), static_cast<float>(c >> 8 & 255u), static_cast<float>(c >> 16 & 255u)};
-}
 
 }  // namespace gs::render

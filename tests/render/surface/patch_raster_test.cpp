@@ -2,6 +2,7 @@
 
 #include "render/rays/surface_pick.h"
 #include "render/splat/splat_pieces.h"
+#include "render/surface/patch_kernel.h"
 #include "tests/qnv/surface/patch_shapes.h"
 #include "tests/render/clouds.h"
 
@@ -11,6 +12,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
+#include <tuple>
 
 namespace gs::render::patch_raster_test {
 namespace {
@@ -125,6 +128,78 @@ TEST_CASE("a closed surface of mixed levels has no pinholes, and comes out the s
   }
 }
 
+TEST_CASE("all kernels of the patch rasteriser give the same bits", "[optimised]") {
+  const std::span<const PatchKernel> kernels = patch_kernels();
+  REQUIRE(!kernels.empty());
+  // Triangles of parts of a sample up to those of whole tiles, with and without colours, mirrored, cut by the near plane.
+  const glm::mat4 mirrored = glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1));
+  for (const bool colored : {false, true}) {
+    const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(6, 4)), 3, 0, colored), 3);
+    for (const SplatView& view :
+         {view_from({2.5f, 0.7f, 1.2f}, 99, 2), view_from({2.5f, 0.7f, 1.2f}, 60, 1, mirrored),
+          view_from({12, 7, 9}, 70, 4), view_from({0.5f, 0.3f, 0.25f}, 150, 1), view_from({3, 1, 1}, 24, 8)})
+      for (const float error : {2.0f, 50.0f}) {
+        const qnv::SurfaceCut cut = cut_for(surface, view, error, false);
+        for (const bool two_sided : {false, true}) {
+          const PatchRasterOptions options{two_sided, {}, ColorBy::own};
+          const SplatLayer first = rasterize_patches(surface, cut, view, options, kernels.front());
+          CHECK(first.colors.empty() == !colored);
+          CHECK(covered(first) > 20);
+          for (const PatchKernel& kernel : kernels.subspan(1)) {
+            INFO(kernels.front().name << " and " << kernel.name << ", " << view.width << ", " << error);
+            const SplatLayer other = rasterize_patches(surface, cut, view, options, kernel);
+            CHECK(std::tie(first.x, first.y, first.width, first.drawn) ==
+                  std::tie(other.x, other.y, other.width, other.drawn));
+            CHECK(first.normals == other.normals);
+            CHECK(first.depth == other.depth);
+            CHECK(first.colors == other.colors);
+          }
+        }
+      }
+  }
+}
+
+TEST_CASE("nothing is left out of a surface that fills the picture, be its triangles small or large") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 4), 4);
+  for (const int size : {20, 90, 300}) {
+    const SplatView inside = view_from({0.1f, 0.2f, 0.3f}, size, 1);
+    for (const float error : {0.1f, 3.0f, 40.0f}) {
+      const qnv::SurfaceCut cut = cut_for(surface, inside, error, false);
+      INFO(size << ", " << error);
+      CHECK(covered(rasterize_patches(surface, cut, inside, {true, {}, ColorBy::own})) ==
+            static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+    }
+  }
+}
+
+TEST_CASE("the layer is the rectangle of tiles that something lies in") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 2), 2);
+  SplatView view = view_from({40, 0, 0}, 512, 1);
+  const SplatLayer layer = rasterize_patches(surface, cut_for(surface, view, 1), view, {});
+  CHECK(layer.x == 192);
+  CHECK(layer.y == 192);
+  CHECK(layer.width == 128);
+  CHECK(layer.height == 128);
+  CHECK(covered(layer) > 300);
+  view.center = glm::vec2(5);  // beside it
+  CHECK(rasterize_patches(surface, cut_for(surface, view, 1), view, {}).empty());
+}
+
+TEST_CASE("colours of a surface come through, small triangles or large") {
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(ball(2)), 3), 3);
+  const SplatView view = view_from({3, 0, 0}, 64, 2);
+  for (const float error : {1.0f, 30.0f}) {
+    const qnv::SurfaceCut cut = cut_for(surface, view, error);
+    const SplatLayer layer = rasterize_patches(surface, cut, view, {false, {}, ColorBy::normal});
+    REQUIRE(layer.colors.size() == layer.normals.size());
+    // In the middle the surface looks along x.
+    const std::size_t middle = static_cast<std::size_t>((32 - layer.y) * layer.width + 32 - layer.x);
+    CHECK(layer.colors[4 * middle] > 200);
+    CHECK(std::abs(layer.colors[4 * middle + 1] - 128) < 60);
+    CHECK(std::abs(layer.colors[4 * middle + 2] - 128) < 60);
+  }
+}
+
 TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole surface", "[optimised]") {
   const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(12, 8)), 5, 0, true), 5);
   const SplatView view = view_from({4, 1, 2}, 128, 2);
@@ -132,7 +207,7 @@ TEST_CASE("the picture of a cut whose edges are a pixel is that of the whole sur
   const SplatLayer fine = rasterize_patches(surface, cut_for(surface, view, 1), view, {});
   const SplatLayer coarse = rasterize_patches(surface, cut_for(surface, view, 30), view, {});
   CHECK(fine.discs < whole.discs);
-  CHECK(likeness(whole, fine) > 30);
+  CHECK(likeness(whole, fine) > 29);  // where something lies
   CHECK(likeness(whole, coarse) < likeness(whole, fine) - 6);
   CHECK(!whole.colors.empty());
 }
