@@ -76,6 +76,8 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
     } else if (type == qnv::ChunkType::displaced) {
       const auto header = qnv::displaced::decode_cluster_header(payload);
       if (header) level = header->kind == qnv::displaced::ClusterHeader::Kind::base ? 0 : header->level;
+    } else if (type == qnv::ChunkType::piece) {
+      level = 0;
     } else if (type == qnv::ChunkType::voxels) {
       const auto read = qnv::read_volume_cluster_header(payload);
       if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;

@@ -4,6 +4,7 @@
 #include "qnv/records/record.h"
 #include "qnv/records/records_payload.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -77,17 +78,33 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
   return decoded;
 }
 
+// All chunks of a payload are of one type.
+constexpr std::array<ChunkType, 4> only(ChunkType type) { return {type, type, type, type}; }
+
 constexpr std::array<PayloadRow, 5> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, ChunkType::records, ChunkType::records, kRecordsHeaderBytes,
-     kRecordBytes, 1200 / kRecordBytes, encode_records, decode_vectors},
-    {Payload::packed, "packed", PayloadReader::levels, ChunkType::packed, ChunkType::packed, 0, 0, 0, encode_packed,
+    {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
+     1200 / kRecordBytes, encode_records, decode_vectors},
+    {Payload::packed, "packed", PayloadReader::levels, only(ChunkType::packed), 0, 0, 0, encode_packed, decode_vectors},
+    {Payload::outlines,
+     "outlines",
+     PayloadReader::polygons,
+     {ChunkType::outlines, ChunkType::inner, ChunkType::inner, ChunkType::inner},
+     0,
+     0,
+     0,
+     encode_groups,
+     decode_polygons},
+    {Payload::displaced,
+     "displaced",
+     PayloadReader::vectors,
+     {ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact},
+     0,
+     0,
+     0,
+     encode_base_and_displacements,
      decode_vectors},
-    {Payload::outlines, "outlines", PayloadReader::polygons, ChunkType::outlines, ChunkType::inner, 0, 0, 0,
-     encode_groups, decode_polygons},
-    {Payload::displaced, "displaced", PayloadReader::vectors, ChunkType::displaced, ChunkType::exact, 0, 0, 0,
-     encode_base_and_displacements, decode_vectors},
-    {Payload::voxels, "voxels", PayloadReader::vectors, ChunkType::voxels, ChunkType::voxels, 0, 0, 0,
-     encode_volume_vectors, decode_vectors},
+    {Payload::voxels, "voxels", PayloadReader::vectors, only(ChunkType::voxels), 0, 0, 0, encode_volume_vectors,
+     decode_vectors},
 }};
 
 // The table is in the order of the numbers, some of which are no payload's.
@@ -114,7 +131,7 @@ const PayloadRow* payload_of(std::span<const std::byte> bytes) {
   return number ? row_with(*number) : nullptr;
 }
 
-bool carries(const PayloadRow& row, ChunkType type) { return type == row.chunk || type == row.inner_chunk; }
+bool carries(const PayloadRow& row, ChunkType type) { return std::ranges::find(row.chunks, type) != row.chunks.end(); }
 
 std::optional<ChunkParts> cut_chunk(const PayloadRow& row, std::span<const std::byte> chunk) {
   const std::optional<ChunkHead> head = chunk_head(chunk);

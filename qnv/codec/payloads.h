@@ -7,6 +7,7 @@
 #include "qnv/outline/outline_stream.h"
 #include "qnv/stream/container.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -48,10 +49,10 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
-  ChunkType chunk, inner_chunk;  // the types of its chunks; often one and the same
-  std::size_t head_bytes;        // of a chunk's payload, of which nothing may be missing
-  std::size_t record_bytes;      // behind them, each of use by itself; 0: a chunk is of use only as a whole
-  std::size_t packet_records;    // that travel together and are lost together
+  std::array<ChunkType, 4> chunks;  // the types of its chunks; often one and the same
+  std::size_t head_bytes;           // of a chunk's payload, of which nothing may be missing
+  std::size_t record_bytes;         // behind them, each of use by itself; 0: a chunk is of use only as a whole
+  std::size_t packet_records;       // that travel together and are lost together
   /// Makes a stream; an error where the payload is not made of such a source. `options.payload` does not count, nor do
   /// the others for polygons, which have their own. Blocking; any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,

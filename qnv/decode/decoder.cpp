@@ -88,6 +88,10 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     });
   } else if (type == ChunkType::displaced && header()->payload == Payload::displaced) {
     surface_.add(payload);
+  } else if (type == ChunkType::piece && header()->payload == Payload::displaced) {
+    surface_.add_piece(payload);
+  } else if (type == ChunkType::shading && header()->payload == Payload::displaced) {
+    exact_.add_shading(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {

@@ -7,42 +7,11 @@
 
 #include <glm/geometric.hpp>
 
-#include <cmath>
-#include <numbers>
-#include <numeric>
 #include <utility>
 
 namespace gs::qnv {
-namespace {
 
 using displaced::kNone;
-
-/// Corners, numbered 3 t + k, that are shaded as one: those beside an edge that is no crease.
-std::vector<std::uint32_t> shaded_together(const exact::ExactMesh& mesh, const std::vector<glm::vec3>& faces) {
-  std::vector<std::uint32_t> sets(3 * mesh.triangles.size());
-  std::iota(sets.begin(), sets.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (sets[i] != i) i = sets[i] = sets[sets[i]];
-    return i;
-  };
-  const auto next = [](std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; };
-  const auto cosine = static_cast<float>(std::cos((mesh.crease_angle + 0.01) * std::numbers::pi / 180));
-  const bool smooth = mesh.crease_angle >= 180;
-  for (std::uint32_t side = 0; side < sets.size(); ++side) {
-    const std::uint32_t twin = mesh.twins[side];
-    if (twin == kNone || twin < side) continue;
-    // What has no area has no direction, and is no crease.
-    const glm::vec3 &n = faces[side / 3], &m = faces[twin / 3];
-    const float lengths = glm::length(n) * glm::length(m);
-    if (!smooth && lengths > 0 && glm::dot(n, m) < cosine * lengths) continue;
-    sets[find(side)] = find(next(twin));
-    sets[find(next(side))] = find(twin);
-  }
-  for (std::uint32_t i = 0; i < sets.size(); ++i) sets[i] = find(i);
-  return sets;
-}
-
-}  // namespace
 
 void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors) {
   if (done_) return;
@@ -50,45 +19,39 @@ void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::
     ++count_.refused;
     return;
   }
-  if (const auto tail = pieces_.take()) make(*tail, box, most_vectors);
+  if (auto tail = pieces_.take()) {
+    tail_ = std::move(*tail);
+    make(box, most_vectors);
+  }
 }
 
-void ExactSurface::make(std::span<const std::byte> tail, const Box& box, std::size_t most_vectors) {
+void ExactSurface::add_shading(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors) {
+  const auto shading = exact::decode_shading(payload);
+  if (!shading || (shading_ && *shading_ != *shading)) {
+    ++count_.refused;
+    return;
+  }
+  if (shading_) return;
+  shading_ = shading;
+  if (whole_) make(box, most_vectors);
+}
+
+void ExactSurface::make(const Box& box, std::size_t most_vectors) {
   done_ = true;
-  const auto size = exact::tail_size(tail);
+  whole_ = false;
+  count_.vectors = 0;
+  const auto size = exact::tail_size(tail_);
   if (size && (size->vertices > most_vectors || size->triangles / 2 > most_vectors)) {
     count_.full = true;
     return;
   }
-  const auto mesh = exact::decode_tail(tail, most_vectors);
+  const auto mesh = exact::decode_tail(tail_, most_vectors);
   if (!mesh) {
     ++count_.refused;
     return;
   }
-  std::vector<glm::vec3> faces;
-  faces.reserve(mesh->triangles.size());
-  for (const displaced::Corners& t : mesh->triangles) {
-    const glm::vec3 a(mesh->vertices[t[0]]);
-    faces.push_back(glm::cross(glm::vec3(mesh->vertices[t[1]]) - a, glm::vec3(mesh->vertices[t[2]]) - a));
-  }
-  const std::vector<std::uint32_t> sets = shaded_together(*mesh, faces);
-  std::vector<std::uint32_t> numbers(sets.size(), kNone);
-  const displaced::Frame frame(box);
-  const float step = frame.size / static_cast<float>((1 << mesh->bits) - 1);
-  triangles_.reserve(sets.size());
-  for (std::uint32_t corner = 0; corner < sets.size(); ++corner) {
-    std::uint32_t& number = numbers[sets[corner]];
-    if (number == kNone) {
-      const std::uint32_t v = mesh->triangles[corner / 3][corner % 3];
-      number = static_cast<std::uint32_t>(positions_.size());
-      const glm::vec3 p = frame.lower + glm::vec3(mesh->vertices[v]) * step;
-      positions_.push_back(finite(p) ? p : frame.lower);
-      normals_.emplace_back(0.0f);
-      if (!mesh->colors.empty()) colors_.push_back(mesh->colors[v]);
-    }
-    normals_[number] += faces[corner / 3];
-    triangles_.push_back(number);
-  }
+  shade(*mesh, box);
+  if (shading_) tail_ = {};
   if (positions_.size() > most_vectors) {
     count_.full = true;
     positions_ = normals_ = {};
@@ -96,14 +59,46 @@ void ExactSurface::make(std::span<const std::byte> tail, const Box& box, std::si
     triangles_ = {};
     return;
   }
-  for (glm::vec3& n : normals_) {
-    const float length = glm::length(n);
-    n = length > 0 ? n / length : glm::vec3(0, 0, 1);
-  }
   whole_ = true;
   bits_ = mesh->bits;
   count_.vectors = positions_.size();
   ++count_.taken;
+}
+
+void ExactSurface::shade(const exact::ExactMesh& mesh, const Box& box) {
+  positions_ = normals_ = {};
+  colors_ = {};
+  triangles_.resize(3 * mesh.triangles.size());
+  std::vector<glm::vec3> faces;
+  faces.reserve(mesh.triangles.size());
+  for (const displaced::Corners& t : mesh.triangles) {
+    const glm::vec3 a(mesh.vertices[t[0]]);
+    faces.push_back(glm::cross(glm::vec3(mesh.vertices[t[1]]) - a, glm::vec3(mesh.vertices[t[2]]) - a));
+  }
+  const exact::Shading own{exact::Shading::Rule::edges, mesh.crease_angle};
+  const std::vector<glm::vec3> normals =
+      exact::corner_normals({mesh.triangles, mesh.twins, faces, mesh.vertices.size()}, shading_ ? *shading_ : own);
+  const displaced::Frame frame(box);
+  const float step = frame.size / static_cast<float>((1 << mesh.bits) - 1);
+  // Of each vertex the number that was given out last, and of each number the one before: most vertices have one.
+  std::vector<std::uint32_t> last(mesh.vertices.size(), kNone), before;
+  constexpr int kMostLooks = 16;
+  for (std::uint32_t corner = 0; corner < triangles_.size(); ++corner) {
+    const std::uint32_t v = mesh.triangles[corner / 3][corner % 3];
+    std::uint32_t number = last[v];
+    for (int looks = 0; number != kNone && normals_[number] != normals[corner];)
+      number = ++looks < kMostLooks ? before[number] : kNone;
+    if (number == kNone) {
+      number = static_cast<std::uint32_t>(positions_.size());
+      before.push_back(last[v]);
+      last[v] = number;
+      const glm::vec3 p = frame.lower + glm::vec3(mesh.vertices[v]) * step;
+      positions_.push_back(finite(p) ? p : frame.lower);
+      normals_.push_back(normals[corner]);
+      if (!mesh.colors.empty()) colors_.push_back(mesh.colors[v]);
+    }
+    triangles_[corner] = number;
+  }
 }
 
 void ExactSurface::append(Cloud& cloud, bool colored) const {

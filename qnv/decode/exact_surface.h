@@ -1,10 +1,12 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
+#include "qnv/exact/exact_mesh.h"
 #include "qnv/exact/tail_pieces.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +23,8 @@ class ExactSurface {
 
   /// The payload of a chunk. `box`: of the stream.
   void add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
+  /// That of one that says how it is shaded; it may come behind the tail.
+  void add_shading(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
   /// Whether it is there.
   [[nodiscard]] bool whole() const { return whole_; }
   /// How many bytes of the tail have come, and how many there are; 0: none have.
@@ -34,9 +38,13 @@ class ExactSurface {
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
-  void make(std::span<const std::byte> tail, const Box& box, std::size_t most_vectors);
+  void make(const Box& box, std::size_t most_vectors);
+  /// Vertices, one for each normal that corners at the same place have.
+  void shade(const exact::ExactMesh& mesh, const Box& box);
 
   exact::TailPieces pieces_;
+  std::vector<std::byte> tail_;  // once all of it has come
+  std::optional<exact::Shading> shading_;
   bool whole_ = false, done_ = false;
   int bits_ = 0;
   Count count_;

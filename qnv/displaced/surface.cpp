@@ -1,6 +1,7 @@
 #include "qnv/displaced/surface.h"
 
 #include "qnv/base/bytes.h"
+#include "qnv/base/short_number.h"
 #include "qnv/displaced/cluster_coder.h"
 #include "qnv/displaced/subdivision.h"
 
@@ -12,21 +13,6 @@
 
 namespace gs::qnv::displaced {
 namespace {
-
-void put_number(std::vector<std::byte>& out, std::uint32_t value) {
-  for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value | 128));
-  out.push_back(static_cast<std::byte>(value));
-}
-
-std::uint32_t get_number(ByteReader& reader) {
-  std::uint32_t value = 0;
-  for (int shift = 0; shift < 28; shift += 7) {
-    const auto byte = reader.integer<std::uint8_t>();
-    value |= static_cast<std::uint32_t>(byte & 127) << shift;
-    if (byte < 128) return value;
-  }
-  return 0xffffffff;
-}
 
 Rgb8 to_rgb(int y, int co, int cg) {
   const int t = y - (cg >> 1), g = cg + t, b = t - (co >> 1), r = b + co;

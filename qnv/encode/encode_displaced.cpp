@@ -6,10 +6,12 @@
 #include "qnv/encode/survey.h"
 #include "qnv/exact/exact_tail.h"
 #include "qnv/exact/tail_pieces.h"
+#include "qnv/stream/piece_group.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,7 +37,10 @@ constexpr float kMostError = 0.045f;
 constexpr std::size_t kMostStages = 4;
 // Of a stage that is followed so much is sent, times the next one's base.
 constexpr double kBeforeNext = 1.5;
-constexpr std::size_t kMostBytesTwice = 5000;
+// Parity of what the last stage, and small parts beside it, begin with, as a part of it, and pieces besides: of a stage
+// whose pieces are lost with 30 % one in a hundred is lost.
+constexpr double kParity = 0.75, kParityBeside = 0.4;
+constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
 constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
 // Bases are made of a mesh of so many triangles, which is close enough to a finer one.
 constexpr std::size_t kCoarseTriangles = 30'000;
@@ -89,71 +94,97 @@ OutgoingChunk chunk_of(StageCluster cluster, const displaced::Frame& frame) {
   return chunk;
 }
 
-/// The base of a later stage.
-OutgoingChunk base_chunk(const EncodedStage& stage, int number, const Box& box) {
-  displaced::ClusterHeader head;
-  head.kind = displaced::ClusterHeader::Kind::base;
-  head.stage = number;
-  OutgoingChunk chunk;
-  chunk.type = ChunkType::displaced;
-  chunk.entry.parent = 0xffffffff;
-  chunk.entry.vectors = static_cast<std::uint32_t>(stage.header.base.vertices.size());
-  chunk.entry.box = box;
-  chunk.payload = displaced::encode_cluster_header(head);
-  chunk.payload.insert(chunk.payload.end(), stage.bytes.begin(), stage.bytes.end());
-  return chunk;
-}
+/// The front of a later stage: its base, and the clusters that must be there before it is shown.
+class StageFront {
+ public:
+  StageFront(const EncodedStage& stage, int number, std::size_t clusters, const Box& box) {
+    displaced::ClusterHeader head;
+    head.kind = displaced::ClusterHeader::Kind::base;
+    head.stage = number;
+    std::vector<std::vector<std::byte>> payloads{displaced::encode_cluster_header(head)};
+    payloads[0].insert(payloads[0].end(), stage.bytes.begin(), stage.bytes.end());
+    entry_.parent = 0xffffffff;
+    entry_.vectors = static_cast<std::uint32_t>(stage.header.base.vertices.size());
+    entry_.box = box;
+    for (std::size_t i = 0; i < clusters; ++i) {
+      payloads.push_back(stage.clusters[i].payload);
+      entry_.vectors += stage.clusters[i].vertices;
+    }
+    pieces_ = stage.header.beside ? cut_group(number, payloads, kParityBeside, kParityBesides)
+                                  : cut_group(number, payloads, kParity, kParityBesides);
+  }
+  void append(bool parity, std::vector<OutgoingChunk>& chunks) {
+    for (std::vector<std::byte>& piece : parity ? pieces_.parity : pieces_.data) {
+      OutgoingChunk& chunk = chunks.emplace_back();
+      chunk.type = ChunkType::piece;
+      chunk.entry = entry_;
+      if (parity || &piece != &pieces_.data.back()) chunk.entry.vectors = 0;
+      chunk.payload = std::move(piece);
+    }
+  }
+
+ private:
+  CutGroup pieces_;
+  DirectoryEntry entry_;
+};
 
 /// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
 /// source.
 std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
-  std::vector<OutgoingChunk> chunks;
+  std::vector<OutgoingChunk> chunks, parity;
   double shown = 0;  // how far the stage before is from the source, as clusters gain
   for (std::size_t i = 0; i < stages.size(); ++i) {
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
-    if (stage.header.beside) {
-      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
-    } else if (i > 0) {
-      std::size_t needed = 0;
+    std::size_t needed = 0, bytes = 0, sent = 0;
+    if (i > 0) {
+      const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
       double then = left;
-      while (needed < std::min<std::size_t>(stage.clusters.size(), 255) && then > shown)
-        then -= stage.clusters[needed++].gain;
-      for (std::size_t k = needed; k < std::min<std::size_t>(stage.clusters.size(), 255); ++k)
+      while (!stage.header.beside && needed < most && then > shown) then -= stage.clusters[needed++].gain;
+      for (std::size_t k = needed; k < most; ++k)
         if (stage.clusters[k].header.layer == 0 && stage.clusters[k].header.level == 1) needed = k + 1;
-      stage.bytes[kClustersAt] = static_cast<std::byte>(needed);
-      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
+      stage.bytes[kClustersAt] = static_cast<std::byte>(stage.header.beside ? 0 : needed);
+      std::size_t grouped = stage.bytes.size();
+      while (sent < needed && grouped + stage.clusters[sent].payload.size() < kMostFrontBytes) {
+        grouped += stage.clusters[sent].payload.size();
+        left -= stage.clusters[sent++].gain;
+      }
+      StageFront front(stage, static_cast<int>(i), sent, box);
+      front.append(false, chunks);
+      // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
+      if (i + 1 == stages.size() || stages[i + 1].header.beside) front.append(true, parity);
+      bytes = grouped - stage.bytes.size();
     }
     const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
-    std::size_t bytes = 0;
-    for (StageCluster& cluster : stage.clusters) {
+    for (; sent < stage.clusters.size(); ++sent) {
+      StageCluster& cluster = stage.clusters[sent];
       if (static_cast<double>(bytes) > most) break;
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
     }
-    // All of a stage is lost without its base: one that costs little comes again.
-    if (i > 0 && !stage.header.beside && stage.bytes.size() <= kMostBytesTwice)
-      chunks.push_back(base_chunk(stage, static_cast<int>(i), box));
     shown = left;
   }
+  std::move(parity.begin(), parity.end(), std::back_inserter(chunks));
   return chunks;
 }
 
 /// The mesh itself, in pieces. `others`: the chunks before it, whose place it takes.
-void append_tail(std::span<const std::byte> tail, std::size_t vertices, const Box& box,
+void append_tail(std::span<const std::byte> tail, std::size_t vertices, const exact::Shading& shading, const Box& box,
                  std::vector<OutgoingChunk>& others) {
   std::uint32_t replaced = 0;
   for (const OutgoingChunk& chunk : others) replaced += chunk.entry.vectors;
-  for (std::vector<std::byte>& piece : exact::pieces_of(tail)) {
+  const auto append = [&](ChunkType type, std::vector<std::byte> payload) {
     OutgoingChunk& chunk = others.emplace_back();
-    chunk.type = ChunkType::exact;
+    chunk.type = type;
     chunk.entry.parent = 0xffffffff;
     chunk.entry.box = box;
-    chunk.payload = std::move(piece);
-  }
+    chunk.payload = std::move(payload);
+  };
+  if (shading.rule != exact::Shading::Rule::edges) append(ChunkType::shading, exact::encode_shading(shading));
+  for (std::vector<std::byte>& piece : exact::pieces_of(tail)) append(ChunkType::exact, std::move(piece));
   OutgoingChunk& last = others.back();
   last.entry.vectors = static_cast<std::uint32_t>(vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
@@ -191,6 +222,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::Frame frame(s.box);
   std::vector<std::byte> tail;
   std::size_t tail_vertices = 0;
+  exact::Shading shading;
   if (options.exact_bits != 0) {
     displaced::SurfaceMesh all = builder.welded();
     for (glm::vec3& p : all.positions) p = frame.inside(p);
@@ -198,6 +230,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     const exact::ExactMesh exact_mesh = exact::quantized(std::move(all), options.exact_bits);
     tail = exact::encode_tail(exact_mesh);
     tail_vertices = exact_mesh.vertices.size();
+    shading = exact_mesh.shading;
     if (tail.size() > exact::kMostTailBytes)
       return EncodeError{"the mesh takes " + std::to_string(tail.size()) + " bytes; expected at most " +
                          std::to_string(exact::kMostTailBytes)};
@@ -278,16 +311,16 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.beside = true;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
-    if (stages.back().bytes.size() >= kMostChunkBytes)
+    if (stages.back().bytes.size() + 8 > kMostGroupBytes)
       return EncodeError{"the surface has small parts of " + std::to_string(stages.back().bytes.size()) +
-                             " bytes; expected less than " + std::to_string(kMostChunkBytes),
+                             " bytes; expected at most " + std::to_string(kMostGroupBytes),
                          true};
   }
   header.base = stages[0].bytes;
   std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
   if (!tail.empty()) {
     keep_first(chunks, room - static_cast<double>(encode_header(header).size()));
-    append_tail(tail, tail_vertices, s.box, chunks);
+    append_tail(tail, tail_vertices, shading, s.box, chunks);
   }
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);
 }

@@ -16,8 +16,8 @@ namespace {
 
 using displaced::BinaryEncoder;
 using displaced::Corners;
+using displaced::kNone;
 
-constexpr std::uint32_t kNone = Gates::kNone;
 // Traversals: two to fit the weights, the second with what the first one found, and one to write.
 constexpr int kFits = 2;
 // How much the usual weights count beside what is measured, of the mean square of what they are applied to.
@@ -170,21 +170,6 @@ class MeshGuide {
   std::uint32_t next_ = 0, now_ = 0, count_ = 0;
 };
 
-std::vector<std::uint32_t> twins_of(const ExactMesh& mesh) {
-  const auto beside = displaced::neighbours_of(mesh.triangles);
-  std::vector<std::uint32_t> twins(mesh.triangles.size() * 3, kNone);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t other = beside[t][k];
-      if (other == kNone) continue;
-      for (std::uint32_t l = 0; l < 3; ++l)
-        if (mesh.triangles[other][l] == mesh.triangles[t][(k + 1) % 3] &&
-            mesh.triangles[other][(l + 1) % 3] == mesh.triangles[t][k])
-          twins[3 * t + k] = 3 * other + l;
-    }
-  return twins;
-}
-
 // The angle that parts the corners that are shaded apart from those that are not, with the fewest edges wrong.
 int crease_angle_of(const displaced::SurfaceMesh& mesh) {
   constexpr float kApart = 0.9995f;  // a cosine
@@ -239,6 +224,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   ExactMesh out;
   out.bits = bits;
   out.crease_angle = crease_angle_of(mesh);
+  out.shading = shading_of(mesh, out.crease_angle);
   for (glm::vec3& p : mesh.positions) p = glm::clamp(glm::floor(p * top + 0.5f), 0.0f, top);
   out.vertices.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);
@@ -255,7 +241,7 @@ std::vector<std::byte> encode_tail(const ExactMesh& mesh) {
   header.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
   header.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   header.weights = kUsual;
-  const std::vector<std::uint32_t> twins = twins_of(mesh);
+  const std::vector<std::uint32_t> twins = twins_of(mesh.triangles);
   std::vector<std::byte> body;
   for (int pass = 0; pass <= kFits; ++pass) {
     BinaryEncoder encoder;

@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/displaced/manifold.h"
+#include "qnv/exact/shading.h"
 
 #include <glm/vec3.hpp>
 
@@ -20,6 +21,7 @@ inline constexpr int kLeastBits = 8, kMostBits = 20;
 struct ExactMesh {
   int bits = 11;                     // kLeastBits to kMostBits
   int crease_angle = 180;            // degrees, to 180: sides that are farther apart are shaded apart
+  Shading shading;                   // of a source: what comes nearest to its normals
   std::vector<glm::ivec3> vertices;  // 0 to 2^bits - 1
   std::vector<Rgb8> colors;          // one a vertex, or none at all
   std::vector<displaced::Corners> triangles;

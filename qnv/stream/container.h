@@ -38,6 +38,8 @@ enum class ChunkType : std::uint8_t {
   displaced = 4,
   voxels = 5,
   exact = 6,
+  piece = 7,
+  shading = 8,
   directory = 254
 };
 

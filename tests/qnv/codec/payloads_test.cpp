@@ -109,7 +109,7 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
 TEST_CASE("chunks are cut so that what may be lost is of use in parts") {
   const std::vector<std::byte> payload(kRecordsHeaderBytes + 24, std::byte{7});
   for (const PayloadRow& row : payload_rows()) {
-    for (const ChunkType type : {row.chunk, row.inner_chunk}) {
+    for (const ChunkType type : row.chunks) {
       CHECK(carries(row, type));
       const std::vector<std::byte> chunk = encode_chunk(type, payload);
       const auto parts = cut_chunk(row, chunk);

@@ -8,7 +8,8 @@ are not 0 (kind n normal, s sideways, 0 to 2 colours), then of the stage that is
 deepest level, "place VERTEX X Y Z", nine significant digits, and "colour VERTEX R G B".
 
 Of an exact tail that has come as a whole then "exact BITS CREASE", "at X Y Z" of each vertex, on the lattice, with "R G B"
-where it has a colour, and "face A B C".
+where it has a colour, and "face A B C"; where a chunk says how it is shaded "shading ANGLE", and "normal CORNER X Y Z" of
+every eleventh corner.
 
 Vertices of a level: those of the base, those of edges in their order (from `from` on), those inside of patches in
 their order, j = 1 first.
@@ -799,6 +800,75 @@ class Tail:
         self.vertex(tuple(place), colour, [min(4 * q, 4000), min(8 * abs(off), 4000), mark])
 
 
+def shaded(tail, angle):
+    """The normals of all corners: "Shading"."""
+    faces = []
+    for t in tail.triangles:
+        a, b, c = (tail.places[v] for v in t)
+        faces.append(cross(minus(b, a), minus(c, a)))
+    around = {}
+    for number, t in enumerate(tail.triangles):
+        for v in t:
+            around.setdefault(v, []).append(number)
+    least = math.cos(math.radians(angle + 0.01)) if angle < 180 else -2
+    for number, t in enumerate(tail.triangles):
+        own = unit(faces[number])
+        for v in t:
+            everything = own == (0, 0, 0) or len(around[v]) > 256
+            total = (0, 0, 0)
+            for other in around[v]:
+                if everything or dot(own, unit(faces[other])) >= least:
+                    total = plus(total, faces[other])
+            yield unit(total)
+
+
+class Field:
+    """The field of 256 elements of "Pieces"."""
+
+    def __init__(self):
+        self.power = [1]
+        while len(self.power) < 255:
+            x = 2 * self.power[-1]
+            self.power.append(x ^ 0x11D if x > 255 else x)
+        self.log = {x: i for i, x in enumerate(self.power)}
+
+    def times(self, a, b):
+        return self.power[(self.log[a] + self.log[b]) % 255] if a and b else 0
+
+    def inverse(self, a):
+        return self.power[-self.log[a] % 255]
+
+
+def payloads_of(pieces):
+    """The payloads of a group, from those of its pieces that come last: parity first of all."""
+    field = Field()
+    needed, = {piece[1] for piece in pieces}
+    length, = {struct.unpack_from("<I", piece, 3)[0] for piece in pieces}
+    size = -(-length // needed)
+    by_number = {piece[2]: piece[7:] for piece in pieces}
+    rows = []
+    for number in sorted(by_number)[-needed:]:
+        assert len(by_number[number]) == size
+        weights = [int(i == number) if number < needed else field.inverse(number ^ i) for i in range(needed)]
+        rows.append(weights + list(by_number[number]))
+    for c in range(needed):
+        pivot = next(r for r in range(c, needed) if rows[r][c])
+        rows[c], rows[pivot] = rows[pivot], rows[c]
+        scale = field.inverse(rows[c][c])
+        rows[c] = [field.times(scale, x) for x in rows[c]]
+        for r in range(needed):
+            by = rows[r][c]
+            if r != c and by:
+                rows[r] = [x ^ field.times(by, y) for x, y in zip(rows[r], rows[c])]
+    data = bytes(x for row in rows for x in row[needed:])[:length]
+    at, out = 0, []
+    while at < length:
+        size, at = number_at(data, at)
+        out.append(data[at:at + size])
+        at += size
+    return out
+
+
 def to_rgb(y, co, cg):
     t = y - (cg >> 1)
     g = cg + t
@@ -835,7 +905,7 @@ def unit(a):
     return times(a, 1 / size) if size > 0 else (0, 0, 0)
 
 
-def number(data, at):
+def number_at(data, at):
     value = 0
     for i in range(4):
         value |= (data[at + i] & 127) << (7 * i)
@@ -851,7 +921,7 @@ def main(name):
     assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
-    stages, pieces, origin = {}, {}, None
+    stages, pieces, groups, origin, shading = {}, {}, {}, None, None
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
@@ -861,6 +931,7 @@ def main(name):
             origin = struct.unpack_from("<3d", data, at + 6)
         at += 6 + size
     at = header
+    payloads = []
     while at < len(data):
         mark, size, kind, zero, crc = struct.unpack_from("<HHBBI", data, at)
         payload = data[at + 10:at + 10 + size]
@@ -868,15 +939,25 @@ def main(name):
         at += 10 + size
         if kind == 6:
             pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
-        if kind != 4:
-            continue
+        if kind == 8:
+            assert payload[0] == 1
+            shading = payload[1]
+        if kind == 7:
+            groups.setdefault(payload[0], []).append(payload)
+        if kind == 4:
+            payloads.append(payload)
+    for _, group in sorted(groups.items()):
+        payloads += payloads_of(group)
+    for payload in payloads:
+        if payload[0] & 15 == 0:
+            stages[payload[0] >> 4] = Stage(payload[1:])
+    for payload in payloads:
         what, of = payload[0] & 15, payload[0] >> 4
         if what == 0:
-            stages[of] = Stage(payload[1:])
             continue
         level, layer = payload[1] & 15, payload[1] >> 4
-        first, behind = number(payload, 2)
-        count, behind = number(payload, behind)
+        first, behind = number_at(payload, 2)
+        count, behind = number_at(payload, behind)
         stages[of].add(what, level, layer, first, count, payload[behind:])
     for of, stage in sorted(stages.items()):
         print("stage", of, stage.depth, stage.s, int(stage.colored), stage.clusters, stage.base.b)
@@ -903,6 +984,10 @@ def main(name):
             print("at", *p, *(tail.rgb(tail.colours[v]) if tail.colored else ()))
         for t in tail.triangles:
             print("face", *t)
+        if shading is not None:
+            print("shading", shading)
+            for corner, n in list(enumerate(shaded(tail, shading)))[::11]:
+                print("normal", corner, *("%.6f" % x for x in n))
 
 
 main(sys.argv[1])

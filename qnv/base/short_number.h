@@ -1,0 +1,28 @@
+#pragma once
+
+#include "qnv/base/bytes.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace gs::qnv {
+
+/// A number below 2^28 as 1 to 4 bytes of 7 bits each, the lowest first; bit 7 says that another one follows.
+inline void put_number(std::vector<std::byte>& out, std::uint32_t value) {
+  for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value | 128));
+  out.push_back(static_cast<std::byte>(value));
+}
+
+/// One that does not end is 0xffffffff; behind the end of the bytes it is 0, and the reader tells.
+[[nodiscard]] inline std::uint32_t get_number(ByteReader& reader) {
+  std::uint32_t value = 0;
+  for (int shift = 0; shift < 28; shift += 7) {
+    const auto byte = reader.integer<std::uint8_t>();
+    value |= static_cast<std::uint32_t>(byte & 127) << shift;
+    if (byte < 128) return value;
+  }
+  return 0xffffffff;
+}
+
+}  // namespace gs::qnv
