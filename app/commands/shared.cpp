@@ -18,6 +18,10 @@ void print_diagnostics(const vrml::Diagnostics& diagnostics) {
 }
 
 int write_stats(const std::string& path, const std::string& json) {
+  if (path == "-") {
+    print_text(json);
+    return kDone;
+  }
   std::error_code error;
   if (std::filesystem::exists(path, error)) {
     const auto opened = net::map_file(path);

@@ -56,7 +56,8 @@ int run_snapshot(const Options& options, const std::string& file);
 
 /// Prints diagnostics to stderr, a line each.
 void print_diagnostics(const vrml::Diagnostics& diagnostics);
-/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; the exit status of that. A file
+/// Writes the measurements of a run (`--stats`), a JSON object, complaining on stderr; the exit status of that. To
+/// standard output where the path is "-". A file
 /// that is there is only written over if it holds such measurements: a mistyped name must not cost a world.
 [[nodiscard]] int write_stats(const std::string& path, const std::string& json);
 /// "ghostspace: error: WHAT" on stderr; kFailed.

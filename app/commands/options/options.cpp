@@ -374,7 +374,8 @@ constexpr OptionRow kOtherOptions[] = {
        o.scripts = true;
        return Problem{};
      }},
-    {"--stats", "FILE.json", "", "write measurements of the run: seconds of its phases, bytes, triangles, memory",
+    {"--stats", "FILE.json", "",
+     "write measurements of the run: seconds of its phases, bytes, triangles, memory; - is standard output",
      "open check ",
      [](Options& o, const std::string& v) {
        o.stats = v;

@@ -78,6 +78,9 @@ TEST_CASE("check reports errors with their places, and measures") {
   CHECK(stats["nodes"] == 5);
   CHECK(stats["peak_rss_bytes"] > 100000);
   CHECK(stats["parse_s"] > 0);
+  const Run shown = run("check --stats - " + quoted(good));
+  CHECK(shown.status == 0);
+  CHECK(nlohmann::json::parse(shown.output)["bytes"] == kBox.size());
 }
 
 TEST_CASE("print gives VRML97 that prints the same again") {
