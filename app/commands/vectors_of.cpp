@@ -108,7 +108,8 @@ Metadata metadata_of(const Options& options, const OpenedInput& input, const std
     } else if (pair.first != "source" && !(chosen_up && (pair.first == "up" || pair.first == "front"))) {
       all.push_back(pair);
     }
-  const Upright upright = chosen_up ? upright_of(*options.up) : input.upright;
+  Upright upright = chosen_up ? upright_of(*options.up) : input.upright;
+  upright.three_quarter = input.upright.three_quarter;
   if (chosen_up || !stated_upright(own))
     for (auto& pair : metadata_of(upright)) all.push_back(std::move(pair));
   // What stands as VRML97 has it need not say so, unless something else would.

@@ -134,8 +134,12 @@ void follow_growth(View& view) {
 }  // namespace
 
 Upright upright_of(const View& view) {
-  if (view.style.up != UpAxis::automatic) return upright_of(view.style.up);
   const Upright of_file = view.document ? view.document->upright : Upright{};
+  if (view.style.up != UpAxis::automatic) {
+    Upright chosen = upright_of(view.style.up);
+    chosen.three_quarter = of_file.three_quarter;
+    return chosen;
+  }
   return view.viewpoint && view.navigation.up != of_file.up ? upright_along(view.navigation.up) : of_file;
 }
 

@@ -119,6 +119,8 @@ Pose straightened(const Pose& pose, const glm::vec3& up) {
 Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport, const Upright& upright) {
   const Pose pose;
   if (bounds.empty()) return pose;
+  constexpr float kFromRight = 0.6f, kFromAbove = 0.5f;
+  if (upright.three_quarter) return fitted(pose, bounds, viewport, upright, kFromRight, kFromAbove);
   const glm::dmat3 world_from_own = world_from_upright(upright);
   const render::Camera camera = render::first_camera(turned(bounds, glm::transpose(world_from_own)),
                                                      pose.field_of_view, std::max(viewport.x, 1.0f),

@@ -137,10 +137,11 @@ Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, f
 }
 
 Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height) {
-  constexpr float kFlat = 0.03f, kFromAbove = 0.6f;
+  constexpr float kFlat = 0.12f, kAside = 0.6f;
   const glm::vec3 size = bounds.empty() ? glm::vec3(1) : bounds.size();
-  const bool flat = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
-  return orbit_camera(bounds, 0, flat ? kFromAbove : 0, field_of_view, width, height);
+  const bool lies = size.y <= kFlat * std::max(size.x, size.z) && size.z > kFlat * size.x;
+  const bool edge_on = size.x <= kFlat * std::max(size.y, size.z) && size.z > kFlat * size.y;
+  return orbit_camera(bounds, edge_on ? kAside : 0, lies ? kAside : 0, field_of_view, width, height);
 }
 
 double parallel_height(const Camera& camera, const WorldBounds& bounds, float width, float height) {

@@ -74,8 +74,8 @@ inline constexpr double kFarParallax = 1.0 / 4096;
 [[nodiscard]] Camera orbit_camera(const WorldBounds& bounds, float azimuth, float elevation, float field_of_view,
                                   float width, float height);
 
-/// Where a world without a Viewpoint is first seen from: orbit_camera from +Z, or from somewhat above where
-/// the world is so flat that it would be seen edge on.
+/// Where a world without a Viewpoint is first seen from: orbit_camera from +Z, or from somewhat above or
+/// aside where the world is so flat that it would be seen edge on.
 [[nodiscard]] Camera first_camera(const WorldBounds& bounds, float field_of_view, float width, float height);
 
 /// The Camera::height by which all of `bounds` is within the sides of a picture of these proportions.

@@ -10,6 +10,7 @@
 namespace gs::app {
 namespace {
 
+constexpr std::string_view kThreeQuarter = "three-quarter";
 constexpr std::array<UpAxisRow, 7> kUpAxes{{{UpAxis::automatic, "auto"},
                                             {UpAxis::x, "x"},
                                             {UpAxis::minus_x, "-x"},
@@ -92,8 +93,11 @@ Upright upright_of(UpRule rule, const glm::vec3& size) {
   switch (rule) {
     case UpRule::y:
       break;
-    case UpRule::z:
-      return upright_of(UpAxis::z);
+    case UpRule::z: {
+      Upright upright = upright_of(UpAxis::z);
+      upright.three_quarter = true;
+      return upright;
+    }
     case UpRule::by_shape:
       if (size.z > kStanding * std::max(size.x, size.y)) return {{0, 0, 1}, {0, 1, 0}};
       break;
@@ -112,14 +116,18 @@ Upright upright_of(UpRule rule, const glm::vec3& size) {
 std::optional<Upright> stated_upright(StreamMetadata metadata) {
   std::optional<glm::vec3> up, front;
   std::optional<Upright> of_space;
+  bool three_quarter = false;
   for (const auto& [key, value] : metadata) {
     if (key == "up") up = vector_of(value);
     if (key == "front") front = vector_of(value);
+    if (key == "view") three_quarter = value == kThreeQuarter;
     if (key == "space") of_space = upright_of_space(value);
   }
   if (!up) return of_space;
-  if (front && glm::dot(*up, *front) == 0) return Upright{*up, *front};
-  return upright_along(*up);
+  Upright upright = upright_along(*up);
+  if (front && glm::dot(*up, *front) == 0) upright.front = *front;
+  upright.three_quarter = three_quarter;
+  return upright;
 }
 
 std::vector<std::pair<std::string, std::string>> metadata_of(const Upright& upright) {
@@ -127,7 +135,8 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Upright& upri
   std::vector<std::pair<std::string, std::string>> metadata;
   if (upright == Upright{} || !up || !front) return metadata;
   metadata.emplace_back("up", *up);
-  if (upright != upright_along(upright.up)) metadata.emplace_back("front", *front);
+  if (upright.front != upright_along(upright.up).front) metadata.emplace_back("front", *front);
+  if (upright.three_quarter) metadata.emplace_back("view", kThreeQuarter);
   return metadata;
 }
 

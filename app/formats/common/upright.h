@@ -18,6 +18,8 @@ namespace gs::app {
 /// and at right angles.
 struct Upright {
   glm::vec3 up{0, 1, 0}, front{0, 0, 1};
+  /// Parts of constructions have no face: they are first seen from the front, the right and above at once.
+  bool three_quarter = false;
 
   [[nodiscard]] glm::vec3 right() const { return glm::cross(up, front); }
   bool operator==(const Upright&) const = default;
@@ -42,7 +44,7 @@ struct UpAxisRow {
 /// What is up in files of a format, by a column of its table.
 enum class UpRule : std::uint8_t {
   y,          // VRML97, glTF, and those that say nothing; splats, which are turned so when they are read
-  z,          // of constructions
+  z,          // of constructions, in a three-quarter view
   by_shape,   // +z, seen from +y, of what is by far the longest along z, else +y: PLY says nothing
   survey,     // +z of what is metres large, as land and buildings are, else +y: points
   slices,     // a stack of pictures: the first is on top, and its first row in front
@@ -53,9 +55,10 @@ enum class UpRule : std::uint8_t {
 [[nodiscard]] Upright upright_of(UpRule rule, const glm::vec3& size);
 
 using StreamMetadata = std::span<const std::pair<std::string, std::string>>;
-/// What a file says itself: keys `up` and `front` of a stream, each an axis, or NRRD's `space` of patients.
+/// What a file says itself: keys `up` and `front` of a stream, each an axis, and `view`, `three-quarter` or nothing; or
+/// NRRD's `space` of patients.
 [[nodiscard]] std::optional<Upright> stated_upright(StreamMetadata metadata);
-/// The keys `up` and `front` that say so; none where it stands as VRML97 has it, or along no axes.
+/// The keys `up`, `front` and `view` that say so; none where it stands as VRML97 has it, or along no axes.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> metadata_of(const Upright& upright);
 
 }  // namespace gs::app

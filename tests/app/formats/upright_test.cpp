@@ -50,6 +50,7 @@ TEST_CASE("Formats say what is up where their files do not") {
   CHECK(upright_of(UpRule::by_shape, {1, 1, 1.6f}) == Upright{{0, 0, 1}, {0, 1, 0}});
   CHECK(upright_of(UpRule::by_shape, {1, 1, 1.4f}) == Upright{});
   CHECK(upright_of(UpRule::by_shape, {0, 0, 0}) == Upright{});
+  CHECK(upright_of(UpRule::z, {1, 1, 1}) == Upright{{0, 0, 1}, {0, -1, 0}, true});
   CHECK(upright_of(UpRule::survey, {60, 40, 9}) == upright_of(UpAxis::z));
   CHECK(upright_of(UpRule::survey, {1, 2, 1}) == Upright{});
 }
@@ -58,6 +59,8 @@ TEST_CASE("A file that says itself what is up is believed, if it makes sense") {
   CHECK_FALSE(stated_upright(Metadata{}));
   CHECK_FALSE(stated_upright(Metadata{{"title", "up"}, {"up", "there"}, {"space", "3D-right-handed"}}));
   CHECK(stated_upright(Metadata{{"up", "z"}}) == upright_of(UpAxis::z));
+  CHECK(stated_upright(Metadata{{"up", "z"}, {"view", "three-quarter"}}) == upright_of(UpRule::z, {}));
+  CHECK(stated_upright(Metadata{{"up", "z"}, {"view", "from afar"}}) == upright_of(UpAxis::z));
   CHECK(stated_upright(Metadata{{"up", "z"}, {"front", "y"}}) == Upright{{0, 0, 1}, {0, 1, 0}});
   CHECK(stated_upright(Metadata{{"up", "z"}, {"front", "-z"}}) == upright_of(UpAxis::z));
   CHECK(stated_upright(Metadata{{"space", "left-posterior-superior"}}) == Upright{{0, 0, 1}, {0, -1, 0}});

@@ -186,9 +186,9 @@ TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is to
 TEST_CASE("The axes in the corner of what no author has dressed show its sides, and the grid says how large it is") {
   Driver user;
   OpenedWorld world = world_of(kBoxes);
-  world.path = "part.stl";
+  world.path = "head.mha";
   world.authored = false;
-  world.up = UpRule::z;
+  world.up = UpRule::patient_s;
   auto document = hold_world(std::move(world));
   begin_world(*document, 1000);
   user.session().show(std::move(document));

@@ -67,6 +67,20 @@ TEST_CASE("The first view has what is up on top and looks from the front") {
   CHECK(first_pose(plate, kPicture, upright_of(UpAxis::z)).forward().z < -0.5f);
 }
 
+TEST_CASE("Parts of constructions are first seen from the front, the right and above, however flat they are") {
+  for (const glm::vec3& size : {glm::vec3(10, 10, 10), glm::vec3(10, 10, 3), glm::vec3(10, 0.1f, 10), glm::vec3(0.1f, 9, 9)}) {
+    render::WorldBounds part;
+    part.add(glm::vec3(0));
+    part.add(size);
+    const Upright upright = upright_of(UpRule::z, size);
+    const Pose pose = first_pose(part, kPicture, upright);
+    CHECK(sees_all(pose, part));
+    const glm::vec3 back = -pose.forward();
+    for (const glm::vec3& side : {upright.front, upright.right(), upright.up}) CHECK(glm::dot(back, side) > 0.4f);
+    CHECK(std::abs(glm::dot(pose.orientation * glm::vec3(1, 0, 0), upright.up)) < 1e-5f);  // the horizon is level
+  }
+}
+
 TEST_CASE("The sides of a thing are seen from where they are, in perspective and by parallel rays") {
   for (const UpAxis axis : {UpAxis::y, UpAxis::z, UpAxis::minus_x}) {
     const Upright upright = upright_of(axis);

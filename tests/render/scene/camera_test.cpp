@@ -103,6 +103,18 @@ TEST_CASE("Azimuth 0, elevation 0 looks from +Z, azimuth turns towards +X, eleva
   CHECK(above.y > 1);
 }
 
+TEST_CASE("What is flat is not first seen edge on") {
+  const auto back = [](const glm::vec3& size) {
+    return glm::vec3(first_camera(box(-size / 2.0f, size / 2.0f), 0.8f, 4, 3).world_from_camera[2]);
+  };
+  for (const glm::vec3& size : {glm::vec3(1, 1, 1), glm::vec3(3, 1, 2), glm::vec3(9, 9, 0.1f), glm::vec3(9, 0.1f, 0.1f)})
+    CHECK(back(size) == glm::vec3(0, 0, 1));
+  CHECK(back({9, 1, 9}).y > 0.5f);  // it lies: from above
+  CHECK(back({9, 1, 9}).x == 0);
+  CHECK(back({1, 9, 9}).x > 0.5f);  // it stands: from aside
+  CHECK(back({1, 9, 9}).y == 0);
+}
+
 TEST_CASE("A camera of an empty world stands where the default Viewpoint does") {
   const Camera camera = fit_depth(orbit_camera({}, 0, 0, 0.785398f, 4, 3), {});
   CHECK(camera.world_from_camera[3].z == Approx(10));
