@@ -27,6 +27,10 @@ constexpr float kCreaseReach = 0.12f;
 // Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
 constexpr float kShadedApart = 0.94f;
 
+// Of a stage that is followed no more levels than these are sent; whether it is can be told so many levels before the
+// last one, by places that are farther than so many edges of the source.
+constexpr int kLevelsSent = 4, kLevelsToTell = 2;
+constexpr float kFar = 2;
 // Places of the target at which the error is looked at, about.
 constexpr std::size_t kErrorSamples = 20'000;
 
@@ -103,9 +107,15 @@ class StageEncoder {
   void make_base(const SurfaceMesh& coarse);
   void displace_base(Surface& surface);
   void displace(Surface& surface, int level);
-  void color(Surface& surface);
+  void color(Surface& surface, int deepest);
   void cut(Surface& surface, ClusterHeader header);
-  [[nodiscard]] float error_of(const Surface& surface) const;
+  /// How far places of the target are from the surface at a level: of all, and of those alone that no finer level
+  /// brings near; root of the mean square.
+  struct Errors {
+    float all, far;
+  };
+  [[nodiscard]] Errors errors_of(const Surface& surface, int level) const;
+  [[nodiscard]] bool surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const;
   void measure(Surface& surface, StageCluster& cluster);
 
   const Target& target_;
@@ -245,11 +255,11 @@ void StageEncoder::displace(Surface& surface, int level) {
     shifts_[layer] = std::move(next_shifts[layer]);
 }
 
-void StageEncoder::color(Surface& surface) {
+void StageEncoder::color(Surface& surface, int deepest) {
   const Patches& patches = surface.patches();
   const glm::ivec3 steps(kLumaStep, kChromaStep, kChromaStep);
   std::vector<glm::ivec3> now, next;
-  for (int level = 0; level <= surface.header().depth; ++level) {
+  for (int level = 0; level <= deepest; ++level) {
     auto& numbers = surface.colors(level);
     const auto& places = level_places_[static_cast<std::size_t>(level)];
     const auto& normals = level_normals_[static_cast<std::size_t>(level)];
@@ -348,19 +358,19 @@ void StageEncoder::cut(Surface& surface, ClusterHeader header) {
   if (cluster.gain > 0 && cluster.payload.size() <= 65535) out_.clusters.push_back(std::move(cluster));
 }
 
-float StageEncoder::error_of(const Surface& surface) const {
+StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) const {
   SurfaceMesh made;
-  const int depth = surface.header().depth;
-  made.positions = level_places_[static_cast<std::size_t>(depth)];
+  made.positions = level_places_[static_cast<std::size_t>(level)];
   const std::vector<glm::vec3>& places = target_.mesh().positions;
-  const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
+  const float edge = std::ldexp(target_.edge(), surface.header().depth - level);
+  const ErrorCells cells(16 * edge, std::max<std::size_t>(1, places.size() / kErrorSamples));
   std::vector<std::uint32_t> grid;
-  const std::size_t n = std::size_t{1} << depth;
+  const std::size_t n = std::size_t{1} << level;
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (cells.near(made.positions[a], 4 * target_.edge())) made.triangles.push_back({a, b, c});
+    if (cells.near(made.positions[a], 4 * edge)) made.triangles.push_back({a, b, c});
   };
   for (std::uint32_t p = 0; p < surface.patches().size(); ++p) {
-    surface.patches().grid(p, depth, grid);
+    surface.patches().grid(p, level, grid);
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t i = 0; i + j < n; ++i) {
         const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
@@ -369,7 +379,7 @@ float StageEncoder::error_of(const Surface& surface) const {
       }
   }
   const TriangleTree tree(made, options_.threads);
-  double sum = 0;
+  double sum = 0, far = 0;
   std::size_t count = 0;
   const float most = 20 * target_.edge();
   for (const glm::vec3& place : places) {
@@ -377,16 +387,28 @@ float StageEncoder::error_of(const Surface& surface) const {
     const SurfacePoint near = tree.nearest(place, most, glm::vec3(0), -1.0f);
     const auto d = static_cast<double>(near.triangle == kNone ? most : near.distance);
     sum += d * d;
+    if (d > static_cast<double>(kFar * target_.edge())) far += d * d;
     ++count;
   }
-  return static_cast<float>(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1))));
+  const auto root = [&](double of) {
+    return static_cast<float>(std::sqrt(of / static_cast<double>(std::max<std::size_t>(count, 1))));
+  };
+  return {root(sum), root(far)};
+}
+
+/// Whether another stage follows, whatever the levels behind this one bring.
+bool StageEncoder::surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const {
+  if (!(options_.most_error > 0) || 4 * surface.patches().size() >= coarse.triangles.size()) return false;
+  const Errors errors = errors_of(surface, level);
+  error = errors.all;
+  return errors.far > options_.most_error && errors.all < options_.trusted_error;
 }
 
 void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   make_base(coarse);
   Surface surface(out_.header);
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
-  const int depth = out_.header.depth;
+  int depth = out_.header.depth;
   displace_base(surface);
   const auto keep = [&](int level) {
     const auto l = static_cast<std::size_t>(level);
@@ -400,9 +422,12 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   for (int level = 1; level <= depth && !cancelled(); ++level) {
     displace(surface, level);
     keep(level);
+    if (level < depth && level == std::max(depth - kLevelsToTell, kLevelsSent) &&
+        surely_followed(surface, level, coarse, out_.error))
+      depth = level;
   }
-  if (options_.colored && !cancelled()) color(surface);
-  out_.error = error_of(surface);
+  if (options_.colored && !cancelled()) color(surface, depth);
+  if (depth == out_.header.depth) out_.error = errors_of(surface, depth).all;
   const std::uint32_t all = surface.patches().size();
   for (int level = 1; level <= depth && !cancelled(); ++level) {
     for (int layer = 0; layer < options_.layers; ++layer)

@@ -251,6 +251,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   std::vector<EncodedStage> stages;
   do {
     stage_options.number = static_cast<int>(stages.size());
+    stage_options.most_error = stages.size() + 1 < kMostStages ? kMostError * target.edge() : 0;
+    stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMostFirstError : 1;
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
     if (stages.empty() && options.only_if_suited &&
@@ -276,6 +278,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.triangles = parts.small.triangles.size();
     stage_options.most_bytes = 0;
     stage_options.beside = true;
+    stage_options.most_error = 0;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
     if (stages.back().bytes.size() >= kMostChunkBytes)
