@@ -18,11 +18,15 @@ class ErrorCells {
     const std::uint64_t number = (std::uint64_t{cell.x} << 42) ^ (std::uint64_t{cell.y} << 21) ^ cell.z;
     return (number * 0x9e3779b97f4a7c15u >> 32) % one_in_ == 0;
   }
-  /// Whether a place is nearer to such a cell than so much, or somewhat farther; less than half a side.
+  /// Whether a place is nearer to such a cell than so much, or somewhat farther; a side at most.
   [[nodiscard]] bool near(const glm::vec3& p, float reach) const {
     if (one_in_ == 1) return true;
-    for (int corner = 0; corner < 8; ++corner)
-      if (has(p + reach * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1))) return true;
+    // Every cell within reach holds one of these.
+    const int step = reach * per_side_ < 0.5f ? 2 : 1;
+    for (int x = -1; x <= 1; x += step)
+      for (int y = -1; y <= 1; y += step)
+        for (int z = -1; z <= 1; z += step)
+          if (has(p + reach * glm::vec3(x, y, z))) return true;
     return false;
   }
 

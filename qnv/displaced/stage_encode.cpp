@@ -30,9 +30,9 @@ constexpr float kCreaseReach = 0.12f;
 constexpr float kShadedApart = 0.94f;
 
 // Of a stage that is followed no more levels than these are sent; whether it is can be told so many levels before the
-// last one, by places that are farther than so many edges of the source.
+// last one, by places that are farther than so many edges of the source for each of them.
 constexpr int kLevelsSent = 4, kLevelsToTell = 2;
-constexpr float kFar = 2;
+constexpr float kFar = 1;
 // Places of the target at which the error is looked at, about.
 constexpr std::size_t kErrorSamples = 20'000;
 constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // for a thread at a time
@@ -343,8 +343,10 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   SurfaceMesh made;
   made.positions = level_places_[static_cast<std::size_t>(level)];
   const std::vector<glm::vec3>& places = target_.mesh().positions;
-  const float edge = std::ldexp(target_.edge(), surface.header().depth - level);
-  const ErrorCells cells(16 * edge, std::max<std::size_t>(1, places.size() / kErrorSamples));
+  const int levels_left = surface.header().depth - level;
+  const float reach = std::ldexp(4 * target_.edge(), levels_left);
+  // The same places at all levels.
+  const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
   const std::size_t n = std::size_t{1} << level, patches = surface.patches().size(),
                     parts = (patches + kErrorPatches - 1) / kErrorPatches;
   std::vector<std::vector<Corners>> triangles(parts);
@@ -353,7 +355,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
       [&](std::size_t part) {
         std::vector<std::uint32_t> grid;
         const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-          if (cells.near(made.positions[a], 4 * edge)) triangles[part].push_back({a, b, c});
+          if (cells.near(made.positions[a], reach)) triangles[part].push_back({a, b, c});
         };
         for (std::size_t p = part * kErrorPatches; p < std::min(patches, (part + 1) * kErrorPatches); ++p) {
           surface.patches().grid(static_cast<std::uint32_t>(p), level, grid);
@@ -386,7 +388,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   for (const float distance : distances) {
     const auto squared = static_cast<double>(distance) * static_cast<double>(distance);
     sum += squared;
-    if (distance > kFar * target_.edge()) far += squared;
+    if (distance > kFar * static_cast<float>(levels_left) * target_.edge()) far += squared;
   }
   const auto root = [&](double of) {
     return static_cast<float>(std::sqrt(of / static_cast<double>(std::max<std::size_t>(count, 1))));
