@@ -1,7 +1,7 @@
-// Bytes against picture error: QNV (displaced, packed, records) beside quadric-simplified meshes as Draco and as gzip'd
-// VRML97.
+// Bytes against picture error: QNV (displaced, with the mesh on a lattice of 12 bits at its end, packed, records)
+// beside quadric-simplified meshes as Draco and as gzip'd VRML97.
 //
-//   rate_distortion MODEL... [--svg PLOT.svg]
+//   rate_distortion MODEL... [--svg PLOT.svg] [--displaced-alone]
 //
 // Prints a Markdown table a model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
 // sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file; a mesh needs a file of its own for each,
@@ -29,6 +29,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -43,7 +44,8 @@ using bench::SurfaceDistance;
 constexpr std::array<std::size_t, 12> kBudgets{1000,   2000,    4000,    8000,    14'700,    32'000,
                                                64'000, 125'000, 250'000, 500'000, 1'000'000, 2'000'000};
 constexpr std::array<bench::View, 6> kViews{{{0, 0}, {60, 20}, {120, -20}, {180, 0}, {240, 30}, {300, -10}}};
-constexpr std::array<const char*, 5> kCodecs{"displaced", "packed", "records", "Draco", "gzip VRML"};
+constexpr std::array<const char*, 6> kCodecs{"displaced", "exact", "packed", "records", "Draco", "gzip VRML"};
+constexpr int kExactBits = 12;
 
 Mesh simplified(const Mesh& mesh, double part) {
   Mesh out;
@@ -72,15 +74,21 @@ struct Measured {
   SurfaceDistance distance;
 };
 using Curve = std::map<std::size_t, Measured>;  // by budget
+using Curves = std::array<Curve, kCodecs.size()>;
 
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
-                     const Mesh& original, qnv::Payload payload, bool two_sided) {
+                     const Mesh& original, qnv::Payload payload, bool two_sided, int exact_bits = 0) {
   qnv::EncodeOptions options;
   options.payload = payload;
   options.two_sided = two_sided;
   options.max_bytes = kBudgets.back();
+  options.exact_bits = exact_bits;
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
-  const auto encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
+  // As the program encodes what it is told nothing of; what it would make an octree of is displaced all the same.
+  options.only_if_suited = payload == qnv::Payload::displaced && exact_bits == 0;
+  auto encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
+  if (std::exchange(options.only_if_suited, false) && std::holds_alternative<qnv::EncodeError>(encoded))
+    encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
   Curve curve;
   const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
   if (!stream) return curve;
@@ -141,8 +149,8 @@ void measure_meshes(Studio& studio, const render::RenderList& full, const std::v
   for (const char* end : {".obj", ".drc", ".out.obj"}) std::filesystem::remove(base + end);
 }
 
-void plot(const std::string& path, const std::vector<std::pair<std::string, std::array<Curve, 5>>>& models) {
-  constexpr std::array<const char*, 5> kColors{"#009944", "#0066cc", "#66a3e0", "#cc3300", "#999999"};
+void plot(const std::string& path, const std::vector<std::pair<std::string, Curves>>& models) {
+  constexpr std::array<const char*, 6> kColors{"#009944", "#004422", "#0066cc", "#66a3e0", "#cc3300", "#999999"};
   std::ofstream out(path);
   const int width = 420, height = 300, columns = 2;
   const int rows = static_cast<int>((models.size() + columns - 1) / columns);
@@ -171,14 +179,14 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, std:
   out << "</svg>\n";
 }
 
-/// Of displaced streams and of Draco's files.
-void print_distances(const std::array<Curve, 5>& curves) {
+/// Of displaced streams, with and without the mesh at their end, and of Draco's files.
+void print_distances(const Curves& curves) {
   std::printf(
-      "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | Draco: geometric PSNR | mean | "
-      "Hausdorff |\n|---:|---:|---:|---:|---:|---:|---:|\n");
+      "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | exact: geometric PSNR | mean | "
+      "Hausdorff | Draco: geometric PSNR | mean | Hausdorff |\n|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const std::size_t budget : kBudgets) {
     std::printf("| %zu |", budget);
-    for (const Curve* curve : {&curves[0], &curves[3]}) {
+    for (const Curve* curve : {&curves[0], &curves[1], &curves[4]}) {
       const auto found = curve->find(budget);
       if (found == curve->end())
         std::printf(" - | - | - |");
@@ -196,14 +204,17 @@ void print_distances(const std::array<Curve, 5>& curves) {
 int main(int count, char** arguments) {
   std::vector<std::string> files;
   std::string svg;
+  bool others = true;
   for (int i = 1; i < count; ++i) {
     if (std::string(arguments[i]) == "--svg" && i + 1 < count)
       svg = arguments[++i];
+    else if (std::string(arguments[i]) == "--displaced-alone")
+      others = false;
     else
       files.emplace_back(arguments[i]);
   }
   if (files.empty()) {
-    std::fprintf(stderr, "usage: rate_distortion MODEL... [--svg PLOT.svg]\n");
+    std::fprintf(stderr, "usage: rate_distortion MODEL... [--svg PLOT.svg] [--displaced-alone]\n");
     return 2;
   }
   Studio studio;
@@ -211,7 +222,7 @@ int main(int count, char** arguments) {
     std::fprintf(stderr, "rate_distortion: no way to draw here\n");
     return 1;
   }
-  std::vector<std::pair<std::string, std::array<Curve, 5>>> models;
+  std::vector<std::pair<std::string, Curves>> models;
   for (const std::string& file : files) {
     app::OpenedWorld world = app::load_world(file);
     if (!world.scene) {
@@ -223,15 +234,21 @@ int main(int count, char** arguments) {
     const app::SurfaceSummary summary = app::summarize_surface(full);
     const auto references = studio.pictures(full, full.bounds, kViews);
     const Mesh original = bench::welded(full);
-    std::array<Curve, 5> curves;
-    curves[0] = measure_stream(studio, full, references, original, qnv::Payload::displaced, summary.two_sided);
-    curves[1] = measure_stream(studio, full, references, original, qnv::Payload::packed, summary.two_sided);
-    curves[2] = measure_stream(studio, full, references, original, qnv::Payload::records, summary.two_sided);
-    measure_meshes(studio, full, references, original, curves[3], curves[4]);
+    Curves curves;
+    const auto stream = [&](qnv::Payload payload, int exact_bits = 0) {
+      return measure_stream(studio, full, references, original, payload, summary.two_sided, exact_bits);
+    };
+    curves[0] = stream(qnv::Payload::displaced);
+    curves[1] = stream(qnv::Payload::displaced, kExactBits);
+    if (others) {
+      curves[2] = stream(qnv::Payload::packed);
+      curves[3] = stream(qnv::Payload::records);
+      measure_meshes(studio, full, references, original, curves[4], curves[5]);
+    }
     const std::string name = std::filesystem::path(file).filename().string();
     std::printf("### %s (%zu triangles)\n\n| budget, bytes |", name.c_str(), summary.triangles);
     for (const char* codec : kCodecs) std::printf(" %s |", codec);
-    std::printf("\n|---:|---:|---:|---:|---:|---:|\n");
+    std::printf("\n|---:|---:|---:|---:|---:|---:|---:|\n");
     for (const std::size_t budget : kBudgets) {
       std::printf("| %zu |", budget);
       for (const Curve& curve : curves) {

@@ -89,7 +89,7 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   } else if (type == ChunkType::displaced && header()->payload == Payload::displaced) {
     surface_.add(payload);
   } else if (type == ChunkType::piece && header()->payload == Payload::displaced) {
-    surface_.add_piece(payload);
+    add_piece(payload);
   } else if (type == ChunkType::shading && header()->payload == Payload::displaced) {
     exact_.add_shading(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
@@ -99,6 +99,18 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   } else {
     ++refused_chunks_;
   }
+}
+
+void StreamDecoder::add_piece(std::span<const std::byte> payload) {
+  const auto piece = read_piece_header(payload);
+  if (!piece) {
+    ++refused_chunks_;
+    return;
+  }
+  PieceGroup& group = groups_[piece->group];
+  if (!group.add(*piece, payload)) ++refused_chunks_;
+  for (const std::vector<std::byte>& each : group.take())
+    add(piece->group < kGroupsOfTails ? ChunkType::displaced : ChunkType::exact, each);
 }
 
 void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing) {

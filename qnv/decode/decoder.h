@@ -6,9 +6,11 @@
 #include "qnv/packed/packed.h"
 #include "qnv/records/records_assembly.h"
 #include "qnv/stream/container.h"
+#include "qnv/stream/piece_group.h"
 #include "qnv/voxels/voxels.h"
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -65,6 +67,7 @@ class StreamDecoder {
  private:
   /// Of a displaced surface: the first stage is a part of the header, and there before any chunk.
   void begin_surface();
+  void add_piece(std::span<const std::byte> payload);
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
 
@@ -75,7 +78,8 @@ class StreamDecoder {
   ClusterForest<Cluster> packed_;
   ClusterForest<VolumeCluster> voxels_;
   SurfaceStages surface_;
-  ExactSurface exact_;                              // shown in its place once it is there
+  ExactSurface exact_;  // shown in its place once it is there
+  std::map<int, PieceGroup> groups_;
   mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;
 };

@@ -135,17 +135,6 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   recount();
 }
 
-void SurfaceStages::add_piece(std::span<const std::byte> payload) {
-  const auto piece = read_piece_header(payload);
-  if (!piece) {
-    ++count_.refused;
-    return;
-  }
-  PieceGroup& group = groups_[piece->group];
-  if (!group.add(*piece, payload)) ++count_.refused;
-  for (const std::vector<std::byte>& each : group.take()) add(each);
-}
-
 const displaced::Surface* SurfaceStages::shown() const {
   for (auto i = stages_.rbegin(); i != stages_.rend(); ++i)
     if (!i->second.header().beside && has_enough(i->second)) return &i->second;

@@ -2,7 +2,6 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/displaced/surface.h"
-#include "qnv/stream/piece_group.h"
 #include "qnv/surface/patch_evaluator.h"
 
 #include <cstddef>
@@ -29,8 +28,6 @@ class SurfaceStages {
   [[nodiscard]] bool begun() const { return begun_; }
   /// The payload of a chunk.
   void add(std::span<const std::byte> payload);
-  /// That of one with a piece of several such.
-  void add_piece(std::span<const std::byte> payload);
   /// What is shown of all that has come: vertices, and triangles between them. `colored`: they have colours, those
   /// whose have not come that of the cloud.
   void append(Cloud& cloud, bool colored) const;
@@ -58,7 +55,6 @@ class SurfaceStages {
   std::map<int, displaced::Surface> stages_;
   std::map<int, PatchEvaluator> evaluators_;            // of stages that were asked for as patches
   std::multimap<int, std::vector<std::byte>> waiting_;  // by stage
-  std::map<int, PieceGroup> groups_;
 };
 
 }  // namespace gs::qnv

@@ -1,6 +1,7 @@
 #include "qnv/displaced/stage_encode.h"
 
 #include "qnv/displaced/cluster_coder.h"
+#include "qnv/displaced/error_cells.h"
 #include "qnv/displaced/simplify.h"
 #include "qnv/displaced/subdivision.h"
 
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace gs::qnv::displaced {
@@ -27,30 +29,13 @@ constexpr float kCreaseReach = 0.12f;
 // Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
 constexpr float kShadedApart = 0.94f;
 
+// Of a stage that is followed no more levels than these are sent; whether it is can be told so many levels before the
+// last one, by places that are farther than so many edges of the source for each of them.
+constexpr int kLevelsSent = 4, kLevelsToTell = 2;
+constexpr float kFar = 1;
 // Places of the target at which the error is looked at, about.
 constexpr std::size_t kErrorSamples = 20'000;
-
-/// Where the error is looked at: cells of a grid of the box, one in so many.
-class ErrorCells {
- public:
-  ErrorCells(float side, std::size_t one_in) : per_side_(1 / std::max(side, 1e-6f)), one_in_(one_in) {}
-  [[nodiscard]] bool has(const glm::vec3& p) const {
-    const glm::uvec3 cell(glm::ivec3(glm::floor(p * per_side_)));
-    const std::uint64_t number = (std::uint64_t{cell.x} << 42) ^ (std::uint64_t{cell.y} << 21) ^ cell.z;
-    return (number * 0x9e3779b97f4a7c15u >> 32) % one_in_ == 0;
-  }
-  /// Whether a place is nearer to such a cell than so much, or somewhat farther; less than half a side.
-  [[nodiscard]] bool near(const glm::vec3& p, float reach) const {
-    if (one_in_ == 1) return true;
-    for (int corner = 0; corner < 8; ++corner)
-      if (has(p + reach * glm::vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1))) return true;
-    return false;
-  }
-
- private:
-  float per_side_;
-  std::size_t one_in_;
-};
+constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // for a thread at a time
 
 SurfaceMesh lines_of(const SurfaceMesh& mesh) {
   SurfaceMesh lines;
@@ -103,9 +88,15 @@ class StageEncoder {
   void make_base(const SurfaceMesh& coarse);
   void displace_base(Surface& surface);
   void displace(Surface& surface, int level);
-  void color(Surface& surface);
-  void cut(Surface& surface, ClusterHeader header);
-  [[nodiscard]] float error_of(const Surface& surface) const;
+  void color(Surface& surface, int deepest);
+  void cut(Surface& surface, ClusterHeader header, std::vector<StageCluster>& out);
+  /// How far places of the target are from the surface at a level: of all, and of those alone that no finer level
+  /// brings near; root of the mean square.
+  struct Errors {
+    float all, far;
+  };
+  [[nodiscard]] Errors errors_of(const Surface& surface, int level) const;
+  [[nodiscard]] bool surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const;
   void measure(Surface& surface, StageCluster& cluster);
 
   const Target& target_;
@@ -245,11 +236,11 @@ void StageEncoder::displace(Surface& surface, int level) {
     shifts_[layer] = std::move(next_shifts[layer]);
 }
 
-void StageEncoder::color(Surface& surface) {
+void StageEncoder::color(Surface& surface, int deepest) {
   const Patches& patches = surface.patches();
   const glm::ivec3 steps(kLumaStep, kChromaStep, kChromaStep);
   std::vector<glm::ivec3> now, next;
-  for (int level = 0; level <= surface.header().depth; ++level) {
+  for (int level = 0; level <= deepest; ++level) {
     auto& numbers = surface.colors(level);
     const auto& places = level_places_[static_cast<std::size_t>(level)];
     const auto& normals = level_normals_[static_cast<std::size_t>(level)];
@@ -327,7 +318,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
   cluster.gain = gain;
 }
 
-void StageEncoder::cut(Surface& surface, ClusterHeader header) {
+void StageEncoder::cut(Surface& surface, ClusterHeader header, std::vector<StageCluster>& out) {
   StageCluster cluster;
   cluster.header = header;
   cluster.payload = encode_cluster(surface, header);
@@ -340,53 +331,84 @@ void StageEncoder::cut(Surface& surface, ClusterHeader header) {
       const auto to = static_cast<std::uint32_t>(header.count * (i + 1) / parts);
       part.first = header.first + from;
       part.count = to - from;
-      cut(surface, part);
+      cut(surface, part, out);
     }
     return;
   }
   measure(surface, cluster);
-  if (cluster.gain > 0 && cluster.payload.size() <= 65535) out_.clusters.push_back(std::move(cluster));
+  if (cluster.gain > 0 && cluster.payload.size() <= 65535) out.push_back(std::move(cluster));
 }
 
-float StageEncoder::error_of(const Surface& surface) const {
+StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) const {
   SurfaceMesh made;
-  const int depth = surface.header().depth;
-  made.positions = level_places_[static_cast<std::size_t>(depth)];
+  made.positions = level_places_[static_cast<std::size_t>(level)];
   const std::vector<glm::vec3>& places = target_.mesh().positions;
+  const int levels_left = surface.header().depth - level;
+  const float reach = std::ldexp(4 * target_.edge(), levels_left);
+  // The same places at all levels.
   const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
-  std::vector<std::uint32_t> grid;
-  const std::size_t n = std::size_t{1} << depth;
-  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (cells.near(made.positions[a], 4 * target_.edge())) made.triangles.push_back({a, b, c});
-  };
-  for (std::uint32_t p = 0; p < surface.patches().size(); ++p) {
-    surface.patches().grid(p, depth, grid);
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t i = 0; i + j < n; ++i) {
-        const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
-        add(grid[row], grid[row + 1], grid[above]);
-        if (i + j + 1 < n) add(grid[row + 1], grid[above + 1], grid[above]);
-      }
-  }
+  const std::size_t n = std::size_t{1} << level, patches = surface.patches().size(),
+                    parts = (patches + kErrorPatches - 1) / kErrorPatches;
+  std::vector<std::vector<Corners>> triangles(parts);
+  parallel_for(
+      parts,
+      [&](std::size_t part) {
+        std::vector<std::uint32_t> grid;
+        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+          if (cells.near(made.positions[a], reach)) triangles[part].push_back({a, b, c});
+        };
+        for (std::size_t p = part * kErrorPatches; p < std::min(patches, (part + 1) * kErrorPatches); ++p) {
+          surface.patches().grid(static_cast<std::uint32_t>(p), level, grid);
+          for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t i = 0; i + j < n; ++i) {
+              const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
+              add(grid[row], grid[row + 1], grid[above]);
+              if (i + j + 1 < n) add(grid[row + 1], grid[above + 1], grid[above]);
+            }
+        }
+      },
+      options_.threads);
+  for (const auto& some : triangles) made.triangles.insert(made.triangles.end(), some.begin(), some.end());
   const TriangleTree tree(made, options_.threads);
-  double sum = 0;
-  std::size_t count = 0;
+  std::vector<glm::vec3> looked;
+  std::copy_if(places.begin(), places.end(), std::back_inserter(looked), [&](const auto& p) { return cells.has(p); });
+  const std::size_t count = looked.size();
+  std::vector<float> distances(count);
   const float most = 20 * target_.edge();
-  for (const glm::vec3& place : places) {
-    if (!cells.has(place)) continue;
-    const SurfacePoint near = tree.nearest(place, most, glm::vec3(0), -1.0f);
-    const auto d = static_cast<double>(near.triangle == kNone ? most : near.distance);
-    sum += d * d;
-    ++count;
+  parallel_for(
+      (count + kErrorPlaces - 1) / kErrorPlaces,
+      [&](std::size_t part) {
+        for (std::size_t i = part * kErrorPlaces; i < std::min(count, (part + 1) * kErrorPlaces); ++i) {
+          const SurfacePoint near = tree.nearest(looked[i], most, glm::vec3(0), -1.0f);
+          distances[i] = near.triangle == kNone ? most : near.distance;
+        }
+      },
+      options_.threads);
+  double sum = 0, far = 0;
+  for (const float distance : distances) {
+    const auto squared = static_cast<double>(distance) * static_cast<double>(distance);
+    sum += squared;
+    if (distance > kFar * static_cast<float>(levels_left) * target_.edge()) far += squared;
   }
-  return static_cast<float>(std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1))));
+  const auto root = [&](double of) {
+    return static_cast<float>(std::sqrt(of / static_cast<double>(std::max<std::size_t>(count, 1))));
+  };
+  return {root(sum), root(far)};
+}
+
+/// Whether another stage follows, whatever the levels behind this one bring.
+bool StageEncoder::surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const {
+  if (!(options_.most_error > 0) || 4 * surface.patches().size() >= coarse.triangles.size()) return false;
+  const Errors errors = errors_of(surface, level);
+  error = errors.all;
+  return errors.far > options_.most_error && errors.all < options_.trusted_error;
 }
 
 void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   make_base(coarse);
   Surface surface(out_.header);
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
-  const int depth = out_.header.depth;
+  int depth = out_.header.depth;
   displace_base(surface);
   const auto keep = [&](int level) {
     const auto l = static_cast<std::size_t>(level);
@@ -400,15 +422,30 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   for (int level = 1; level <= depth && !cancelled(); ++level) {
     displace(surface, level);
     keep(level);
+    if (level < depth && level == std::max(depth - kLevelsToTell, kLevelsSent) &&
+        surely_followed(surface, level, coarse, out_.error))
+      depth = level;
   }
-  if (options_.colored && !cancelled()) color(surface);
-  out_.error = error_of(surface);
+  if (options_.colored && !cancelled()) color(surface, depth);
+  if (depth == out_.header.depth) out_.error = errors_of(surface, depth).all;
+  // Clusters of different levels, layers and kinds have no number in common.
   const std::uint32_t all = surface.patches().size();
-  for (int level = 1; level <= depth && !cancelled(); ++level) {
+  std::vector<ClusterHeader> headers;
+  for (int level = 1; level <= depth; ++level) {
     for (int layer = 0; layer < options_.layers; ++layer)
-      cut(surface, {ClusterHeader::Kind::displacement, options_.number, level, layer, 0, all, 0});
-    if (options_.colored) cut(surface, {ClusterHeader::Kind::color, options_.number, level, 0, 0, all, 0});
+      headers.push_back({ClusterHeader::Kind::displacement, options_.number, level, layer, 0, all, 0});
+    if (options_.colored) headers.push_back({ClusterHeader::Kind::color, options_.number, level, 0, 0, all, 0});
   }
+  std::vector<std::vector<StageCluster>> clusters(headers.size());
+  parallel_for(
+      headers.size(),
+      [&](std::size_t i) {
+        const std::size_t at = headers.size() - 1 - i;  // the largest ones first
+        if (!cancelled()) cut(surface, headers[at], clusters[at]);
+      },
+      options_.threads);
+  for (auto& some : clusters)
+    std::move(some.begin(), some.end(), std::back_inserter(out_.clusters));
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ struct EncodedStage {
   StageHeader header;
   std::vector<std::byte> bytes;  // of the stage's header
   std::vector<StageCluster> clusters;
-  /// How far places of the target are from what the whole stage becomes, root of the mean square, units.
+  /// How far places of the target are from what the whole stage becomes, or what of it there is, root of the mean square, units.
   float error = 0;
 };
 
@@ -61,6 +61,9 @@ struct StageOptions {
   int step_exponent = 10, layers = 2;
   bool colored = false;
   bool beside = false;  // StageHeader::beside; then the base is the whole mesh
+  // Another stage follows where the error is larger; 0: none ever does. A stage of which that is clear beforehand is
+  // made without its finest levels, unless its error is larger than can be trusted then.
+  float most_error = 0, trusted_error = 0;
   unsigned threads = 0;
 };
 

@@ -52,6 +52,9 @@ constexpr float kFinestStep = 1.0f / 14;
 constexpr double kBeforeTail = 1.0 / 6, kBytesAVertexBeforeTail = 0.25;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
+// What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
+constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
+constexpr int kFewBits = 12;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -171,9 +174,24 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
   return chunks;
 }
 
-/// The mesh itself, in pieces. `others`: the chunks before it, whose place it takes.
-void append_tail(std::span<const std::byte> tail, std::size_t vertices, const exact::Shading& shading, const Box& box,
-                 std::vector<OutgoingChunk>& others) {
+/// The mesh itself.
+struct Tail {
+  std::vector<std::byte> bytes;  // none: there is no tail
+  std::size_t vertices = 0;
+  exact::Shading shading;
+  bool parity = false;
+};
+
+Tail tail_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
+  displaced::SurfaceMesh all = builder.welded();
+  for (glm::vec3& p : all.positions) p = frame.inside(p);
+  if (!colored) all.colors.clear();
+  const exact::ExactMesh mesh = exact::quantized(std::move(all), bits);
+  return {exact::encode_tail(mesh), mesh.vertices.size(), mesh.shading};
+}
+
+/// In pieces. `others`: the chunks before it, whose place it takes.
+void append_tail(const Tail& tail, const Box& box, std::vector<OutgoingChunk>& others) {
   std::uint32_t replaced = 0;
   for (const OutgoingChunk& chunk : others) replaced += chunk.entry.vectors;
   const auto append = [&](ChunkType type, std::vector<std::byte> payload) {
@@ -183,11 +201,17 @@ void append_tail(std::span<const std::byte> tail, std::size_t vertices, const ex
     chunk.entry.box = box;
     chunk.payload = std::move(payload);
   };
-  if (shading.rule != exact::Shading::Rule::edges) append(ChunkType::shading, exact::encode_shading(shading));
-  for (std::vector<std::byte>& piece : exact::pieces_of(tail)) append(ChunkType::exact, std::move(piece));
+  if (tail.shading.rule != exact::Shading::Rule::edges) append(ChunkType::shading, exact::encode_shading(tail.shading));
+  std::vector<std::vector<std::byte>> pieces = exact::pieces_of(tail.bytes);
+  CutGroup group;
+  if (tail.parity) group = cut_group(kGroupsOfTails, pieces, kParity, kParityBesides);
+  if (tail.parity) pieces = std::move(group.data);
+  const ChunkType type = tail.parity ? ChunkType::piece : ChunkType::exact;
+  for (std::vector<std::byte>& piece : pieces) append(type, std::move(piece));
   OutgoingChunk& last = others.back();
-  last.entry.vectors = static_cast<std::uint32_t>(vertices);
+  last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
+  for (std::vector<std::byte>& piece : group.parity) append(type, std::move(piece));
 }
 
 /// As many chunks as go into so many bytes, with what the container adds.
@@ -220,21 +244,20 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     return EncodeError{"the surface has colours of its own; expected one of one colour", true};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
-  std::vector<std::byte> tail;
-  std::size_t tail_vertices = 0;
-  exact::Shading shading;
+  Tail tail;
   if (options.exact_bits != 0) {
-    displaced::SurfaceMesh all = builder.welded();
-    for (glm::vec3& p : all.positions) p = frame.inside(p);
-    if (!s.colored) all.colors.clear();
-    const exact::ExactMesh exact_mesh = exact::quantized(std::move(all), options.exact_bits);
-    tail = exact::encode_tail(exact_mesh);
-    tail_vertices = exact_mesh.vertices.size();
-    shading = exact_mesh.shading;
-    if (tail.size() > exact::kMostTailBytes)
-      return EncodeError{"the mesh takes " + std::to_string(tail.size()) + " bytes; expected at most " +
+    tail = tail_of(builder, frame, s.colored, options.exact_bits);
+    if (tail.bytes.size() > exact::kMostTailBytes)
+      return EncodeError{"the mesh takes " + std::to_string(tail.bytes.size()) + " bytes; expected at most " +
                          std::to_string(exact::kMostTailBytes)};
   }
+  // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
+  Tail small;
+  if (options.only_if_suited && tail.bytes.empty() && s.triangles <= kFewTriangles)
+    small = tail_of(builder, frame, s.colored, kFewBits);
+  const std::size_t with_small = small.bytes.size() * 5 / 4 + kMostFirstBytes;
+  const bool takes_small = !small.bytes.empty() && small.bytes.size() <= kMostSmallTail &&
+                           (options.max_bytes == 0 || with_small <= options.max_bytes);
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
@@ -276,27 +299,35 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
-  const double room = tail.empty() ? 1e300
-                                   : std::min(kBeforeTail * static_cast<double>(tail.size()),
-                                              kBytesAVertexBeforeTail * static_cast<double>(tail_vertices));
+  const auto room = [&tail] {
+    return tail.bytes.empty() ? 1e300
+                              : std::min(kBeforeTail * static_cast<double>(tail.bytes.size()),
+                                         kBytesAVertexBeforeTail * static_cast<double>(tail.vertices));
+  };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;
   do {
     stage_options.number = static_cast<int>(stages.size());
+    stage_options.most_error = stages.size() + 1 < kMostStages ? kMostError * target.edge() : 0;
+    stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMostFirstError : 1;
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
-    if (stages.empty() && options.only_if_suited &&
-        (stage.bytes.size() > kMostFirstBytes || stage.error > kMostFirstError))
+    const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
+    if (stages.empty() && options.only_if_suited && !follows && stage.bytes.size() <= kMostFirstBytes && takes_small) {
+      tail = std::move(small);
+      tail.parity = true;
+    } else if (stages.empty() && options.only_if_suited && !follows) {
       return EncodeError{
           "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
           "a smooth surface",
           true};
+    }
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
       return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
                          std::to_string(kMostHeaderBytes / 2)};
     bases += stage.bytes.size();
-    if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room) break;
+    if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room()) break;
     stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
     stages.push_back(std::move(stage));
     stage_options.triangles = 4 * stages.back().header.base.triangles.size();
@@ -304,11 +335,12 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);
   // Crumbs, as they are.
-  if (tail.empty() && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
+  if (tail.bytes.empty() && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
     stage_options.number = static_cast<int>(stages.size());
     stage_options.triangles = parts.small.triangles.size();
     stage_options.most_bytes = 0;
     stage_options.beside = true;
+    stage_options.most_error = 0;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
     if (cancelled()) return EncodeError{"cancelled"};
     if (stages.back().bytes.size() + 8 > kMostGroupBytes)
@@ -318,9 +350,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   }
   header.base = stages[0].bytes;
   std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
-  if (!tail.empty()) {
-    keep_first(chunks, room - static_cast<double>(encode_header(header).size()));
-    append_tail(tail, tail_vertices, shading, s.box, chunks);
+  if (!tail.bytes.empty()) {
+    keep_first(chunks, room() - static_cast<double>(encode_header(header).size()));
+    append_tail(tail, s.box, chunks);
   }
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);
 }

@@ -224,8 +224,9 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   ExactMesh out;
   out.bits = bits;
   out.crease_angle = crease_angle_of(mesh);
-  out.shading = shading_of(mesh, out.crease_angle);
   for (glm::vec3& p : mesh.positions) p = glm::clamp(glm::floor(p * top + 0.5f), 0.0f, top);
+  // On the lattice: of small triangles, each shaded by itself, it takes more than it leaves.
+  out.shading = shading_of(mesh, out.crease_angle);
   out.vertices.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);
   out.colors = std::move(mesh.colors);

@@ -90,7 +90,8 @@ std::vector<glm::vec3> by_faces(const ShadedMesh& mesh, int angle, const std::ve
       if (!all) {
         sum = glm::vec3(0);
         for (const std::uint32_t other : around)
-          if (own == glm::vec3(0) || glm::dot(own, units[other / 3]) >= cosine) sum += mesh.faces[other / 3];
+          if (other == c || own == glm::vec3(0) || glm::dot(own, units[other / 3]) >= cosine)
+            sum += mesh.faces[other / 3];
       }
       normals[c] = unit_or_up(sum);
     }

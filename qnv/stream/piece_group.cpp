@@ -93,7 +93,7 @@ std::optional<PieceHeader> read_piece_header(std::span<const std::byte> payload)
   header.needed = in.integer<std::uint8_t>();
   header.number = in.integer<std::uint8_t>();
   header.length = in.integer<std::uint32_t>();
-  if (!in.good() || header.group > 15 || header.needed < 1 || header.needed > kMostPieces || header.length < 1 ||
+  if (!in.good() || header.group > 31 || header.needed < 1 || header.needed > kMostPieces || header.length < 1 ||
       header.size() > kMostPieceBytes || payload.size() != kPieceHeaderBytes + header.size())
     return {};
   return header;

@@ -17,10 +17,13 @@ inline constexpr std::size_t kMostPieces = 128, kMostPieceBytes = 4096, kMostGro
 struct CutGroup {
   std::vector<std::vector<std::byte>> data, parity;  // payloads of chunks
 };
-/// `number`: 0 to 15; the payloads with their lengths: at most kMostGroupBytes. `parity`: so many pieces more, as a
+/// `number`: 0 to 31; the payloads with their lengths: at most kMostGroupBytes. `parity`: so many pieces more, as a
 /// part of the others, and so many besides.
 [[nodiscard]] CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity,
                                  std::size_t besides);
+
+/// From this number on groups hold pieces of exact tails, before it what chunks of displaced streams hold.
+inline constexpr int kGroupsOfTails = 16;
 
 /// What a piece says of itself.
 struct PieceHeader {

@@ -9,6 +9,7 @@
 #include "tests/app/large_stream.h"
 #include "tests/app/program.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/qnv/surface_shapes.h"
 
 #include <catch2/catch.hpp>
 
@@ -45,6 +46,19 @@ const std::string& records_stream() {
   return bytes;
 }
 
+/// A ball far from 0, with the mesh itself at its end: version 2.
+const std::string& exact_stream() {
+  static const std::string bytes = [] {
+    qnv::EncodeOptions options;
+    options.exact_bits = 12;
+    options.origin = {6e6, 2e6, -3e6};
+    const auto encoded = qnv::encode_displaced(qnv::source_of(qnv::sphere(40)), options);
+    REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+    return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
+  }();
+  return bytes;
+}
+
 /// An archive of cells in a folder of its own.
 struct CellSite {
   ScratchFolder folder;
@@ -54,6 +68,7 @@ struct CellSite {
   CellSite() {
     folder.write("packed.qnv", large_stream());
     folder.write("records.qnv", records_stream());
+    folder.write("exact.qnv", exact_stream());
     folder.write("world.wrl", "#VRML V2.0 utf8\nShape { geometry Box {} }\n");
     options.folder = folder.path("");
     options.cells_port = 0;
@@ -110,6 +125,30 @@ TEST_CASE("A stream that comes as cells is the one in the file", "[optimised]") 
     CHECK(world.diagnostics.entries().empty());
     CHECK_FALSE(world.truncated);
     CHECK(discs_of(cloud_of_world(world)) == discs_of(cloud_of_world(load_world(site.folder.path(name)))));
+  }
+}
+
+TEST_CASE("A mesh far from 0 comes as it is over HTTP and as cells") {
+  CellSite site;
+  site.options.http_port = 0;
+  site.start();
+  REQUIRE(exact_stream()[8] == 2);  // version
+  const qnv::Cloud wanted = cloud_of_world(load_world(site.folder.path("exact.qnv")));
+  REQUIRE(wanted.triangles.size() == 3 * (4 * 40 * 40 - 4 * 40));
+  CHECK(wanted.description.origin == glm::dvec3(6e6, 2e6, -3e6));
+  const std::string http = "http://127.0.0.1:" + std::to_string(*site.archive->http_port()) + "/exact.qnv";
+  for (const std::string& url : {http, site.url("exact.qnv")}) {
+    INFO(url);
+    LoadOptions options;
+    options.timeout_seconds = 120;
+    const OpenedWorld world = load_world(url, options);
+    REQUIRE(world.scene);
+    CHECK(world.diagnostics.entries().empty());
+    const qnv::Cloud cloud = cloud_of_world(world);
+    CHECK(cloud.description.origin == wanted.description.origin);
+    CHECK(cloud.positions == wanted.positions);
+    CHECK(cloud.normals == wanted.normals);
+    CHECK(cloud.triangles == wanted.triangles);
   }
 }
 

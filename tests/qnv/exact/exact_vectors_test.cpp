@@ -1,4 +1,6 @@
+#include "qnv/decode/decoder.h"
 #include "qnv/exact/tail_pieces.h"
+#include "qnv/stream/piece_group.h"
 #include "tests/qnv/exact/exact_shapes.h"
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/watched.h"
@@ -6,50 +8,84 @@
 #include <catch2/catch.hpp>
 
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::qnv::exact::vectors_test {
 
-// tests/qnv/vectors/v1/displaced_exact.qnv is a stream as encode_displaced wrote it once; the .txt beside it is what
-// tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of it. Neither may ever be made again.
-TEST_CASE("the exact tail of the first version decodes to its pinned mesh") {
-  ExactMesh wanted;
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_exact.txt");
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "exact") {
-      words >> wanted.bits >> wanted.crease_angle;
-    } else if (kind == "at") {
-      glm::ivec3 p(0), c(0);
-      words >> p.x >> p.y >> p.z >> c.x >> c.y >> c.z;
-      wanted.vertices.push_back(p);
-      wanted.colors.push_back({static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y),
-                               static_cast<std::uint8_t>(c.z)});
-    } else if (kind == "face") {
-      displaced::Corners t{};
-      words >> t[0] >> t[1] >> t[2];
-      wanted.triangles.push_back(t);
+// tests/qnv/vectors/v1/displaced_exact.qnv, _shaded and _small are streams as encode_displaced wrote them once; the
+// .txt beside them is what tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made of them. None may ever be
+// made again.
+TEST_CASE("exact tails of the first version decode to their pinned meshes") {
+  for (const std::string name : {"displaced_exact", "displaced_shaded", "displaced_small"}) {
+    INFO(name);
+    ExactMesh wanted;
+    std::vector<std::pair<std::size_t, glm::vec3>> normals;
+    std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name + ".txt");
+    for (std::string line; std::getline(in, line);) {
+      std::istringstream words(line);
+      std::string kind;
+      words >> kind;
+      if (kind == "exact") {
+        words >> wanted.bits >> wanted.crease_angle;
+      } else if (kind == "at") {
+        glm::ivec3 p(0), c(0);
+        words >> p.x >> p.y >> p.z;
+        wanted.vertices.push_back(p);
+        if (words >> c.x >> c.y >> c.z)
+          wanted.colors.push_back(
+              {static_cast<std::uint8_t>(c.x), static_cast<std::uint8_t>(c.y), static_cast<std::uint8_t>(c.z)});
+      } else if (kind == "face") {
+        displaced::Corners t{};
+        words >> t[0] >> t[1] >> t[2];
+        wanted.triangles.push_back(t);
+      } else if (kind == "shading") {
+        wanted.shading.rule = Shading::Rule::faces;
+        words >> wanted.shading.angle;
+      } else if (kind == "normal") {
+        auto& [corner, n] = normals.emplace_back();
+        words >> corner >> n.x >> n.y >> n.z;
+      }
     }
+    REQUIRE(wanted.triangles.size() > 500);
+    const std::vector<std::byte> stream = read_bytes(name + ".qnv");
+    TailPieces pieces;
+    PieceGroup group;
+    StreamReader reader;
+    std::optional<Shading> shading;
+    REQUIRE(reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+      if (type == ChunkType::exact) CHECK(pieces.add(payload));
+      if (type == ChunkType::shading) shading = decode_shading(payload);
+      if (type != ChunkType::piece) return;
+      const auto piece = read_piece_header(payload);
+      REQUIRE(piece);
+      CHECK(piece->group == kGroupsOfTails);
+      CHECK(group.add(*piece, payload));
+      for (const auto& each : group.take()) CHECK(pieces.add(each));
+    }));
+    const auto tail = pieces.take();
+    REQUIRE(tail);
+    const auto mesh = decode_tail(*tail, 1 << 16);
+    REQUIRE(mesh);
+    CHECK(mesh->bits == wanted.bits);
+    CHECK(mesh->crease_angle == wanted.crease_angle);
+    CHECK(mesh->vertices == wanted.vertices);
+    CHECK(mesh->triangles == wanted.triangles);
+    REQUIRE(mesh->colors.size() == wanted.colors.size());
+    for (std::size_t v = 0; v < mesh->colors.size(); ++v) REQUIRE_EACH(mesh->colors[v] == wanted.colors[v]);
+    REQUIRE(shading.has_value() == (name == "displaced_shaded"));
+    if (!shading) continue;
+    CHECK(*shading == wanted.shading);
+    CHECK(normals.size() > 100);
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(stream));
+    const Cloud cloud = decoder.cloud();
+    for (const auto& [corner, n] : normals)
+      REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 1e-4f);
   }
-  REQUIRE(wanted.triangles.size() > 500);
-  const std::vector<std::byte> stream = read_bytes("displaced_exact.qnv");
-  TailPieces pieces;
-  StreamReader reader;
-  REQUIRE(reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
-    if (type == ChunkType::exact) CHECK(pieces.add(payload));
-  }));
-  const auto tail = pieces.take();
-  REQUIRE(tail);
-  const auto mesh = decode_tail(*tail, 1 << 16);
-  REQUIRE(mesh);
-  CHECK(mesh->bits == wanted.bits);
-  CHECK(mesh->crease_angle == wanted.crease_angle);
-  CHECK(mesh->vertices == wanted.vertices);
-  CHECK(mesh->triangles == wanted.triangles);
-  REQUIRE(mesh->colors.size() == wanted.colors.size());
-  for (std::size_t v = 0; v < mesh->colors.size(); ++v) REQUIRE_EACH(mesh->colors[v] == wanted.colors[v]);
 }
 
 }  // namespace gs::qnv::exact::vectors_test

@@ -946,8 +946,12 @@ def main(name):
             groups.setdefault(payload[0], []).append(payload)
         if kind == 4:
             payloads.append(payload)
-    for _, group in sorted(groups.items()):
-        payloads += payloads_of(group)
+    for which, group in sorted(groups.items()):
+        if which < 16:
+            payloads += payloads_of(group)
+        else:
+            for payload in payloads_of(group):
+                pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
     for payload in payloads:
         if payload[0] & 15 == 0:
             stages[payload[0] >> 4] = Stage(payload[1:])

@@ -1,0 +1,109 @@
+#include "qnv/decode/decoder.h"
+#include "tests/qnv/displaced/displaced_shapes.h"
+#include "tests/qnv/pinned_vectors.h"
+#include "tests/watched.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv::displaced::loss_test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+/// A wheel with 200 teeth, each face shaded by itself: more corners than a first stage follows.
+Triangles wheel() {
+  constexpr int kPlaces = 400;
+  Triangles out;
+  const auto at = [](int i, int h) {
+    const double a = 2 * std::numbers::pi * (i % kPlaces) / kPlaces, r = i % 2 ? 1.0 : 0.86;
+    return glm::vec3(r * std::cos(a), r * std::sin(a), 0.3 * h);
+  };
+  const auto flat = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    Triangle t = triangle_of(a, b, c);
+    t.normals.fill(glm::normalize(glm::cross(b - a, c - a)));
+    out.push_back(t);
+  };
+  for (int i = 0; i < kPlaces; ++i) {
+    flat(at(i, 0), at(i + 1, 0), at(i + 1, 1));
+    flat(at(i, 0), at(i + 1, 1), at(i, 1));
+    flat({0, 0, 0.3f}, at(i, 1), at(i + 1, 1));
+    flat(glm::vec3(0), at(i + 1, 0), at(i, 0));
+  }
+  return out;
+}
+
+struct Parts {
+  Bytes head;
+  std::vector<std::pair<ChunkType, Bytes>> chunks;
+};
+
+Parts parts_of(const Bytes& stream) {
+  Parts parts;
+  StreamReader reader;
+  (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type != ChunkType::directory) parts.chunks.emplace_back(type, Bytes(payload.begin(), payload.end()));
+  });
+  std::size_t bytes = 0;
+  bool more = false;
+  (void)decode_header(stream, bytes, more);
+  parts.head.assign(stream.begin(), stream.begin() + static_cast<std::ptrdiff_t>(bytes));
+  return parts;
+}
+
+StreamDecoder decoded(const Parts& parts, double lost, unsigned seed) {
+  StreamDecoder decoder;
+  (void)decoder.push(parts.head);
+  std::mt19937 random(seed);
+  for (const auto& [type, payload] : parts.chunks)
+    if (static_cast<double>(random()) / 4294967296.0 >= lost) decoder.add(type, payload);
+  CHECK(decoder.refused_chunks() == 0);
+  return decoder;
+}
+
+}  // namespace
+
+TEST_CASE("parts with many sharp edges end with the mesh itself, which losses do not take away") {
+  EncodeOptions options;
+  options.only_if_suited = true;
+  const Triangles source = wheel();
+  const auto made = encode_displaced(source_of(source), options);
+  REQUIRE(std::holds_alternative<EncodedStream>(made));
+  const Bytes& stream = std::get<EncodedStream>(made).bytes;
+  CHECK(stream.size() < 8 * source.size());
+  const Parts parts = parts_of(stream);
+  for (const auto& [type, payload] : parts.chunks) CHECK(payload.size() <= 1300);
+  const Cloud cloud = decoded(parts, 0, 1).cloud();
+  CHECK(cloud.triangles.size() == 3 * source.size());
+  std::size_t whole = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).exact().whole() ? 1 : 0;
+  CHECK(whole >= 37);
+  // Where there is no room for the mesh, it is no surface for this payload.
+  options.max_bytes = 6000;
+  const auto smaller = encode_displaced(source_of(source), options);
+  const auto* error = std::get_if<EncodeError>(&smaller);
+  REQUIRE(error);
+  CHECK(error->unsuited);
+}
+
+TEST_CASE("the last stage is there although a third of its pieces is lost") {
+  // tests/qnv/vectors/v1/displaced_pieces.qnv has two stages.
+  const Parts parts = parts_of(read_bytes("displaced_pieces.qnv"));
+  REQUIRE(std::ranges::count(parts.chunks, ChunkType::piece, &std::pair<ChunkType, Bytes>::first) > 5);
+  const auto shown = [&](double lost, unsigned seed) { return decoded(parts, lost, seed).cloud().triangles.size(); };
+  Parts first = parts;
+  std::erase_if(first.chunks, [](const auto& chunk) { return chunk.first == ChunkType::piece; });
+  const std::size_t of_all = shown(0, 1), of_first = decoded(first, 0, 1).cloud().triangles.size();
+  REQUIRE(of_first < of_all);
+  std::size_t last = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) last += shown(0.3, seed) != of_first ? 1 : 0;
+  CHECK(last >= 37);
+}
+
+}  // namespace gs::qnv::displaced::loss_test
