@@ -35,9 +35,12 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <future>
 #include <memory>
 #include <optional>
+#include <span>
+#include <system_error>
 #include <unordered_set>
 #include <utility>
 #include <variant>
@@ -153,6 +156,20 @@ bool addresses_are_limited() {
   return ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
 }
 
+/// Whether this machine is a virtual one that hands free large pages back to its host (the balloon of virtio, "free page reporting"): a large page
+/// then takes milliseconds where nobody had it a moment ago.
+bool host_takes_pages_back() {
+  constexpr std::size_t kReporting = 5;  // the bit of VIRTIO_BALLOON_F_REPORTING; files show bits as 0 and 1
+  std::error_code error;
+  for (const auto& device : std::filesystem::directory_iterator("/sys/bus/virtio/devices", error)) {
+    std::string kind, features;
+    std::ifstream(device.path() / "device") >> kind;
+    std::ifstream(device.path() / "features") >> features;
+    if (kind == "0x0005" && features.size() > kReporting && features[kReporting] == '1') return true;
+  }
+  return false;
+}
+
 std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
 
 /// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
@@ -167,7 +184,7 @@ void keep_memory() {
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
   (void)mallopt(M_TRIM_THRESHOLD, kKept);
   (void)mallopt(M_ARENA_MAX, 1);
-  if (!addresses_are_limited()) {
+  if (!addresses_are_limited() && !host_takes_pages_back()) {
     const std::uintptr_t before = end_of_heap();
     (void)mallopt(M_TOP_PAD, kReserved);
     void* volatile block = std::malloc(kMapped / 2);  // volatile: or the compiler leaves both out
