@@ -1,5 +1,5 @@
-// surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]... [--only TEXT]: what a picture of a displaced surface
-// costs.
+// surface_bench STREAM.qnv [OCTREE.qnv] [--frames N] [--detail D]... [--only TEXT]: what a picture of a displaced
+// surface costs.
 //
 // Decodes STREAM (payload displaced) and draws it from N directions (12) around it at 1024x768, with cuts whose edges
 // are 1 / D pixels long (1 and 2, and all there is): what the cut, the processor's triangles alone, its discs alone and

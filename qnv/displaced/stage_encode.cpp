@@ -375,15 +375,14 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   const std::size_t count = looked.size();
   std::vector<float> distances(count);
   const float most = 20 * target_.edge();
-  parallel_for(
-      (count + kErrorPlaces - 1) / kErrorPlaces,
-      [&](std::size_t part) {
-        for (std::size_t i = part * kErrorPlaces; i < std::min(count, (part + 1) * kErrorPlaces); ++i) {
-          const SurfacePoint near = tree.nearest(looked[i], most, glm::vec3(0), -1.0f);
-          distances[i] = near.triangle == kNone ? most : near.distance;
-        }
-      },
-      options_.threads);
+  parallel_for((count + kErrorPlaces - 1) / kErrorPlaces,
+               [&](std::size_t part) {
+                 for (std::size_t i = part * kErrorPlaces; i < std::min(count, (part + 1) * kErrorPlaces); ++i) {
+                   const SurfacePoint near = tree.nearest(looked[i], most, glm::vec3(0), -1.0f);
+                   distances[i] = near.triangle == kNone ? most : near.distance;
+                 }
+               },
+               options_.threads);
   double sum = 0, far = 0;
   for (const float distance : distances) {
     const auto squared = static_cast<double>(distance) * static_cast<double>(distance);
@@ -444,8 +443,7 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
         if (!cancelled()) cut(surface, headers[at], clusters[at]);
       },
       options_.threads);
-  for (auto& some : clusters)
-    std::move(some.begin(), some.end(), std::back_inserter(out_.clusters));
+  for (auto& some : clusters) std::move(some.begin(), some.end(), std::back_inserter(out_.clusters));
 }
 
 }  // namespace

@@ -50,7 +50,8 @@ struct EncodedStage {
   StageHeader header;
   std::vector<std::byte> bytes;  // of the stage's header
   std::vector<StageCluster> clusters;
-  /// How far places of the target are from what the whole stage becomes, or what of it there is, root of the mean square, units.
+  /// How far places of the target are from what the whole stage becomes, or what of it there is, root of the mean
+  /// square, units.
   float error = 0;
 };
 

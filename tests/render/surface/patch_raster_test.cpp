@@ -131,7 +131,8 @@ TEST_CASE("a closed surface of mixed levels has no pinholes, and comes out the s
 TEST_CASE("all kernels of the patch rasteriser give the same bits", "[optimised]") {
   const std::span<const PatchKernel> kernels = patch_kernels();
   REQUIRE(!kernels.empty());
-  // Triangles of parts of a sample up to those of whole tiles, with and without colours, mirrored, cut by the near plane.
+  // Triangles of parts of a sample up to those of whole tiles, with and without colours, mirrored, cut by the near
+  // plane.
   const glm::mat4 mirrored = glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1));
   for (const bool colored : {false, true}) {
     const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh_of(torus(6, 4)), 3, 0, colored), 3);
