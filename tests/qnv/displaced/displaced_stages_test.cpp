@@ -1,4 +1,5 @@
 #include "qnv/decode/decoder.h"
+#include "qnv/stream/piece_group.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 #include "tests/qnv/pinned_vectors.h"
 
@@ -9,6 +10,7 @@
 #include <map>
 #include <random>
 #include <span>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -24,9 +26,16 @@ struct Parts {
 
 Parts parts_of(const Bytes& stream) {
   Parts parts;
+  std::map<int, PieceGroup> groups;
   StreamReader reader;
   (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type == ChunkType::displaced) parts.chunks.emplace_back(payload.begin(), payload.end());
+    if (type != ChunkType::piece) return;
+    // What comes in pieces counts as if it had come in chunks.
+    const auto piece = read_piece_header(payload);
+    REQUIRE(piece);
+    (void)groups[piece->group].add(*piece, payload);
+    for (Bytes& each : groups[piece->group].take()) parts.chunks.push_back(std::move(each));
   });
   std::size_t bytes = 0;
   bool more = false;
