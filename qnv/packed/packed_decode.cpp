@@ -37,9 +37,7 @@ class LevelDecoder {
     context_.resize(size_ + kKernelSlack);
     parent_.resize(size_ + kKernelSlack);
     residual_.resize(size_ + kKernelSlack);
-    kernels_.inherit(from_, first_, count_, masks.data(),
-                     {out.x.data(), out.y.data(), out.z.data(), out.u.data(), out.v.data(), out.offset.data(),
-                      context_.data(), parent_.data()});
+    inherit(masks, out);
     if (p_.doubles) doubles(masks, out);
     normals(out);
     offsets(out);
@@ -49,6 +47,28 @@ class LevelDecoder {
   }
 
  private:
+  void inherit(std::span<const std::uint8_t> masks, PackedVoxels& out) {
+    PackedKernels::Inherited to{out.x.data(), out.y.data(),      out.z.data(),    out.u.data(),
+                                out.v.data(), out.offset.data(), context_.data(), parent_.data()};
+    if (!p_.normals_around && !p_.offsets_around) {
+      kernels_.inherit(from_, first_, count_, masks.data(), to);
+      return;
+    }
+    PlaneBlocks& blocks = plane_blocks();
+    for (std::size_t done = 0; done < count_;) {
+      const std::size_t n = blocks.fill(from_, first_ + done, count_ - done);
+      const auto run = masks.subspan(done, n);
+      kernels_.inherit_around(from_, first_ + done, n, run.data(), blocks.block(), p_.normals_around, p_.offsets_around,
+                              to);
+      std::size_t children = 0;
+      for (const std::uint8_t mask : run)
+        children += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
+      to = {to.x + children, to.y + children,      to.z + children,       to.u + children,
+            to.v + children, to.offset + children, to.context + children, to.parent + children};
+      done += n;
+    }
+  }
+
   void doubles(const std::vector<std::uint8_t>& masks, PackedVoxels& out) {
     for (std::size_t i = 0; i < size_; ++i)
       if (take_bit(rans_, i % kRansLanes, kDoubleProbability)) out.state[i] = kDouble;
@@ -78,25 +98,17 @@ class LevelDecoder {
   }
 
   void normals(PackedVoxels& out) {
-    const int step = 1 << p_.normal_shift;
     read(p_.normal);
-    const std::vector<std::int16_t> du = residual_;
+    std::vector<std::int16_t> du(residual_.size());
+    std::swap(du, residual_);
     read(p_.normal);
-    for (std::size_t i = 0; i < size_; ++i) {
-      int u = out.u[i] + du[i] * step, v = out.v[i] + residual_[i] * step;
-      wrap_octahedral(u, v);
-      out.u[i] = static_cast<std::int16_t>(u);
-      out.v[i] = static_cast<std::int16_t>(v);
-      const int size = std::max(std::abs(static_cast<int>(du[i])), std::abs(static_cast<int>(residual_[i])));
-      out.state[i] = static_cast<std::uint8_t>(out.state[i] | std::min(static_cast<int>(kActivity), size));
-    }
+    kernels_.turn(out.u.data(), out.v.data(), out.state.data(), du.data(), residual_.data(), 1 << p_.normal_shift,
+                  size_);
   }
 
   void offsets(PackedVoxels& out) {
-    const int step = 1 << p_.offset_shift;
     read(p_.offset);
-    for (std::size_t i = 0; i < size_; ++i)
-      out.offset[i] = static_cast<std::int8_t>(clamp_offset(out.offset[i] + residual_[i] * step));
+    kernels_.move(out.offset.data(), residual_.data(), 1 << p_.offset_shift, size_);
   }
 
   void channel(const std::vector<std::int16_t>& from, std::vector<std::int16_t>& to, std::uint8_t chosen, int shift) {

@@ -3,6 +3,7 @@
 #include "qnv/packed/packed_quantize.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,12 +12,19 @@
 namespace gs::qnv {
 namespace {
 
-// The first cluster: with the header of the stream it should come in the first kilobyte.
-constexpr std::size_t kBaseBytes = 700;
+// The first cluster: with the header of the stream it should come in the first kilobyte, and fill it.
+constexpr std::size_t kBaseBytes = 870;
+// By how much its steps may be coarser (binary orders), where that brings it one level more: whoever has nothing but it
+// sees more of twice as many voxels along an edge, and the level behind it mends the rest.
+struct BaseSteps {
+  int normal, offset;
+};
+constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
 // A voxel that the surface only touches is left out: this part of the area of a face.
 constexpr float kLeastArea = 0.03f;
 // Deeper down a smaller step pays: there are more voxels for a pixel, and their differences are small.
 constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
+constexpr int kMostNormalShift = 10, kMostOffsetShift = 6;
 
 void leave_out_touched(std::vector<Voxel>& finest) {
   double all = 0, kept = 0;
@@ -68,6 +76,13 @@ struct Node {
   std::vector<std::unique_ptr<Node>> children;
 };
 
+// What is predicted from neighbours. Where a surface is smooth both, in coarse levels of it only normals, among leaves
+// and dust neither.
+struct Prediction {
+  bool normals, offsets;
+};
+constexpr std::array<Prediction, 3> kPredictions{{{true, true}, {true, false}, {false, false}}};
+
 class PackedEncoder {
  public:
   PackedEncoder(Pyramid pyramid, const Cube& cube, const PackedOptions& options)
@@ -77,18 +92,63 @@ class PackedEncoder {
 
   // The first cluster: as many levels as fit.
   [[nodiscard]] std::unique_ptr<Node> base() const {
+    std::unique_ptr<Node> best;
+    for (const BaseSteps& steps : kBaseSteps) {
+      std::unique_ptr<Node> cheapest;
+      for (const Prediction& prediction : kPredictions) {
+        std::unique_ptr<Node> node = base(base_parameters(steps, prediction));
+        const auto better = [](const EncodedCluster& a, const EncodedCluster& b) {
+          return a.header.levels != b.header.levels ? a.header.levels > b.header.levels
+                                                    : a.payload.size() < b.payload.size();
+        };
+        if (!cheapest || better(node->encoded, cheapest->encoded)) cheapest = std::move(node);
+      }
+      if (!best || cheapest->level > best->level) best = std::move(cheapest);
+    }
+    return best;
+  }
+
+  // Divides all voxels of a node once, in clusters that fit.
+  void divide(Node& node) const {
+    LevelSymbols all;
+    ClusterParameters chosen;
+    std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+    for (const Prediction& prediction : kPredictions) {
+      const ClusterParameters p = parameters(node.level, prediction);
+      LevelSymbols symbols = quantize(node.voxels, node.truth, node.level, p);
+      const std::uint64_t cost = plane_cost({&symbols, 1});
+      if (cost >= least) continue;
+      least = cost;
+      all = std::move(symbols);
+      chosen = p;
+    }
+    divide_in_runs(node, all.parents.size(),
+                   [&](std::size_t first, std::size_t count) { return divide_run(node, all, chosen, first, count); });
+    node.voxels = {};
+    node.truth = {};
+  }
+
+ private:
+  [[nodiscard]] ClusterParameters base_parameters(const BaseSteps& steps, const Prediction& prediction) const {
+    ClusterParameters p = parameters(0, prediction);
+    p.normal_shift = static_cast<std::uint8_t>(std::min(kMostNormalShift, p.normal_shift + steps.normal));
+    p.offset_shift = static_cast<std::uint8_t>(std::min(kMostOffsetShift, p.offset_shift + steps.offset));
+    return p;
+  }
+
+  [[nodiscard]] std::unique_ptr<Node> base(const ClusterParameters& p) const {
     const std::size_t most = options_.max_bytes != 0 ? std::min(kBaseBytes, options_.max_bytes) : kBaseBytes;
     std::vector<LevelSymbols> symbols;
     std::unique_ptr<Node> best;
     PackedVoxels from = root_voxel(options_.colored);
     std::vector<std::uint32_t> truth{0};
     for (int level = 0; level < deepest(); ++level) {
-      symbols.push_back(quantize(from, truth, level, false));
+      symbols.push_back(quantize(from, truth, level, p));
       truth = truth_below(symbols.back(), truth, level);
       from = symbols.back().voxels;
       ClusterHeader header;
       header.levels = static_cast<std::uint8_t>(level + 1);
-      auto node = finish(symbols, header, parameters(0), truth);
+      auto node = finish(symbols, header, p, truth);
       if (best && node->encoded.payload.size() > most) break;
       best = std::move(node);
     }
@@ -96,21 +156,13 @@ class PackedEncoder {
     return best;
   }
 
-  // Divides all voxels of a node once, in clusters that fit.
-  void divide(Node& node) const {
-    const LevelSymbols all = quantize(node.voxels, node.truth, node.level);
-    divide_in_runs(node, all.parents.size(),
-                   [&](std::size_t first, std::size_t count) { return divide_run(node, all, first, count); });
-    node.voxels = {};
-    node.truth = {};
-  }
-
- private:
   [[nodiscard]] bool fine(int level, int from) const { return !options_.compact && level + 1 >= from; }
 
   // For what divides `level`.
-  [[nodiscard]] ClusterParameters parameters(int level) const {
+  [[nodiscard]] ClusterParameters parameters(int level, const Prediction& prediction) const {
     ClusterParameters p;
+    p.normals_around = prediction.normals;
+    p.offsets_around = prediction.offsets;
     p.normal_shift =
         static_cast<std::uint8_t>(std::max(1, options_.normal_shift - (fine(level, kFineNormalLevel) ? 1 : 0)));
     p.offset_shift =
@@ -121,12 +173,11 @@ class PackedEncoder {
   }
 
   [[nodiscard]] LevelSymbols quantize(const PackedVoxels& from, std::span<const std::uint32_t> truth, int level,
-                                      bool fine = true) const {
+                                      const ClusterParameters& p) const {
     std::vector<std::span<const Voxel>> below;
     below.reserve(truth.size());
     for (const std::uint32_t voxel : truth) below.push_back(pyramid_.below(level, voxel));
-    return quantize_level(from, below, 1.0 / static_cast<double>(std::uint64_t{2} << level),
-                          parameters(fine ? level : 0));
+    return quantize_level(from, below, 1.0 / static_cast<double>(std::uint64_t{2} << level), p);
   }
 
   [[nodiscard]] std::vector<std::uint32_t> truth_below(const LevelSymbols& symbols,
@@ -141,14 +192,14 @@ class PackedEncoder {
   }
 
   // One cluster that divides a run of the voxels of a node.
-  [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, std::size_t first,
-                                                 std::size_t count) const {
+  [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, const ClusterParameters& p,
+                                                 std::size_t first, std::size_t count) const {
     const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};
     ClusterHeader header;
     header.first = static_cast<std::uint16_t>(first);
     header.count = static_cast<std::uint16_t>(count);
     header.level = static_cast<std::uint8_t>(node.level);
-    return finish(symbols, header, parameters(node.level), truth_below(symbols.front(), node.truth, node.level));
+    return finish(symbols, header, p, truth_below(symbols.front(), node.truth, node.level));
   }
 
   [[nodiscard]] std::unique_ptr<Node> finish(std::span<const LevelSymbols> symbols, const ClusterHeader& header,

@@ -44,6 +44,41 @@ void inherit(const PackedVoxels& from, std::size_t first, std::size_t count, con
   }
 }
 
+void inherit_around(const PackedVoxels& from, std::size_t first, std::size_t count, const std::uint8_t* masks,
+                    const PlaneBlock& block, bool normals, bool offsets, const PackedKernels::Inherited& to) {
+  inherit(from, first, count, masks, to);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const int u = from.u[first + i], v = from.v[first + i], offset = from.offset[first + i];
+    const FaceChanges changes = face_changes(u, v, offset, block.around(i));
+    for (unsigned c = 0; c < 8; ++c) {
+      if ((masks[i] >> c & 1) == 0) continue;
+      const PredictedPlane plane = predicted_plane(u, v, offset, changes, c, normals, offsets);
+      to.u[next] = static_cast<std::int16_t>(plane.u);
+      to.v[next] = static_cast<std::int16_t>(plane.v);
+      to.offset[next] = static_cast<std::int8_t>(plane.offset);
+      ++next;
+    }
+  }
+}
+
+void turn(std::int16_t* u, std::int16_t* v, std::uint8_t* state, const std::int16_t* du, const std::int16_t* dv,
+          int step, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) {
+    int a = u[i] + du[i] * step, b = v[i] + dv[i] * step;
+    wrap_octahedral(a, b);
+    u[i] = static_cast<std::int16_t>(a);
+    v[i] = static_cast<std::int16_t>(b);
+    const int size = std::max(std::abs(static_cast<int>(du[i])), std::abs(static_cast<int>(dv[i])));
+    state[i] = static_cast<std::uint8_t>(state[i] | std::min(static_cast<int>(kActivity), size));
+  }
+}
+
+void move(std::int8_t* offset, const std::int16_t* residual, int step, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i)
+    offset[i] = static_cast<std::int8_t>(clamp_offset(offset[i] + residual[i] * step));
+}
+
 void residuals(RansDecoder& shared, const std::uint32_t* models, const std::uint8_t* context, std::size_t n,
                std::int16_t* out) {
   RansDecoder rans = shared;
@@ -68,7 +103,7 @@ void residuals(RansDecoder& shared, const std::uint32_t* models, const std::uint
 }  // namespace
 
 const PackedKernels& packed_kernels_scalar() {
-  static constexpr PackedKernels kKernels{occupancy, inherit, residuals};
+  static constexpr PackedKernels kKernels{occupancy, inherit, inherit_around, turn, move, residuals};
   return kKernels;
 }
 

@@ -94,7 +94,7 @@ std::variant<ClusterHeader, PackedError> read_cluster_place(std::span<const std:
 std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std::byte> payload) {
   auto read = read_cluster_place(payload, kClusterHeaderSize);
   if (std::holds_alternative<PackedError>(read)) return read;
-  if ((byte_at(payload, 14) & 0xe0) != 0 || (byte_at(payload, 15) & 0x80) != 0 || (byte_at(payload, 20) & 0xf8) != 0 ||
+  if ((byte_at(payload, 14) & 0x80) != 0 || (byte_at(payload, 15) & 0x80) != 0 || (byte_at(payload, 20) & 0xf8) != 0 ||
       byte_at(payload, 21) != 0)
     return PackedError{"a cluster of a later version: reserved bits are set"};
   return read;
@@ -115,6 +115,8 @@ ClusterParameters read_parameters(std::span<const std::byte> header) {
   p.occupancy = static_cast<std::uint8_t>(flags & 7);
   p.doubles = (flags & 8) != 0;
   p.colored = (flags & 16) != 0;
+  p.normals_around = (flags & 32) != 0;
+  p.offsets_around = (flags & 64) != 0;
   p.normal_shift = static_cast<std::uint8_t>(shifts & 15);
   p.offset_shift = static_cast<std::uint8_t>(shifts >> 4 & 7);
   const std::uint32_t models = byte_at(header, 16) | byte_at(header, 17) << 8 | byte_at(header, 18) << 16;
@@ -130,7 +132,10 @@ ClusterParameters read_parameters(std::span<const std::byte> header) {
 
 void write_cluster_header(const ClusterHeader& header, const ClusterParameters& p, std::vector<std::byte>& out) {
   write_cluster_place(header, out);
-  put(out, p.occupancy | (p.doubles ? 8u : 0u) | (p.colored ? 16u : 0u), 1);
+  put(out,
+      p.occupancy | (p.doubles ? 8u : 0u) | (p.colored ? 16u : 0u) | (p.normals_around ? 32u : 0u) |
+          (p.offsets_around ? 64u : 0u),
+      1);
   put(out, p.normal_shift | static_cast<std::uint32_t>(p.offset_shift) << 4, 1);
   std::uint32_t models = 0;
   for (std::size_t i = 0; i < kResidualContexts; ++i)

@@ -20,6 +20,8 @@ struct ClusterParameters {
   std::uint8_t occupancy = 0;  // model
   bool doubles = false;        // some voxel is double, or one of the run is
   bool colored = false;
+  bool normals_around = false;  // normals are predicted from neighbours too
+  bool offsets_around = false;  // offsets likewise
   std::uint8_t normal_shift = 6, offset_shift = 2, color_shift = 3;
   std::array<std::uint8_t, kResidualContexts> normal{}, offset{};  // models by the parent's activity
   std::uint8_t luma = 0, chroma = 0;                               // models

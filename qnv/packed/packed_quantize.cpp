@@ -1,5 +1,6 @@
 #include "qnv/packed/packed_quantize.h"
 
+#include "qnv/packed/packed_neighbours.h"
 #include "qnv/packed/residual_coding.h"
 
 #include <glm/geometric.hpp>
@@ -94,13 +95,14 @@ class Quantizer {
   Quantizer(const PackedVoxels& from, const ClusterParameters& shifts, double edge, LevelSymbols& out)
       : from_(from), p_(shifts), edge_(edge), out_(out) {}
 
-  void parent(std::size_t index, std::span<const Voxel> children) {
+  void parent(std::size_t index, std::span<const Voxel> children, const FaceChanges& changes) {
     LevelSymbols::Parent entry{};
     entry.index = static_cast<std::uint32_t>(index);
     entry.first_child = static_cast<std::uint32_t>(out_.children.size());
     const std::array<int, 3> normal = octahedral_normal(from_.u[index], from_.v[index]);
     for (unsigned c = 0; c < 8; ++c)
       entry.bins[c] = static_cast<std::uint8_t>(occupancy_bin(along(normal, c), from_.offset[index]));
+    changes_ = changes;
     gain_ = 0;
     double area = 0, sections = 0;
     for (const Voxel& voxel : children) {
@@ -141,14 +143,19 @@ class Quantizer {
       }
     }
     const glm::vec3 before = unit_normal(u, v);
-    offset = predicted_offset(along(octahedral_normal(u, v), s.code), offset);
+    const int offset_before = predicted_offset(along(octahedral_normal(u, v), s.code), offset);
+    const PredictedPlane expected =
+        predicted_plane(u, v, offset, changes_, s.code, p_.normals_around, p_.offsets_around);
+    u = expected.u;
+    v = expected.v;
+    offset = expected.offset;
     normal_difference(plane.normal, u, v, p_.normal_shift, s.du, s.dv);
     u += s.du * (1 << p_.normal_shift);
     v += s.dv * (1 << p_.normal_shift);
     wrap_octahedral(u, v);
     s.offset = rounded(plane.offset * kOffsetUnits - static_cast<float>(offset), p_.offset_shift);
     const int offset_after = clamp_offset(offset + s.offset * (1 << p_.offset_shift));
-    gain(voxel, plane, before, unit_normal(u, v), offset, offset_after);
+    gain(voxel, plane, before, unit_normal(u, v), offset_before, offset_after);
     PackedVoxels& to = out_.voxels;
     to.x.push_back(static_cast<std::uint16_t>(from_.x[index] * 2 + (s.code & 1)));
     to.y.push_back(static_cast<std::uint16_t>(from_.y[index] * 2 + (s.code >> 1 & 1)));
@@ -191,6 +198,7 @@ class Quantizer {
   const PackedVoxels& from_;
   const ClusterParameters& p_;
   double edge_, gain_ = 0;
+  FaceChanges changes_;
   LevelSymbols& out_;
 };
 
@@ -208,7 +216,17 @@ LevelSymbols quantize_level(const PackedVoxels& from, std::span<const std::span<
   LevelSymbols out;
   out.parents.reserve(below.size());
   Quantizer quantizer(from, shifts, edge, out);
-  for (std::size_t i = 0; i < below.size(); ++i) quantizer.parent(i, below[i]);
+  const bool around = shifts.normals_around || shifts.offsets_around;
+  for (std::size_t first = 0; first < below.size();) {
+    const std::size_t n = around ? plane_blocks().fill(from, first, below.size() - first) : below.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = first + k;
+      quantizer.parent(i, below[i],
+                       around ? face_changes(from.u[i], from.v[i], from.offset[i], plane_blocks().block().around(k))
+                              : FaceChanges{});
+    }
+    first += n;
+  }
   return out;
 }
 
@@ -226,6 +244,20 @@ LevelSymbols chosen_symbols(const LevelSymbols& all, std::size_t first, std::siz
   std::iota(voxels.begin(), voxels.end(), begin);
   out.voxels = chosen_voxels(all.voxels, voxels);
   return out;
+}
+
+std::uint64_t plane_cost(std::span<const LevelSymbols> levels) {
+  std::array<ResidualHistogram, kResidualContexts> normal{}, offset{};
+  for (const LevelSymbols& level : levels)
+    for (const LevelSymbols::Child& child : level.children) {
+      count(normal[child.context], child.du);
+      count(normal[child.context], child.dv);
+      count(offset[child.context], child.offset);
+    }
+  std::uint64_t cost = 0;
+  for (std::size_t i = 0; i < kResidualContexts; ++i)
+    cost += cost_of(normal[i], cheapest(normal[i])) + cost_of(offset[i], cheapest(offset[i]));
+  return cost;
 }
 
 void choose_models(std::span<const LevelSymbols> levels, ClusterParameters& p) {

@@ -37,6 +37,9 @@ struct LevelSymbols {
 /// The symbols of a run of the parents.
 [[nodiscard]] LevelSymbols chosen_symbols(const LevelSymbols& all, std::size_t first, std::size_t count);
 
+/// Bits of the residuals of normals and offsets with the models that make these cheapest, in 1/256.
+[[nodiscard]] std::uint64_t plane_cost(std::span<const LevelSymbols> levels);
+
 /// Chooses the models that make the symbols of some levels cheapest.
 void choose_models(std::span<const LevelSymbols> levels, ClusterParameters& parameters);
 

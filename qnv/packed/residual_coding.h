@@ -22,14 +22,20 @@ using ResidualHistogram = std::array<std::uint32_t, kResidualSymbols>;
 
 inline void count(ResidualHistogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
 
+/// What they cost with a model, in 1/256 bits.
+inline std::uint64_t cost_of(const ResidualHistogram& histogram, std::size_t model) {
+  std::uint64_t cost = 0;
+  for (std::uint32_t s = 0; s < kResidualSymbols; ++s)
+    cost += static_cast<std::uint64_t>(histogram[s]) * residual_models()[model].cost[s];
+  return cost;
+}
+
 /// The model that makes them cheapest.
 inline std::uint8_t cheapest(const ResidualHistogram& histogram) {
   std::uint8_t best = 0;
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (std::size_t m = 0; m < kResidualModels; ++m) {
-    std::uint64_t cost = 0;
-    for (std::uint32_t s = 0; s < kResidualSymbols; ++s)
-      cost += static_cast<std::uint64_t>(histogram[s]) * residual_models()[m].cost[s];
+    const std::uint64_t cost = cost_of(histogram, m);
     if (cost < least) {
       least = cost;
       best = static_cast<std::uint8_t>(m);
