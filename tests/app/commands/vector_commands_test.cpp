@@ -235,8 +235,8 @@ TEST_CASE("export: every format of the table, and what we read comes back") {
 TEST_CASE("encode and export write over nothing but what they write") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
-  REQUIRE(run("encode --vectors 1000 " + quoted(world) + " " + quoted(stream)).status == kDone);
-  CHECK(run("encode --vectors 1000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  REQUIRE(run("encode --vectors 4000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  CHECK(run("encode --vectors 4000 " + quoted(world) + " " + quoted(stream)).status == kDone);
   const std::string bytes = folder.read("ball.qnv");
   const std::string notes = folder.write("notes.qnv", "mine"),
                     mesh = folder.write("mesh.ply", "ply\nformat ascii 1.0\n");
