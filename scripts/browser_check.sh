@@ -149,17 +149,21 @@ browse() { # BROWSER URL
   browser=$!
   started+=("$browser")
 }
-# The link whose words these are, found by the browser's own search: Enter follows what is found.
+# The link whose words these are, found by the browser's own search: Enter follows what is found. A busy machine takes
+# seconds to open the search: what is typed before would go to the page.
 click_link() { # BROWSER_WINDOW WORDS
+  local busy
+  busy=$(awk -v cores="$(nproc)" '{ pause = $1 / cores; print (pause < 1 ? 1 : pause > 6 ? 6 : pause) }' /proc/loadavg)
   xdotool windowfocus --sync "$1" 2>/dev/null || true
-  sleep 1
+  sleep "$busy"
   xdotool key Escape
   xdotool key ctrl+f
-  sleep 1
+  sleep "$busy"
   xdotool type --delay 40 "$2"
-  sleep 1.5
+  sleep "$busy"
+  sleep 0.5
   xdotool key Escape
-  sleep 0.7
+  sleep "$busy"
   xdotool key Return
 }
 ghostspace_windows() { xdotool search --onlyvisible --class '^GhostSpace$' 2>/dev/null | wc -l; }

@@ -32,7 +32,7 @@ export HOME=$work/home XDG_RUNTIME_DIR=$work/runtime XDG_CONFIG_HOME=$work/home/
 export XDG_CACHE_HOME=$work/home/.cache
 unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY XDG_CURRENT_DESKTOP
 cd "$work"
-cp "$worlds"/*.wrl .
+cp "$worlds"/*.wrl "$worlds"/*.qnv .
 
 # A molecule of twelve atoms in a ring, as a density of 64 x 64 x 64 voxels.
 awk 'BEGIN {

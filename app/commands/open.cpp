@@ -19,13 +19,10 @@ constexpr double kNoTimeout = 1e6;  // seconds
 std::optional<std::string> check_open(const Options& options) {
   if (auto problem = check_camera(options)) return problem;
   const PictureRequest& picture = options.picture;
-  const bool of_picture = picture.color_bar || !options.transfer.empty() || !options.slices.empty() ||
-                          picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
+  const bool of_picture = picture.transparent || picture.stereo != render::Stereo::none || picture.eye_distance > 0 ||
                           picture.dots_per_inch > 0 || picture.paper;
   if (of_picture && options.snapshot.empty())
-    return "expected --snapshot with --background transparent, --stereo, --eye-distance, --dpi, --transfer, --slice, "
-           "--color-bar and a --size of "
-           "paper";
+    return "expected --snapshot with --background transparent, --stereo, --eye-distance, --dpi and a --size of paper";
   return std::nullopt;
 }
 
@@ -45,6 +42,7 @@ int run_open(const Options& options) {
   viewer.orthographic = options.orthographic;
   viewer.display = options.display;
   viewer.camera = options.camera;
+  viewer.volume = volume_wishes(options);
   viewer.split = options.layout;
   viewer.muted = options.muted;
   viewer.budget = options.budget;

@@ -34,9 +34,6 @@ ViewStyle view_style(const Options& options) {
 std::optional<std::string> check_camera(const Options& options) {
   if (options.camera && (options.orbit || !options.viewpoint.empty()))
     return "expected --camera, --orbit or --viewpoint, one of them";
-  const bool parallel = options.orthographic || (options.camera && options.camera->height > 0);
-  if (parallel && options.picture.stereo != render::Stereo::none)
-    return "--stereo is of perspective; expected it without --orthographic and without a --camera with height";
   return std::nullopt;
 }
 

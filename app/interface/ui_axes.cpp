@@ -23,6 +23,7 @@ struct AxisEnd {
 
 constexpr ImU32 kAxisColors[] = {IM_COL32(226, 84, 84, 255), IM_COL32(112, 190, 84, 255), IM_COL32(88, 144, 240, 255)};
 constexpr const char* kAxisNames[] = {"X", "Y", "Z"};
+constexpr float kAxesHalf = 3.2f;  // of the square that they take, in heights of the text
 
 ImVec2 in_units(const glm::vec2& pixels) {
   const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
@@ -39,23 +40,58 @@ Action side_along(const glm::vec3& along, const Upright& upright) {
          })->second;
 }
 
+std::array<AxisEnd, 6> axis_ends(const Pose& pose) {
+  const glm::quat viewer_from_world = glm::conjugate(pose.orientation);
+  std::array<AxisEnd, 6> ends;
+  for (int i = 0; i < 6; ++i) {
+    glm::vec3 along(0);
+    along[i / 2] = i % 2 == 0 ? 1.0f : -1.0f;
+    ends[static_cast<std::size_t>(i)] = {along, viewer_from_world * along, i / 2, i % 2 == 0};
+  }
+  std::sort(ends.begin(), ends.end(), [](const AxisEnd& a, const AxisEnd& b) { return a.seen.z < b.seen.z; });
+  return ends;
+}
+
+void draw_axis(ImDrawList& draw, const AxisEnd& end, const ImVec2& center, const ImVec2& at, float dot, float scale) {
+  const ImU32 color = kAxisColors[end.axis];
+  if (!end.positive)
+    return draw.AddCircleFilled(at, dot * 0.8f, (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110));
+  draw.AddLine(center, at, color, 2 * scale);
+  draw.AddCircleFilled(at, dot, color);
+  const ImVec2 text = ImGui::CalcTextSize(kAxisNames[end.axis]);
+  draw.AddText({at.x - text.x / 2, at.y - text.y / 2}, IM_COL32(16, 17, 20, 255), kAxisNames[end.axis]);
+}
+
 }  // namespace
 
-void UiOverlay::State::axes_widget(const UiModel& model, UiActions& actions) {
-  const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
-                                   [](const UiViewport& viewport) { return viewport.active; });
-  if (active == model.viewports.end() || !model.has_world) return;
-  const Viewport& place = active->place;
-  const float em = ImGui::GetFontSize(), half = 3.2f * em;
+void UiOverlay::State::grid_line(const UiViewport& viewport, const std::string& grid) {
+  const float em = ImGui::GetFontSize();
+  const Viewport& place = viewport.place;
   const ImVec2 lower = in_units(glm::vec2(place.left, place.top + place.height));
-  const ImVec2 size = in_units(place.size());
-  if (!model.grid_text.empty() && size.x > 12 * em) {
-    ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-    const ImVec2 at(lower.x + (model.axes ? 2 * half : 0) + 0.8f * em, lower.y - 2 * em);
-    draw.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 160), model.grid_text.c_str());
-    draw.AddText(at, ImGui::GetColorU32(UiColors::kText), model.grid_text.c_str());
+  if (grid.empty() || in_units(place.size()).x <= 12 * em) return;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImVec2 at(lower.x + (viewport.axes ? 2 * kAxesHalf * em : 0) + 0.8f * em, lower.y - 2 * em);
+  draw.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 160), grid.c_str());
+  draw.AddText(at, ImGui::GetColorU32(UiColors::kText), grid.c_str());
+}
+
+void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+  if (viewport.active && model.has_world) grid_line(viewport, model.grid_text);
+  const float em = ImGui::GetFontSize(), half = kAxesHalf * em;
+  const Viewport& place = viewport.place;
+  const ImVec2 lower = in_units(glm::vec2(place.left, place.top + place.height)), size = in_units(place.size());
+  if (!viewport.axes || size.x < 6 * half || size.y < 5 * half) return;
+  const ImVec2 center(lower.x + half, lower.y - half);
+  const float length = half - 0.8f * em, dot = 0.58f * em;
+  const auto place_of = [&](const AxisEnd& end) {
+    return ImVec2(center.x + end.seen.x * length, center.y - end.seen.y * length);
+  };
+  if (!viewport.active) {
+    // A click there makes the viewport the active one.
+    for (const AxisEnd& end : axis_ends(viewport.pose))
+      draw_axis(*ImGui::GetBackgroundDrawList(), end, center, place_of(end), dot, scale);
+    return;
   }
-  if (!model.axes || size.x < 6 * half || size.y < 5 * half) return;
   ImGui::SetNextWindowPos({lower.x, lower.y - 2 * half});
   ImGui::SetNextWindowSize({2 * half, 2 * half});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
@@ -65,21 +101,9 @@ void UiOverlay::State::axes_widget(const UiModel& model, UiActions& actions) {
                    ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoBringToFrontOnFocus);
   ImGui::PopStyleVar(2);
-  const glm::quat viewer_from_world = glm::conjugate(model.pose.orientation);
-  std::array<AxisEnd, 6> ends;
-  for (int i = 0; i < 6; ++i) {
-    glm::vec3 along(0);
-    along[i / 2] = i % 2 == 0 ? 1.0f : -1.0f;
-    ends[static_cast<std::size_t>(i)] = {along, viewer_from_world * along, i / 2, i % 2 == 0};
-  }
-  std::sort(ends.begin(), ends.end(), [](const AxisEnd& a, const AxisEnd& b) { return a.seen.z < b.seen.z; });
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const ImVec2 center(lower.x + half, lower.y - half);
-  const float length = half - 0.8f * em, dot = 0.58f * em;
-  for (const AxisEnd& end : ends) {
-    const ImVec2 at(center.x + end.seen.x * length, center.y - end.seen.y * length);
-    const ImU32 color = kAxisColors[end.axis];
-    const ImU32 faint = (color & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 110);
+  for (const AxisEnd& end : axis_ends(viewport.pose)) {
+    const ImVec2 at = place_of(end);
     ImGui::SetCursorScreenPos({at.x - dot, at.y - dot});
     const std::string name = std::string(end.positive ? "+" : "-") + kAxisNames[end.axis];
     ImGui::PushID(name.c_str());
@@ -87,14 +111,7 @@ void UiOverlay::State::axes_widget(const UiModel& model, UiActions& actions) {
     const bool hovered = ImGui::IsItemHovered();
     tooltip("From " + name);
     ImGui::PopID();
-    if (end.positive) {
-      draw.AddLine(center, at, color, 2 * scale);
-      draw.AddCircleFilled(at, dot, color);
-      const ImVec2 text = ImGui::CalcTextSize(kAxisNames[end.axis]);
-      draw.AddText({at.x - text.x / 2, at.y - text.y / 2}, IM_COL32(16, 17, 20, 255), kAxisNames[end.axis]);
-    } else {
-      draw.AddCircleFilled(at, dot * 0.8f, faint);
-    }
+    draw_axis(draw, end, center, at, dot, scale);
     if (hovered) draw.AddCircle(at, dot + scale, ImGui::GetColorU32(UiColors::kText), 0, 1.5f * scale);
   }
   ImGui::End();

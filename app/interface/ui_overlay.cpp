@@ -90,7 +90,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   state.viewport_marks(model);
   if (model.inspection) draw_marks(*model.inspection);
   state.tool_marks(model);
-  state.axes_widget(model, actions);
+  for (const UiViewport& viewport : model.viewports) state.axes_widget(viewport, model, actions);
   state.divider_handles(model, actions);
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
@@ -101,6 +101,8 @@ UiActions UiOverlay::build(const UiModel& model) {
       state.failure_card(viewport, model, actions);
     else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
+    else if (model.first_steps && viewport.active && !state.dialog.open)
+      state.first_steps(viewport, model, actions);
   }
   state.notice_lines();
   if (model.travel_anchor) state.travel_mark(model);

@@ -120,6 +120,7 @@ struct UiOverlay::State {
   void viewport_marks(const UiModel& model) const;
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
   void welcome(const UiViewport& viewport, std::size_t index);
+  void first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void divider_handles(const UiModel& model, UiActions& actions);
   void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions);
@@ -127,7 +128,8 @@ struct UiOverlay::State {
   void failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;
-  void axes_widget(const UiModel& model, UiActions& actions);
+  void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);
+  void grid_line(const UiViewport& viewport, const std::string& grid);
 
   // In the units of Dear ImGui.
   [[nodiscard]] float menu_bar_height() const;

@@ -121,4 +121,42 @@ void UiOverlay::State::welcome(const UiViewport& viewport, std::size_t index) {
   ImGui::End();
 }
 
+void UiOverlay::State::first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
+  static constexpr struct {
+    const char *keys, *text;
+  } kSteps[] = {
+      {"Drag, wheel", "turn, come closer; a hand: it answers to a click - the gate, the lantern, the tower"},
+      {"Page Down", "leads on: the rotunda, a surface, a volume and a rock of outline groups, as streams"},
+      {"Drop a file", "or press Ctrl+O to open your own; Ctrl+Shift+P finds every command, F1 shows the keys"},
+  };
+  const ViewportArea area = area_of(viewport.place);
+  float keys = 0, width = 0;
+  for (const auto& step : kSteps) keys = std::max(keys, ImGui::CalcTextSize(step.keys).x);
+  for (const auto& step : kSteps) width = std::max(width, ImGui::CalcTextSize(step.text).x);
+  keys += 16 * scale;
+  const float close = ImGui::CalcTextSize("Got it").x + 2 * ImGui::GetStyle().FramePadding.x;
+  width += keys + close + 36 * scale;
+  const float height = 3 * ImGui::GetTextLineHeightWithSpacing() + 12 * scale;
+  if (area.width() < width + 16 * scale || area.height() < 3 * height) return;
+  ImGui::SetNextWindowPos({area.lower.x + 12 * scale, area.upper.y - 12 * scale}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale, 8 * scale});
+  ImGui::SetNextWindowBgAlpha(0.8f);
+  ImGui::Begin("##first steps", nullptr, kLineFlags & ~ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PopStyleVar();
+  const float left = ImGui::GetCursorPosX();
+  for (const auto& step : kSteps) {
+    colored_text(UiColors::kAccent, step.keys);
+    ImGui::SameLine(left + keys);
+    ImGui::TextUnformatted(step.text);
+  }
+  ImGui::SetCursorPos({width - close - 8 * scale, 6 * scale});
+  if (ImGui::SmallButton("Got it")) {
+    actions.settings = model.settings;
+    actions.settings->first_steps = false;
+  }
+  tooltip("Not shown again; the preferences (Ctrl+,) bring it back");
+  ImGui::End();
+}
+
 }  // namespace gs::app

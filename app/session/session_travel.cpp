@@ -19,7 +19,10 @@ void Session::note_visits() {
     }
     const auto place = returning_.find(i);
     if (place == returning_.end() || panes_.loading(i)) continue;
-    if (place->second.path == pane.shown && place->second.pose) stand_at(*seen, *place->second.pose, false);
+    if (place->second.path == pane.shown && place->second.pose) {
+      choose_parallel(*seen, place->second.pose->height > 0);
+      stand_at(*seen, *place->second.pose, false);
+    }
     returning_.erase(place);
   }
 }

@@ -12,7 +12,6 @@ using nlohmann::json;
 
 constexpr std::size_t kMostText = 8192, kMostBookmarks = 1000, kMostSessionFiles = 100, kMostPanels = 100;
 constexpr int kMostPixels = 32768;
-constexpr std::size_t kCameraNumbers = 7;
 
 std::string printed(const json& value) { return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n"; }
 
@@ -68,8 +67,10 @@ std::string memory_text(const UserMemory& memory) {
   json panels = json::array();
   for (const PanelMemory& one : memory.panels)
     panels.push_back({{"panel", one.panel}, {"side", one.side}, {"open", one.open}, {"front", one.front}});
+  json window = {{"width", memory.width}, {"height", memory.height}};
+  if (memory.place) window["place"] = *memory.place;
   return printed({{"recent", memory.recent},
-                  {"window", {{"width", memory.width}, {"height", memory.height}}},
+                  {"window", window},
                   {"areas", memory.areas},
                   {"panels", panels}});
 }
@@ -82,6 +83,12 @@ std::optional<UserMemory> read_memory(std::string_view text) {
   const json& window = member(whole, "window");
   memory.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMostPixels));
   memory.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMostPixels));
+  if (const json& place = member(window, "place"); place.is_array() && place.size() == 2) {
+    const auto good = [](const json& one) {
+      return one.is_number_integer() && std::abs(one.get<double>()) <= kMostPixels;
+    };
+    if (good(place[0]) && good(place[1])) memory.place = {place[0].get<int>(), place[1].get<int>()};
+  }
   if (const json& areas = member(whole, "areas"); areas.is_array())
     for (std::size_t i = 0; i < std::min(areas.size(), memory.areas.size()); ++i)
       memory.areas[i] = number_in_json(areas[i], 1, kMostPixels);
@@ -114,7 +121,8 @@ std::optional<std::vector<Bookmark>> read_bookmarks(std::string_view text) {
     if (bookmark.place.empty() || bookmarks.size() >= kMostBookmarks) continue;
     if (bookmark.title.empty()) bookmark.title = bookmark.place;
     const json& camera = member(one, "camera");
-    if (camera.is_array() && camera.size() == kCameraNumbers &&
+    if (camera.is_array() &&
+        (camera.size() == Bookmark::kCameraNumbers || camera.size() == Bookmark::kParallelNumbers) &&
         std::all_of(camera.begin(), camera.end(), [](const json& number) { return number.is_number(); }))
       for (const json& number : camera) bookmark.camera.push_back(number.get<double>());
     bookmarks.push_back(std::move(bookmark));

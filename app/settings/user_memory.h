@@ -11,10 +11,14 @@ namespace gs::app {
 
 /// A place to come back to.
 struct Bookmark {
+  static constexpr std::size_t kCameraNumbers = 7, kParallelNumbers = 8;
+
   std::string place;           // path or URL
   std::string viewpoint;       // by its name in that world; empty: none
   std::string title;           // how it is shown
-  std::vector<double> camera;  // x, y, z, and the orientation's x, y, z, w; empty: the viewpoint's own
+  /// x, y, z, and the orientation's x, y, z, w; by parallel rays also the height of the picture in world units. Empty:
+  /// the viewpoint's own.
+  std::vector<double> camera;
 
   bool operator==(const Bookmark&) const = default;
 };
@@ -34,6 +38,7 @@ struct UserMemory {
 
   std::vector<std::string> recent;  // paths and URLs, the newest first
   int width = 0, height = 0;        // of the window; 0: not known
+  std::optional<std::array<int, 2>> place;  // likewise, its upper left corner on the desktop; none: not known
   std::array<double, 3> areas{};    // of the dock: left, right, bottom; 0: not known
   std::vector<PanelMemory> panels;  // in the order of their tabs
 

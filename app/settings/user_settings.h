@@ -26,6 +26,7 @@ struct UserSettings {
   UpAxis up = UpAxis::automatic;  // of files that are opened
   bool backdrop = true;           // a gradient behind what no author has given a background
   bool axes = true;               // in a corner of the picture
+  bool first_steps = true;        // three lines over the demo world, until they are closed
   std::size_t budget = 0;         // vectors of all viewports together; 0: as many as suit a window
 
   bool operator==(const UserSettings&) const = default;

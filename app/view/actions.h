@@ -56,6 +56,7 @@ enum class Action : std::uint8_t {
   ruler,
   take_picture,
   pictures,
+  tour_view,
   mute,
   louder,
   softer,

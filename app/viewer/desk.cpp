@@ -24,13 +24,15 @@ std::string title_of(const std::string& title, const std::string& file) {
 
 std::vector<double> camera_numbers(const Pose& pose) {
   const auto number = [](float value) { return static_cast<double>(value); };
-  return {pose.position.x,
-          pose.position.y,
-          pose.position.z,
-          number(pose.orientation.x),
-          number(pose.orientation.y),
-          number(pose.orientation.z),
-          number(pose.orientation.w)};
+  std::vector<double> numbers{pose.position.x,
+                              pose.position.y,
+                              pose.position.z,
+                              number(pose.orientation.x),
+                              number(pose.orientation.y),
+                              number(pose.orientation.z),
+                              number(pose.orientation.w)};
+  if (pose.height > 0) numbers.push_back(pose.height);
+  return numbers;
 }
 
 bool are_alike(const std::vector<double>& one, const std::vector<double>& other) {
@@ -40,8 +42,7 @@ bool are_alike(const std::vector<double>& one, const std::vector<double>& other)
 
 // With the field of view of who looks now.
 std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose& before) {
-  constexpr std::size_t kNumbers = 7;
-  if (camera.size() != kNumbers) return std::nullopt;
+  if (camera.size() != Bookmark::kCameraNumbers && camera.size() != Bookmark::kParallelNumbers) return std::nullopt;
   for (const double number : camera)
     if (!std::isfinite(number) || std::abs(number) > kFarthest) return std::nullopt;
   Pose pose = before;
@@ -50,7 +51,8 @@ std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose
   const double length = glm::length(orientation);
   if (!(length > 1e-6)) return std::nullopt;
   pose.orientation = glm::quat(orientation / length);
-  return pose;
+  pose.height = camera.size() == Bookmark::kParallelNumbers ? camera.back() : 0;
+  return valid_pose(pose, before);
 }
 
 SessionOptions with_settings(SessionOptions options, const UserSettings& settings, bool up_given) {
@@ -90,10 +92,11 @@ Desk::~Desk() {
   keeper_.set(memory);
 }
 
-void Desk::note_window(int width, int height) {
+void Desk::note_window(int width, int height, const std::optional<std::array<int, 2>>& place) {
   UserMemory memory = keeper_.memory();
   memory.width = width;
   memory.height = height;
+  memory.place = place;
   keeper_.set(memory);
 }
 

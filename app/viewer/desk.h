@@ -7,6 +7,7 @@
 #include "app/view/actions.h"
 #include "app/viewer/file_dialog.h"
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -80,8 +81,8 @@ class Desk {
   bool take_chosen_files();
   /// Of the window.
   [[nodiscard]] std::string title();
-  /// How large the window is, for the next one.
-  void note_window(int width, int height);
+  /// How large the window is, and where, for the next one.
+  void note_window(int width, int height, const std::optional<std::array<int, 2>>& place);
 
  private:
   bool run(Action action);

@@ -48,7 +48,11 @@ void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t bu
     UiViewport viewport;
     viewport.pane = picture.pane;
     viewport.place = picture.place;
-    if (pane.view()) viewport.label = file_label(pane.shown);
+    if (const View* seen = pane.view()) {
+      viewport.label = file_label(pane.shown);
+      viewport.axes = seen->style.axes && !seen->document->world.authored;
+      viewport.pose = seen->navigation.pose;
+    }
     if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
     viewport.active = picture.pane == panes.active();
     viewport.weight = pane.weight;
@@ -101,6 +105,7 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   window_.describe_tools(model.tools);
   if (!seen) return model;
   model.has_world = true;
+  model.first_steps = keeper_.settings().first_steps && !not_kept_.empty() && pane.shown == not_kept_;
   const auto& viewpoints = seen->list->viewpoints;
   for (const std::size_t index : listed_viewpoints(viewpoints)) {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
@@ -116,7 +121,6 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.style = seen->style;
   model.pose = seen->navigation.pose;
   model.upright = upright_of(*seen);
-  model.axes = seen->style.axes && !seen->document->world.authored;
   if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
     model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
   model.can_undo_move = session_.can_undo_move(-1);

@@ -141,7 +141,10 @@ void Viewer::run() {
     if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
   }
   const glm::ivec2 size = window_->window_size();
-  if (size.x > 0 && size.y > 0 && !window_->is_full_screen()) desk_.note_window(size.x, size.y);
+  if (size.x > 0 && size.y > 0 && !window_->is_full_screen()) {
+    const auto place = window_->place();
+    desk_.note_window(size.x, size.y, place ? std::optional(std::array{place->x, place->y}) : std::nullopt);
+  }
   window_->hide();
 }
 
@@ -207,6 +210,8 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
     return 1;
   }
   auto& context = std::get<std::unique_ptr<Window>>(window);
+  if (options.folders.any())
+    if (const auto place = remembered(options.folders).place) context->move_to({(*place)[0], (*place)[1]});
   auto renderer = render::Renderer::create(*context);
   if (const auto* problem = std::get_if<render::ContextError>(&renderer)) {
     error = "cannot draw in a window: " + problem->message;

@@ -2,6 +2,7 @@
 
 #include "app/control/control_service.h"
 #include "app/formats/common/upright.h"
+#include "app/picture/volume_show.h"
 #include "app/settings/user_folders.h"
 #include "app/view/navigation.h"
 #include "app/view/panes/split_tree.h"
@@ -34,6 +35,7 @@ struct ViewerOptions {
   bool orthographic = false;
   render::DisplayMode display = render::DisplayMode::surface;
   std::optional<Pose> camera;           // where the first file is first seen from
+  VolumeWishes volume;                  // how volumes are first shown
   bool muted = false;                   // no sound, until it is asked for
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // where others may control it

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -96,6 +97,36 @@ std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) 
   return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
 }
 
+// Once for each volume that is opened; then it is the user's.
+void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
+  const VolumeWishes& wishes = options_.volume;
+  const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
+  if (!volume) return;
+  std::erase_if(wished_, [](const Wished& one) { return one.of.expired(); });
+  auto known = std::find_if(wished_.begin(), wished_.end(),
+                            [&](const Wished& one) { return one.of.lock() == seen.document; });
+  if (known == wished_.end()) {
+    wished_.push_back({seen.document});
+    known = std::prev(wished_.end());
+    seen.color_bar = seen.color_bar || wishes.color_bar;
+    if (!wishes.transfer.empty()) {
+      auto transfer = named_transfer(wishes.transfer, *volume);
+      if (auto* problem = std::get_if<std::string>(&transfer))
+        tell(*problem, true);
+      else
+        seen.look.transfer = std::move(std::get<Transfer>(transfer));
+    }
+    known->all = wishes.slices.empty();
+    if (!known->all) seen.slices = wishes.slice_look;
+  }
+  if (known->all) return;
+  const Values& values = values_of(seen);
+  if (!values.grid && values.problem.empty()) return;
+  known->all = true;
+  if (!values.grid) return tell("Slices: " + values.problem, true);
+  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
+}
+
 // The value of a volume where it is seen, or where a plane or surface in it is.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
@@ -138,6 +169,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
     tools.measured_text = ruler_.text();
   }
   tools.measured = ruler_.summary();
+  tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   tools.slices = seen->slices;
   const qnv::Description* const volume = first_volume(*seen->list);
   if (volume && asked_.lock() != seen->document) {
@@ -145,7 +177,10 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
     asked_is_volume_ = is_volume_file(*seen);
   }
   tools.has_file = volume && asked_is_volume_;
-  const bool wanted = tools.has_file && (wants_value_ || seen->slices.any());
+  const bool waits = std::any_of(wished_.begin(), wished_.end(), [&](const Wished& one) {
+    return !one.all && one.of.lock() == seen->document;
+  });
+  const bool wanted = tools.has_file && (wants_value_ || seen->slices.any() || waits);
   if (wanted) {
     const Values& values = values_of(*seen);
     tools.reading = values.coming.valid();
@@ -211,23 +246,44 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
   tell("Picture saved: " + path, false);
 }
 
-void ViewerTools::start_turntable(const View& seen, const Viewport& place, const Tell& tell) {
+std::vector<render::Camera>& ViewerTools::tour_of(const View& seen) {
+  if (toured_.lock() != seen.document) tour_.clear();
+  toured_ = seen.document;
+  return tour_;
+}
+
+void ViewerTools::add_to_tour(const View& seen, const Tell& tell) {
+  constexpr std::size_t kMostViews = 1000;
+  std::vector<render::Camera>& tour = tour_of(seen);
+  if (tour.size() >= kMostViews) return tell("A tour has no more than 1000 views", true);
+  tour.push_back(camera_of(seen.navigation.pose));
+  tell("View " + std::to_string(tour.size()) + " of the tour" + (tour.size() == 1 ? "; Pictures (menu File) saves it" : ""),
+       false);
+}
+
+void ViewerTools::start_animation(const View& seen, const Viewport& place, bool of_tour, const Tell& tell) {
   Export made;
   AnimationRequest request;
-  request.turntable = true;
-  request.length = wish_.seconds;
+  request.turntable = !of_tour;
+  request.length = of_tour ? wish_.leg : wish_.seconds;
   request.rate = wish_.rate;
+  if (of_tour) {
+    made.tour = tour_of(seen);
+    request.tour.resize(made.tour.size());
+  }
   if (const auto problem = plan_animation(request, made.steps)) return tell(*problem, true);
+  const bool movie = wish_.animation != AnimationFile::pictures;
   made.size = size_of(place);
   made.request = wish_.request;
-  made.request.transparent = wish_.request.transparent && !wish_.movie;
+  made.request.transparent = wish_.request.transparent && !movie;
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   const OpenedWorld& world = seen.document->world;
   const std::string title = world.title.empty() ? file_label(world.path) : world.title;
-  made.path = wish_.movie ? free_path(folder_, picture_name(title, seconds_since_1970(), ".mp4"))
-                          : folder_ + '/' + picture_name(title, seconds_since_1970(), "");
-  if (!wish_.movie) {
+  const char* const end = wish_.animation == AnimationFile::webm ? ".webm" : ".mp4";
+  made.path = movie ? free_path(folder_, picture_name(title, seconds_since_1970(), end))
+                    : folder_ + '/' + picture_name(title, seconds_since_1970(), "");
+  if (!movie) {
     for (std::size_t i = 0; (i = made.path.find('%', i)) != std::string::npos; i += 2) made.path.insert(i, 1, '%');
     made.path += ".%04d.png";
   }
@@ -249,7 +305,10 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
     problem = "another file is shown now";
   } else if (job.next < job.steps.size()) {
     PictureScene scene = scene_of(kMostViewports, *seen, job.size, job.request);
-    scene.camera = turned_camera(job.camera, job.center, job.up, job.steps[job.next].turned);
+    const AnimationStep& step = job.steps[job.next];
+    scene.camera = step.from && *step.from + 1 < job.tour.size()
+                       ? camera_between(job.tour[*step.from], job.tour[*step.from + 1], step.part)
+                       : turned_camera(job.camera, job.center, job.up, step.turned);
     auto picture = paint_image(renderer_, scene, job.request);
     if (auto* wrong = std::get_if<std::string>(&picture))
       problem = std::move(*wrong);
@@ -258,9 +317,10 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
     ++job.next;
   }
   if (!problem && job.next >= job.steps.size()) problem = job.writer->finish();
-  if (problem) tell("The turntable is not whole: " + *problem, true);
+  const std::string kind = job.tour.empty() ? "turntable" : "tour";
+  if (problem) tell("The " + kind + " is not whole: " + *problem, true);
   if (!problem && job.next >= job.steps.size())
-    tell("Turntable saved: " + job.path + " (" + job.writer->what() + ")", false);
+    tell((job.tour.empty() ? "Turntable saved: " : "Tour saved: ") + job.path + " (" + job.writer->what() + ")", false);
   if (problem || job.next >= job.steps.size()) export_.reset();
   return true;
 }
@@ -285,14 +345,18 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (actions.forget_points) ruler_.clear();
   if (actions.picture) wish_ = *actions.picture;
   if (actions.cancel_export && export_) {
-    tell("The turntable was given up", false);
+    tell("The animation was given up", false);
     export_.reset();
   }
   if (!seen) return;
+  show_as_wished(*seen, tell);
   if (actions.slices) seen->slices = *actions.slices;
   if (actions.color_bar) seen->color_bar = *actions.color_bar;
   if (actions.take_picture) take_picture(*seen, place, tell);
-  if (actions.take_turntable) start_turntable(*seen, place, tell);
+  if (actions.take_turntable) start_animation(*seen, place, false, tell);
+  if (actions.add_to_tour) add_to_tour(*seen, tell);
+  if (actions.forget_tour_view && !tour_of(*seen).empty()) tour_.pop_back();
+  if (actions.take_tour) start_animation(*seen, place, true, tell);
   const qnv::Description* const volume = first_volume(*seen->list);
   if (!volume) return;
   if (actions.save_transfer) {

@@ -43,6 +43,8 @@ class ViewerTools {
   using Tell = std::function<void(std::string text, bool is_problem)>;
   void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
   void take_picture(const View& seen, const Viewport& place, const Tell& tell);
+  /// The view is the next one of the tour of its file.
+  void add_to_tour(const View& seen, const Tell& tell);
   void toggle_ruler();
   /// Ends the ruler (Esc). False: there is none.
   bool close();
@@ -64,15 +66,18 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     render::Camera camera;
     glm::dvec3 center{0}, up{0, 1, 0};
+    std::vector<render::Camera> tour;  // empty: a turntable
     glm::ivec2 size{0};
     PictureRequest request;
   };
   Values& values_of(const View& view);
+  void show_as_wished(View& seen, const Tell& tell);
   [[nodiscard]] static bool is_volume_file(const View& seen);
   void probe(const View& seen, const Viewport& place);
   [[nodiscard]] PictureScene scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
                                       const PictureRequest& request);
-  void start_turntable(const View& seen, const Viewport& place, const Tell& tell);
+  void start_animation(const View& seen, const Viewport& place, bool of_tour, const Tell& tell);
+  [[nodiscard]] std::vector<render::Camera>& tour_of(const View& seen);
   [[nodiscard]] glm::ivec2 size_of(const Viewport& place) const;
 
   const ViewerOptions& options_;
@@ -86,12 +91,19 @@ class ViewerTools {
   std::weak_ptr<Document> ruled_;  // whose places the ruler has
   std::atomic<bool> stop_{false};  // of who reads values
   std::map<const Document*, Values> values_;
+  struct Wished {
+    std::weak_ptr<Document> of;
+    bool all = false;  // else planes wait for how many voxels there are
+  };
+  std::vector<Wished> wished_;  // what is shown as the command line says
   std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports: of pictures that are saved
   PictureWish wish_;
   std::string folder_;
   std::weak_ptr<Document> asked_;  // whether its file is a volume
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
+  std::vector<render::Camera> tour_;
+  std::weak_ptr<Document> toured_;  // whose views they are
 };
 
 }  // namespace gs::app

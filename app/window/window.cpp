@@ -274,6 +274,29 @@ glm::ivec2 Window::window_size() const {
   return size;
 }
 
+std::optional<glm::ivec2> Window::place() const {
+  if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return std::nullopt;
+  glm::ivec2 at(0);
+  (void)glfwGetError(nullptr);
+  glfwGetWindowPos(window_, &at.x, &at.y);
+  return glfwGetError(nullptr) == GLFW_NO_ERROR ? std::optional(at) : std::nullopt;
+}
+
+void Window::move_to(const glm::ivec2& place) {
+  constexpr int kHold = 100;  // screen coordinates that must be on a monitor, beside and below the corner
+  int count = 0;
+  GLFWmonitor** const monitors = glfwGetMonitors(&count);
+  for (int i = 0; i < count; ++i) {
+    glm::ivec4 area(0);
+    glfwGetMonitorWorkarea(monitors[i], &area.x, &area.y, &area.z, &area.w);
+    if (place.x >= area.x && place.y >= area.y && place.x + kHold <= area.x + area.z &&
+        place.y + kHold <= area.y + area.w) {
+      glfwSetWindowPos(window_, place.x, place.y);
+      return;
+    }
+  }
+}
+
 bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
 
 float Window::content_scale() const {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -59,6 +60,11 @@ class Window final : public render::GlContext {
   [[nodiscard]] glm::ivec2 framebuffer_size() const;
   /// As `open` takes it; 0 when minimised.
   [[nodiscard]] glm::ivec2 window_size() const;
+  /// Where its upper left corner is on the desktop, in screen coordinates; none: the window system does not tell
+  /// (Wayland), or it is minimised.
+  [[nodiscard]] std::optional<glm::ivec2> place() const;
+  /// Moves it there, if enough of it would be on a monitor to take hold of it.
+  void move_to(const glm::ivec2& place);
   [[nodiscard]] bool is_full_screen() const;
   /// Of the monitor: 1 on a common screen, 2 where everything should be twice as large.
   [[nodiscard]] float content_scale() const;

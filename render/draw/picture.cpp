@@ -1,6 +1,7 @@
 #include "render/draw/picture.h"
 
 #include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -108,6 +109,18 @@ double distance_to(const RenderList& list, const Camera& camera) {
 
 Eyes eyes_of(const Camera& camera, double eye_distance, double screen_distance) {
   Eyes eyes{camera, camera};
+  if (camera.height > 0) {
+    // Parallel rays come from no place: each eye has a direction of its own, about the place that both see alike.
+    const double half = std::atan(eye_distance / 2 / screen_distance);
+    const glm::dvec3 ahead(0, 0, -screen_distance), up(0, 1, 0);
+    const auto turn = [&](Camera& eye, double angle) {
+      const glm::dmat4 about = glm::translate(glm::dmat4(1), ahead);
+      eye.world_from_camera = camera.world_from_camera * glm::rotate(about, angle, up) * glm::translate(glm::dmat4(1), -ahead);
+    };
+    turn(eyes.left, -half);
+    turn(eyes.right, half);
+    return eyes;
+  }
   const glm::dvec4 half = camera.world_from_camera[0] * (eye_distance / 2);
   eyes.left.world_from_camera[3] -= half;
   eyes.right.world_from_camera[3] += half;

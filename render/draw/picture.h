@@ -31,6 +31,7 @@ struct Eyes {
   Camera left, right;
 };
 /// They look straight ahead, their lenses are shifted: at `screen_distance` both see the same place of their pictures.
+/// By parallel rays they look towards what is there from both sides.
 [[nodiscard]] Eyes eyes_of(const Camera& camera, double eye_distance, double screen_distance);
 
 /// Takes bands of a picture, from the top, each as wide as the picture, which are its own then; false: no more is

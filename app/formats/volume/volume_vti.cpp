@@ -19,7 +19,7 @@ namespace {
 
 /// One array of a value a point or cell.
 struct VtiArray {
-  std::string name, type, format = "ascii";
+  std::string name, type, format = "ascii", units;
   std::uint64_t components = 1, offset = 0;  // into the appended data
   std::size_t begin = 0, end = 0;            // of what stands inside the element
   bool of_points = false;
@@ -40,6 +40,9 @@ struct VtiParse {
   XML_Parser parser = nullptr;
   VtiHeader header;
   bool in_points = false, in_cells = false, in_array = false;
+  bool in_units = false;   // in the element that names them
+  bool has_data = false;   // of the array: what is no blank stood before the next element
+  bool data_ends = false;  // of the array: something else stood behind it
 
   [[nodiscard]] std::size_t place() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)); }
   [[nodiscard]] std::size_t place_behind() const {
@@ -74,6 +77,30 @@ void begin_array(VtiParse& parse, const XML_Char** attributes) {
   array.begin = array.end = parse.place_behind();
   parse.header.arrays.push_back(std::move(array));
   parse.in_array = true;
+  parse.has_data = parse.data_ends = false;
+}
+
+/// VTK writes what it knows of an array (vtkInformation) into its element, before the values.
+void begin_information(VtiParse& parse, const XML_Char** attributes) {
+  if (parse.has_data && !parse.data_ends) {
+    parse.header.arrays.back().end = parse.place();
+    parse.data_ends = true;
+  }
+  parse.in_units = attribute(attributes, "name") == "UNITS_LABEL";
+}
+
+void take_text(void* user, const XML_Char* text, int length) {
+  constexpr std::size_t kMostUnits = 64;
+  auto& parse = *static_cast<VtiParse*>(user);
+  if (!parse.in_array) return;
+  const std::string_view given(text, static_cast<std::size_t>(length));
+  if (parse.in_units) {
+    std::string& units = parse.header.arrays.back().units;
+    for (const char c : given.substr(0, kMostUnits))
+      if (units.size() < kMostUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' ')) units += c;
+  } else if (!parse.has_data) {
+    parse.has_data = given.find_first_not_of(" \t\r\n") != std::string_view::npos;
+  }
 }
 
 void begin_element(void* user, const XML_Char* element, const XML_Char** attributes) {
@@ -101,6 +128,8 @@ void begin_element(void* user, const XML_Char* element, const XML_Char** attribu
     header.cell_scalars = attribute(attributes, "Scalars");
   } else if (name == "DataArray" && (parse.in_points || parse.in_cells)) {
     begin_array(parse, attributes);
+  } else if (name == "InformationKey" && parse.in_array) {
+    begin_information(parse, attributes);
   } else if (name == "AppendedData") {
     // What follows may be raw bytes, which are no XML.
     header.appended = parse.place_behind();
@@ -114,9 +143,13 @@ void end_element(void* user, const XML_Char* element) {
   const std::string_view name = element;
   if (name == "PointData") parse.in_points = false;
   if (name == "CellData") parse.in_cells = false;
+  if (name == "InformationKey" && parse.in_array) {
+    if (!parse.has_data) parse.header.arrays.back().begin = parse.place_behind();
+    parse.in_units = false;
+  }
   if (name == "DataArray" && parse.in_array) {
     VtiArray& array = parse.header.arrays.back();
-    array.end = std::max(array.begin, parse.place());
+    array.end = std::max(array.begin, parse.data_ends ? array.end : parse.place());
     parse.in_array = false;
   }
 }
@@ -129,6 +162,7 @@ std::variant<VtiHeader, std::string> read_header(std::span<const std::byte> byte
   parse.parser = parser.get();
   XML_SetUserData(parser.get(), &parse);
   XML_SetElementHandler(parser.get(), begin_element, end_element);
+  XML_SetCharacterDataHandler(parser.get(), take_text);
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   for (std::size_t next = 0; next < bytes.size() && !parse.header.appended; next += kPiece) {
     const std::span<const std::byte> piece = bytes.subspan(next, std::min(kPiece, bytes.size() - next));
@@ -381,6 +415,7 @@ VolumeResult open_vti(const VolumeFile& file) {
   qnv::VolumeLayout layout;
   if (auto problem = place(header, array->of_points, layout)) return std::move(*problem);
   add_metadata(layout, "array", array->name);
+  if (!array->units.empty()) add_metadata(layout, "units", array->units);
   const StoredType type = *vti_type_of(array->type);
   const auto size = stored_size(layout, type, array->components);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;

@@ -39,6 +39,8 @@ struct UiViewport {
   std::size_t budget = 0;      // that many
   double reading = 0;          // its share of what is read over the network; 0: it waits for nothing there
   std::string failed, reason;  // label of a file that it could not show, and why; empty: none
+  bool axes = false;           // are shown in a corner
+  Pose pose;                   // of its viewer
 };
 
 /// Whether a world may read a folder that is not its own.
@@ -74,6 +76,7 @@ struct UiModel {
   bool can_go_back = false, can_go_forward = false;
   bool loading = false;
   bool has_world = false;
+  bool first_steps = false;  // it is what a program without arguments shows, to whom has not closed the first steps
 
   std::vector<std::string> viewpoints;   // labels
   std::optional<std::size_t> viewpoint;  // of these, the bound one
@@ -84,7 +87,6 @@ struct UiModel {
   ViewStyle style;
   Pose pose;              // of the viewer
   Upright upright;        // of what he looks at
-  bool axes = false;      // are shown in a corner
   std::string grid_text;  // how large the squares on the ground are; empty: there are none
   bool can_undo_move = false, can_redo_move = false;
   bool has_sounds = false, muted = false;

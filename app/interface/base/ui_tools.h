@@ -15,14 +15,18 @@
 
 namespace gs::app {
 
+/// As what an animation is saved.
+enum class AnimationFile : std::uint8_t { pictures, mp4, webm };
+
 /// How pictures are saved, as the user has chosen it last.
 struct PictureWish {
   bool of_window = true;  // as many pixels as the viewport has, times `scale`
   int scale = 1;          // 1..8
   glm::ivec2 size{1920, 1080};
   PictureRequest request;
-  bool movie = false;  // of a turntable: MP4, else numbered PNG
+  AnimationFile animation = AnimationFile::pictures;
   double seconds = 8;  // of a turntable
+  double leg = 3;      // seconds from one view of a tour to the next
   double rate = 25;
 };
 
@@ -52,6 +56,7 @@ struct UiTools {
   PictureWish picture;
   std::string folder;              // where they go
   std::optional<float> exporting;  // how far that is
+  std::size_t tour = 0;            // views that a tour of this file has
 };
 
 /// What the user wants of it.
@@ -63,6 +68,7 @@ struct UiToolActions {
   std::optional<double> rate;
   std::optional<PictureWish> picture;
   bool take_picture = false, take_turntable = false, cancel_export = false;
+  bool add_to_tour = false, forget_tour_view = false, take_tour = false;
   std::optional<std::string> save_transfer, load_transfer;  // paths
 };
 

@@ -181,10 +181,26 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::SetNextItemWidth(tool_width());
   if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g seconds")) wish.seconds = static_cast<double>(seconds);
   tool_label("", frame.scale);
-  if (ImGui::RadioButton("Movie (MP4)", wish.movie)) wish.movie = true;
-  ImGui::SameLine();
-  if (ImGui::RadioButton("PNG pictures", !wish.movie)) wish.movie = false;
+  static constexpr std::array<const char*, 3> kFiles{"PNG pictures", "Movie (MP4)", "Movie (WebM)"};
+  auto file = static_cast<int>(wish.animation);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::Combo("##animation", &file, kFiles.data(), static_cast<int>(kFiles.size())))
+    wish.animation = static_cast<AnimationFile>(file);
   if (ImGui::Button("Save a turntable")) all.tools.take_turntable = true;
+  ImGui::Separator();
+  tool_label("Tour", frame.scale);
+  auto leg = static_cast<float>(wish.leg);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g seconds a view")) wish.leg = static_cast<double>(leg);
+  tool_label("", frame.scale);
+  if (ImGui::Button("Add this view")) all.tools.add_to_tour = true;
+  ImGui::SameLine();
+  ImGui::BeginDisabled(tools.tour == 0);
+  if (ImGui::Button("Drop the last")) all.tools.forget_tour_view = true;
+  ImGui::EndDisabled();
+  ImGui::BeginDisabled(tools.tour < 2);
+  if (ImGui::Button(("Save a tour of " + std::to_string(tools.tour) + " views###tour").c_str())) all.tools.take_tour = true;
+  ImGui::EndDisabled();
   ImGui::EndDisabled();
   if (tools.exporting) {
     ImGui::ProgressBar(*tools.exporting, {tool_width() - 90 * frame.scale, 0});

@@ -205,6 +205,31 @@ TEST_CASE("A bookmark keeps the file and where one stood, and leads back there")
   CHECK(kept->empty());
 }
 
+TEST_CASE("A bookmark keeps by which rays one saw") {
+  ScratchFolder scratch;
+  DeskOptions options;
+  options.folders = {scratch.path("settings.conf"), scratch.path("bookmarks.json"), scratch.path("state")};
+  Driver user(options);
+  user.show_world(kTwoViewpoints);
+  user.press(letter_key('O'));
+  REQUIRE(user.session().view()->style.parallel);
+  user.session().view()->navigation.pose.position = {1, 2, 3};
+  user.session().view()->navigation.pose.height = 7;
+  user.press(letter_key('D'), true);
+  const auto kept = read_bookmarks(scratch.read("bookmarks.json"));
+  REQUIRE(kept);
+  REQUIRE(kept->size() == 1);
+  CHECK(kept->front().camera.size() == Bookmark::kParallelNumbers);
+  user.press(letter_key('O'));
+  REQUIRE_FALSE(user.session().view()->style.parallel);
+  user.click("Bookmarks");
+  user.click("test.wrl: Entrance");
+  user.wait(0.2);
+  CHECK(user.session().view()->style.parallel);
+  CHECK(user.session().view()->navigation.pose.height == Approx(7));
+  CHECK(glm::distance(user.session().view()->navigation.pose.position, glm::dvec3(1, 2, 3)) < 1e-9);
+}
+
 TEST_CASE("The address bar goes on with what is typed, and opens it") {
   ScratchFolder scratch;
   scratch.write("worlds/castle.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");

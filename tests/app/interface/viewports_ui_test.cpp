@@ -250,6 +250,22 @@ TEST_CASE("A viewport with nothing but a file that failed is closed with the mes
   CHECK(panes_of(user.session().panes().split()).size() == 1);
 }
 
+TEST_CASE("What a program without arguments shows says in three lines what to do, until they are closed") {
+  ScratchFolder scratch;
+  scratch.write("demo.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  DeskOptions options;
+  options.not_kept = scratch.path("demo.wrl");
+  options.folders.settings_file = scratch.path("settings.conf");
+  Driver user(std::move(options), {1400, 900});
+  CHECK_FALSE(user.sees("Page Down leads on"));
+  user.session().open_in(0, scratch.path("demo.wrl"));
+  REQUIRE(user.wait_for([&] { return user.sees("Page Down leads on"); }));
+  CHECK(user.sees("Drop a file or press Ctrl+O"));
+  user.click("Got it");
+  CHECK_FALSE(user.sees("Page Down leads on"));
+  CHECK_FALSE(user.desk().kept().settings().first_steps);
+}
+
 TEST_CASE("A window that ended by itself is split again as it was, with files and weights") {
   ScratchFolder scratch;
   scratch.write("a.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");

@@ -16,6 +16,7 @@ TEST_CASE("What is remembered is written and read again") {
   CHECK(memory.recent[1] == "/worlds/59.wrl");
   memory.width = 1280;
   memory.height = 800;
+  memory.place = {-20, 300};
   memory.areas = {200, 300.5, 0};
   memory.panels = {{"log", "bottom", true, true}, {"transfer-function", "left", false, false}};
   const auto back = read_memory(memory_text(memory));
@@ -52,12 +53,13 @@ TEST_CASE("Of a file that is spoilt what can be used is used") {
   CHECK_FALSE(read_bookmarks("{\"bookmarks\": 7}"));
   const auto memory = read_memory(
       "{\"recent\": [1, \"/a.wrl\", \"\", \"/a.wrl\", \"two\\nlines\", null], \"window\": {\"width\": -5, \"height\": "
-      "1e99}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
+      "1e99, \"place\": [1, 1e99]}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
       "true}, {}]}");
   REQUIRE(memory);
   CHECK(memory->recent == std::vector<std::string>{"/a.wrl"});
   CHECK(memory->width == 0);
   CHECK(memory->height == 0);
+  CHECK_FALSE(memory->place);
   CHECK(memory->areas == std::array<double, 3>{0, 0, 250});
   REQUIRE(memory->panels.size() == 1);
   CHECK(memory->panels[0].open);

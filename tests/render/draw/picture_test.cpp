@@ -141,6 +141,22 @@ TEST_CASE(
   CHECK(tangent(eyes.right, {0.3, 0, 5}) - tangent(eyes.left, {0.3, 0, 5}) == Approx(0.5 / 8 - 0.5 / 5).margin(1e-6));
 }
 
+TEST_CASE("By parallel rays eyes look from both sides at the place that they see alike") {
+  Camera camera = camera_at({0, 0, 10});
+  camera.height = 4;
+  const Eyes eyes = eyes_of(camera, 0.5, 8);
+  const auto right_of = [](const Camera& eye, const glm::dvec3& place) {
+    return (camera_from_world_of(eye) * glm::dvec4(place, 1)).x;
+  };
+  CHECK(right_of(eyes.left, {0, 0, 2}) == Approx(0).margin(1e-9));
+  CHECK(right_of(eyes.right, {0, 0, 2}) == Approx(0).margin(1e-9));
+  CHECK(eyes.left.world_from_camera[3].x < 0);
+  // What is behind is farther right for the right eye, by twice the sine of half the angle for each unit.
+  const double shift = 2 * 10 * std::sin(std::atan(0.25 / 8));
+  CHECK(right_of(eyes.right, {0, 0, -8}) - right_of(eyes.left, {0, 0, -8}) == Approx(shift));
+  CHECK(right_of(eyes.right, {0, 0, 12}) - right_of(eyes.left, {0, 0, 12}) == Approx(-shift));
+}
+
 TEST_CASE("Pictures for two eyes stand side by side, or lie over one another in red and cyan") {
   Drawing drawing;
   RenderList list;

@@ -172,8 +172,7 @@ TEST_CASE("Pictures are taken from where a camera's text says, by parallel rays,
   REQUIRE(run("encode --outlines " + quoted(wedge) + " " + quoted(folder.path("o.qnv"))).status == 0);
   CHECK(run("info " + quoted(folder.path("o.qnv"))).output.find("up: z") != std::string::npos);
   CHECK(picture("", folder.path("o.qnv")) == picture("--up z", folder.path("o.qnv")));
-  for (const char* wrong : {"--up w", "--camera nowhere", "--display dots", "--camera position=1,2,3 --orbit 0,0",
-                            "--orthographic --stereo anaglyph"}) {
+  for (const char* wrong : {"--up w", "--camera nowhere", "--display dots", "--camera position=1,2,3 --orbit 0,0"}) {
     INFO(wrong);
     CHECK(run(std::string(wrong) + " --snapshot " + quoted(folder.path("p.png")) + " " + quoted(world)).status == 2);
   }
