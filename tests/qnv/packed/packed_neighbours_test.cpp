@@ -102,10 +102,10 @@ TEST_CASE("Normals that turn from voxel to voxel go on turning, by hand") {
         predicted_offset(along(octahedral_normal(100, 0), 1), 0));
   // Offset of +x: 2 (0 - 0) + (260 >> 3) = 32, of -x: (60 >> 3) = 7, a quarter of each.
   CHECK(changes.offset == std::array<int, 6>{7, 32, 0, 0, 0, 0});
-  // Around the edge of the square: (1000, 20) and (1010, -20) on its other side lie close together, see
-  // wrap_octahedral.
+  // Around the edge of the square: (1010, -20) is (1038, 20) as well, 38 away, not 10 and 40.
   const std::array<std::uint32_t, 7> edge{0, bits_of(1010, -20, 0), 0, 0, 0, 0, bits_of(1000, 20, 0)};
-  CHECK(face_changes(1000, 20, 0, edge).u[1] == 3 * 10);
+  CHECK(face_changes(1000, 20, 0, edge).u[1] == 3 * 38);
+  CHECK(face_changes(1000, 20, 0, edge).v[1] == 0);
   const std::array<std::uint32_t, 7> seam{0, bits_of(1014, -120, 0), 0, 0, 0, 0, bits_of(1014, 120, 0)};
   CHECK(face_changes(1014, 120, 0, seam).u[1] == 3 * 20);
   CHECK(face_changes(1014, 120, 0, seam).v[1] == 0);
