@@ -28,6 +28,14 @@ find_program(GZIP_PROGRAM gzip REQUIRED)
 add_custom_command(OUTPUT ${made}/ghostspace.1.gz COMMAND ${GZIP_PROGRAM} -9nkf ${made}/ghostspace.1
                    DEPENDS ${made}/ghostspace.1 VERBATIM)
 set_property(GLOBAL APPEND PROPERTY ghostspace_made ${made}/ghostspace.1.gz)
+# A Debian package tells of its versions.
+string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
+set(contact "GhostSpace <ghostspace@localhost>")
+file(WRITE ${made}/changelog "ghostspace (${PROJECT_VERSION}) stable; urgency=low\n\n  * Version ${PROJECT_VERSION}.\n\n\
+ -- ${contact}  ${now}\n")
+add_custom_command(OUTPUT ${made}/changelog.gz COMMAND ${GZIP_PROGRAM} -9nkf ${made}/changelog
+                   DEPENDS ${made}/changelog VERBATIM)
+set_property(GLOBAL APPEND PROPERTY ghostspace_made ${made}/changelog.gz)
 get_property(all GLOBAL PROPERTY ghostspace_made)
 add_custom_target(desktop_files ALL DEPENDS ${all} ${made}/icons/hicolor/scalable/apps/${desktop_name}.svg)
 
@@ -43,17 +51,20 @@ install(DIRECTORY ${made}/icons/hicolor DESTINATION ${CMAKE_INSTALL_DATADIR}/ico
 install(FILES ${made}/ghostspace.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME ghostspace)
 install(FILES ${made}/ghostspace.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions RENAME _ghostspace)
 install(FILES ${made}/ghostspace.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
-foreach(document formats serving security control scripts)
+install(FILES ${made}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/images/manual DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace/images)
+foreach(document manual faq formats serving security control scripts)
   install(FILES ${PROJECT_SOURCE_DIR}/docs/${document}.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ghostspace)
 endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME ghostspace)
 set(CPACK_PACKAGE_VENDOR GhostSpace)
-set(CPACK_PACKAGE_CONTACT "GhostSpace <ghostspace@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGE_DESCRIPTION "GhostSpace opens VRML97 worlds, meshes, volumes and Gaussian splats, in a window or from the
-command line, shows them while they come over the network, and says what is wrong with a file.")
+set(CPACK_PACKAGE_CONTACT "${contact}")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "browser for 3D worlds and remote scientific data")
+set(CPACK_PACKAGE_DESCRIPTION "GhostSpace opens VRML97 worlds, meshes, volumes and Gaussian
+splats, in a window or from the command line, shows them while they
+come over the network, and says what is wrong with a file.")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/package)

@@ -93,7 +93,13 @@ void UiOverlay::State::palette_dialog(const UiModel& model, UiActions& actions) 
   palette.was_focused = ImGui::IsWindowFocused(ImGuiFocusedFlags_RootAndChildWindows);
   ImGui::End();
   if (wanted) wanted->run(actions);
-  if (wanted || left) palette = {};
+  if (wanted || left) {
+    palette = {};
+  } else if (events.entered) {
+    // Nothing is called so: what is typed next is still for the palette.
+    palette.appears = true;
+    text_waits = kFramesToType;
+  }
 }
 
 void UiOverlay::State::show_palette() {

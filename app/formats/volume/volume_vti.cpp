@@ -40,7 +40,7 @@ struct VtiParse {
   XML_Parser parser = nullptr;
   VtiHeader header;
   bool in_points = false, in_cells = false, in_array = false;
-  bool in_units = false;   // in the element that names them
+  bool in_information = false, in_units = false;
   bool has_data = false;   // of the array: what is no blank stood before the next element
   bool data_ends = false;  // of the array: something else stood behind it
 
@@ -86,6 +86,7 @@ void begin_information(VtiParse& parse, const XML_Char** attributes) {
     parse.header.arrays.back().end = parse.place();
     parse.data_ends = true;
   }
+  parse.in_information = true;
   parse.in_units = attribute(attributes, "name") == "UNITS_LABEL";
 }
 
@@ -98,7 +99,7 @@ void take_text(void* user, const XML_Char* text, int length) {
     std::string& units = parse.header.arrays.back().units;
     for (const char c : given.substr(0, kMostUnits))
       if (units.size() < kMostUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' ')) units += c;
-  } else if (!parse.has_data) {
+  } else if (!parse.in_information && !parse.has_data) {
     parse.has_data = given.find_first_not_of(" \t\r\n") != std::string_view::npos;
   }
 }
@@ -145,7 +146,7 @@ void end_element(void* user, const XML_Char* element) {
   if (name == "CellData") parse.in_cells = false;
   if (name == "InformationKey" && parse.in_array) {
     if (!parse.has_data) parse.header.arrays.back().begin = parse.place_behind();
-    parse.in_units = false;
+    parse.in_information = parse.in_units = false;
   }
   if (name == "DataArray" && parse.in_array) {
     VtiArray& array = parse.header.arrays.back();

@@ -57,6 +57,15 @@ TEST_CASE("The palette finds actions, viewpoints and panels by a part of their n
   user.press(Key::enter);
   CHECK(user.session().view()->viewpoint == 1);
   CHECK_FALSE(user.sees("Viewpoint: Roof"));
+  // Where nothing is called so, what is typed next is still for the palette.
+  user.press(letter_key('P'), true, true);
+  user.type("qqzz");
+  user.press(Key::enter);
+  CHECK(user.sees("Nothing is called so."));
+  user.type("r");
+  CHECK(user.sees("qqzzr"));
+  CHECK_FALSE(user.sees("Click the first place"));
+  user.press(Key::escape);
   // Arrows go through what fits; the keys are not the world's meanwhile.
   const glm::dvec3 before = user.session().view()->navigation.pose.position;
   user.press(letter_key('P'), true, true);
