@@ -19,7 +19,7 @@ namespace gs::qnv {
 constexpr std::size_t kClusterBytes = 1200;
 // No single cluster divides more than this many voxels: it stays what a view can take or leave in one step, however
 // smooth the surface is.
-constexpr std::size_t kMostParents = 700;
+constexpr std::size_t kMostParents = 850;
 
 /// Divides all `size` voxels of a node in clusters that fit. `divide(first, count)` encodes a run of them.
 template <class Node, class Divide>
