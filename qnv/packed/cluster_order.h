@@ -17,8 +17,9 @@ namespace gs::qnv {
 
 // With the framing of the stream, UDP and IP a cluster fits into the 1,280 bytes that IPv6 promises.
 constexpr std::size_t kClusterBytes = 1200;
-// No single cluster divides more than this many voxels: keeps the first guesses cheap.
-constexpr std::size_t kMostParents = 4096;
+// No single cluster divides more than this many voxels: it stays what a view can take or leave in one step, however
+// smooth the surface is.
+constexpr std::size_t kMostParents = 850;
 
 /// Divides all `size` voxels of a node in clusters that fit. `divide(first, count)` encodes a run of them.
 template <class Node, class Divide>

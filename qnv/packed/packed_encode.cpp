@@ -14,6 +14,8 @@ namespace {
 
 // The first cluster: with the header of the stream it should come in the first kilobyte, and fill it.
 constexpr std::size_t kBaseBytes = 870;
+// It has no more voxels than this: no view can draw less of an object, however far away it is.
+constexpr std::size_t kMostBaseVoxels = 600;
 // By how much its steps may be coarser (binary orders), where that brings it one level more: whoever has nothing but it
 // sees more of twice as many voxels along an edge, and the level behind it mends the rest.
 struct BaseSteps {
@@ -103,6 +105,9 @@ class PackedEncoder {
         };
         if (!cheapest || better(node->encoded, cheapest->encoded)) cheapest = std::move(node);
       }
+      // A stream of a few hundred bytes has no room for what coarser steps bring in later levels.
+      const bool coarser = steps.normal + steps.offset > 0;
+      if (coarser && options_.max_bytes != 0 && options_.max_bytes < 2 * kBaseBytes) break;
       if (!best || cheapest->level > best->level) best = std::move(cheapest);
     }
     return best;
@@ -149,7 +154,7 @@ class PackedEncoder {
       ClusterHeader header;
       header.levels = static_cast<std::uint8_t>(level + 1);
       auto node = finish(symbols, header, p, truth);
-      if (best && node->encoded.payload.size() > most) break;
+      if (best && (node->encoded.payload.size() > most || node->voxels.size() > kMostBaseVoxels)) break;
       best = std::move(node);
     }
     best->encoded.divided = 0;
