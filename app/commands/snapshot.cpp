@@ -156,8 +156,8 @@ bool addresses_are_limited() {
   return ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
 }
 
-/// Whether this machine is a virtual one that hands free large pages back to its host (the balloon of virtio, "free page reporting"): a large page
-/// then takes milliseconds where nobody had it a moment ago.
+/// Whether this machine is a virtual one that hands free large pages back to its host (the balloon of virtio, "free
+/// page reporting"): a large page then takes milliseconds where nobody had it a moment ago.
 bool host_takes_pages_back() {
   constexpr std::size_t kReporting = 5;  // the bit of VIRTIO_BALLOON_F_REPORTING; files show bits as 0 and 1
   std::error_code error;
@@ -173,8 +173,8 @@ bool host_takes_pages_back() {
 std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
 
 /// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
-/// is a third of its time. So blocks are kept, and come from one heap for all threads, whose addresses are taken here, at
-/// the beginning, for large pages where the system has them for who asks.
+/// is a third of its time. So blocks are kept, and come from one heap for all threads, whose addresses are taken here,
+/// at the beginning, for large pages where the system has them for who asks.
 void keep_memory() {
   constexpr int kMapped = 32 << 20;     // bytes of a block that the system gives and takes back alone
   constexpr int kKept = 1 << 30;        // bytes that are kept

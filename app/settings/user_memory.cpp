@@ -69,10 +69,7 @@ std::string memory_text(const UserMemory& memory) {
     panels.push_back({{"panel", one.panel}, {"side", one.side}, {"open", one.open}, {"front", one.front}});
   json window = {{"width", memory.width}, {"height", memory.height}};
   if (memory.place) window["place"] = *memory.place;
-  return printed({{"recent", memory.recent},
-                  {"window", window},
-                  {"areas", memory.areas},
-                  {"panels", panels}});
+  return printed({{"recent", memory.recent}, {"window", window}, {"areas", memory.areas}, {"panels", panels}});
 }
 
 std::optional<UserMemory> read_memory(std::string_view text) {

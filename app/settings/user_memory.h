@@ -13,9 +13,9 @@ namespace gs::app {
 struct Bookmark {
   static constexpr std::size_t kCameraNumbers = 7, kParallelNumbers = 8;
 
-  std::string place;           // path or URL
-  std::string viewpoint;       // by its name in that world; empty: none
-  std::string title;           // how it is shown
+  std::string place;      // path or URL
+  std::string viewpoint;  // by its name in that world; empty: none
+  std::string title;      // how it is shown
   /// x, y, z, and the orientation's x, y, z, w; by parallel rays also the height of the picture in world units. Empty:
   /// the viewpoint's own.
   std::vector<double> camera;
@@ -36,11 +36,11 @@ struct PanelMemory {
 struct UserMemory {
   static constexpr std::size_t kMostRecent = 50;
 
-  std::vector<std::string> recent;  // paths and URLs, the newest first
-  int width = 0, height = 0;        // of the window; 0: not known
+  std::vector<std::string> recent;          // paths and URLs, the newest first
+  int width = 0, height = 0;                // of the window; 0: not known
   std::optional<std::array<int, 2>> place;  // likewise, its upper left corner on the desktop; none: not known
-  std::array<double, 3> areas{};    // of the dock: left, right, bottom; 0: not known
-  std::vector<PanelMemory> panels;  // in the order of their tabs
+  std::array<double, 3> areas{};            // of the dock: left, right, bottom; 0: not known
+  std::vector<PanelMemory> panels;          // in the order of their tabs
 
   bool operator==(const UserMemory&) const = default;
 };

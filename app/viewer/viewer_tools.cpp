@@ -103,8 +103,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
   if (!volume) return;
   std::erase_if(wished_, [](const Wished& one) { return one.of.expired(); });
-  auto known = std::find_if(wished_.begin(), wished_.end(),
-                            [&](const Wished& one) { return one.of.lock() == seen.document; });
+  auto known =
+      std::find_if(wished_.begin(), wished_.end(), [&](const Wished& one) { return one.of.lock() == seen.document; });
   if (known == wished_.end()) {
     wished_.push_back({seen.document});
     known = std::prev(wished_.end());
@@ -177,9 +177,8 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
     asked_is_volume_ = is_volume_file(*seen);
   }
   tools.has_file = volume && asked_is_volume_;
-  const bool waits = std::any_of(wished_.begin(), wished_.end(), [&](const Wished& one) {
-    return !one.all && one.of.lock() == seen->document;
-  });
+  const bool waits = std::any_of(wished_.begin(), wished_.end(),
+                                 [&](const Wished& one) { return !one.all && one.of.lock() == seen->document; });
   const bool wanted = tools.has_file && (wants_value_ || seen->slices.any() || waits);
   if (wanted) {
     const Values& values = values_of(*seen);
@@ -257,7 +256,8 @@ void ViewerTools::add_to_tour(const View& seen, const Tell& tell) {
   std::vector<render::Camera>& tour = tour_of(seen);
   if (tour.size() >= kMostViews) return tell("A tour has no more than 1000 views", true);
   tour.push_back(camera_of(seen.navigation.pose));
-  tell("View " + std::to_string(tour.size()) + " of the tour" + (tour.size() == 1 ? "; Pictures (menu File) saves it" : ""),
+  tell("View " + std::to_string(tour.size()) + " of the tour" +
+           (tour.size() == 1 ? "; Pictures (menu File) saves it" : ""),
        false);
 }
 

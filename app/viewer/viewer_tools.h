@@ -95,7 +95,7 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     bool all = false;  // else planes wait for how many voxels there are
   };
-  std::vector<Wished> wished_;  // what is shown as the command line says
+  std::vector<Wished> wished_;                      // what is shown as the command line says
   std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports: of pictures that are saved
   PictureWish wish_;
   std::string folder_;

@@ -230,8 +230,9 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   // A proxy would answer by HTTP.
-  const std::string proxy =
-      options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(parse_url(request.url), environment_variable) : std::string();
+  const std::string proxy = options_.proxy_from_environment && !transfer.by_ftp
+                                ? proxy_of(parse_url(request.url), environment_variable)
+                                : std::string();
   curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
   curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();

@@ -115,7 +115,8 @@ Eyes eyes_of(const Camera& camera, double eye_distance, double screen_distance) 
     const glm::dvec3 ahead(0, 0, -screen_distance), up(0, 1, 0);
     const auto turn = [&](Camera& eye, double angle) {
       const glm::dmat4 about = glm::translate(glm::dmat4(1), ahead);
-      eye.world_from_camera = camera.world_from_camera * glm::rotate(about, angle, up) * glm::translate(glm::dmat4(1), -ahead);
+      eye.world_from_camera =
+          camera.world_from_camera * glm::rotate(about, angle, up) * glm::translate(glm::dmat4(1), -ahead);
     };
     turn(eyes.left, -half);
     turn(eyes.right, half);

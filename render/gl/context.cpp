@@ -26,14 +26,23 @@ constexpr std::array kBackends{
 };
 
 // Character devices and folders of /dev that are no GPU, without the digits at their end: the kernel's own
-// (admin-guide/devices.txt) and those of virtual machines. GPUs have dri, nvidia0, mali0, kgsl-3d0, dxg, pvrsrvkm, nvmap...
+// (admin-guide/devices.txt) and those of virtual machines. GPUs have dri, nvidia0, mali0, kgsl-3d0, dxg, pvrsrvkm,
+// nvmap...
 constexpr std::array<std::string_view, 70> kOtherDevices{
-    "autofs", "block", "bsg", "btrfs-control", "bus", "char", "console", "core", "cpu", "cpu_dma_latency", "cuse",
-    "disk", "fd", "full", "fuse", "gpiochip", "hidraw", "hpet", "hugepages", "hwrng", "i2c-", "input", "kmsg", "kvm",
-    "loop-control", "lp", "mapper", "mcelog", "mei", "mem", "mqueue", "net", "null", "nvme", "nvram", "port", "ppp",
-    "psaux", "ptmx", "ptp", "pts", "random", "raw", "rfkill", "rtc", "sev-guest", "sg", "shm", "snapshot", "snd",
-    "tdx_guest", "tpm", "tpmrm", "tty", "ttyS", "uhid", "uinput", "urandom", "usbmon", "userfaultfd", "vcs", "vcsa",
-    "vcsu", "vfio", "vga_arbiter", "vhost-net", "vhost-vsock", "vsock", "watchdog", "zero"};
+    "autofs",    "block",       "bsg",     "btrfs-control", "bus",
+    "char",      "console",     "core",    "cpu",           "cpu_dma_latency",
+    "cuse",      "disk",        "fd",      "full",          "fuse",
+    "gpiochip",  "hidraw",      "hpet",    "hugepages",     "hwrng",
+    "i2c-",      "input",       "kmsg",    "kvm",           "loop-control",
+    "lp",        "mapper",      "mcelog",  "mei",           "mem",
+    "mqueue",    "net",         "null",    "nvme",          "nvram",
+    "port",      "ppp",         "psaux",   "ptmx",          "ptp",
+    "pts",       "random",      "raw",     "rfkill",        "rtc",
+    "sev-guest", "sg",          "shm",     "snapshot",      "snd",
+    "tdx_guest", "tpm",         "tpmrm",   "tty",           "ttyS",
+    "uhid",      "uinput",      "urandom", "usbmon",        "userfaultfd",
+    "vcs",       "vcsa",        "vcsu",    "vfio",          "vga_arbiter",
+    "vhost-net", "vhost-vsock", "vsock",   "watchdog",      "zero"};
 
 bool is_other_device(std::string_view name) {
   while (!name.empty() && name.back() >= '0' && name.back() <= '9') name.remove_suffix(1);

@@ -33,8 +33,8 @@ struct ContextError {
 /// there is a GPU, else OSMesa. Fails with what was tried and why each failed.
 [[nodiscard]] std::variant<std::unique_ptr<GlContext>, ContextError> open_headless_context(std::string_view backend);
 
-/// The code of the driver's compiler, and what linked it, leave the memory of the process: 50 MB, of which a tenth comes
-/// back from their file as it is called again. Any thread; for when a driver is ready for what it will draw.
+/// The code of the driver's compiler, and what linked it, leave the memory of the process: 50 MB, of which a tenth
+/// comes back from their file as it is called again. Any thread; for when a driver is ready for what it will draw.
 void release_driver_code();
 
 /// The names of the headless backends, in the order in which "auto" tries them.

@@ -27,7 +27,8 @@ inline std::string encoded_large_stream() {
   const auto at = [](int i, int j) {
     const double a = std::numbers::pi * i / kSteps, b = std::numbers::pi * j / kSteps;
     return glm::vec3(std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)) *
-           static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b) + 0.004 * std::sin(81 * a) * std::sin(80 * b));
+           static_cast<float>(1 + 0.05 * std::sin(9 * a) * std::sin(8 * b) +
+                              0.004 * std::sin(81 * a) * std::sin(80 * b));
   };
   std::vector<qnv::Triangle> triangles;
   for (int i = 0; i < kSteps; ++i)

@@ -98,7 +98,8 @@ void take_text(void* user, const XML_Char* text, int length) {
   if (parse.in_units) {
     std::string& units = parse.header.arrays.back().units;
     for (const char c : given.substr(0, kMostUnits))
-      if (units.size() < kMostUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' ')) units += c;
+      if (units.size() < kMostUnits && (c != '\n' && c != '\r' && c != '\t') && !(units.empty() && c == ' '))
+        units += c;
   } else if (!parse.in_information && !parse.has_data) {
     parse.has_data = given.find_first_not_of(" \t\r\n") != std::string_view::npos;
   }

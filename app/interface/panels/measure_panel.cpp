@@ -199,7 +199,8 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   if (ImGui::Button("Drop the last")) all.tools.forget_tour_view = true;
   ImGui::EndDisabled();
   ImGui::BeginDisabled(tools.tour < 2);
-  if (ImGui::Button(("Save a tour of " + std::to_string(tools.tour) + " views###tour").c_str())) all.tools.take_tour = true;
+  if (ImGui::Button(("Save a tour of " + std::to_string(tools.tour) + " views###tour").c_str()))
+    all.tools.take_tour = true;
   ImGui::EndDisabled();
   ImGui::EndDisabled();
   if (tools.exporting) {

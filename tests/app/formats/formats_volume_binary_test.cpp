@@ -46,14 +46,18 @@ void check_vti(const ScratchFolder& folder, const Bytes& data, const char* type,
 TEST_CASE("VTI arrays say their unit, before their values or behind them") {
   ScratchFolder folder;
   const auto with = [](const std::string& before, const std::string& behind) {
-    return "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\"><Piece Extent=\"0 1 0 1 0 1\"><PointData>"
-           "<DataArray type=\"UInt8\" Name=\"heat\" format=\"ascii\">" + before + "1 2 3 4 5 6 7 8" + behind +
-           "</DataArray></PointData></Piece></ImageData></VTKFile>";
+    return "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\"><Piece Extent=\"0 1 0 1 0 "
+           "1\"><PointData>"
+           "<DataArray type=\"UInt8\" Name=\"heat\" format=\"ascii\">" +
+           before + "1 2 3 4 5 6 7 8" + behind + "</DataArray></PointData></Piece></ImageData></VTKFile>";
   };
-  const std::string unit = "\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">\n K/m\n</InformationKey>\n";
-  const std::string other = "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\"><Value index=\"0\">"
-                            "9</Value><Value index=\"1\">12</Value></InformationKey>";
-  for (const auto& text : {with(other + unit, ""), with(unit + other, "\n"), with("", unit + other), with(" ", other + unit)}) {
+  const std::string unit =
+      "\n<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">\n K/m\n</InformationKey>\n";
+  const std::string other =
+      "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\"><Value index=\"0\">"
+      "9</Value><Value index=\"1\">12</Value></InformationKey>";
+  for (const auto& text :
+       {with(other + unit, ""), with(unit + other, "\n"), with("", unit + other), with(" ", other + unit)}) {
     INFO(text);
     const qnv::VolumeSource source = opened(folder.write("a.vti", text));
     const auto& said = source.layout.metadata;

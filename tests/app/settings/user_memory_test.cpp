@@ -53,7 +53,8 @@ TEST_CASE("Of a file that is spoilt what can be used is used") {
   CHECK_FALSE(read_bookmarks("{\"bookmarks\": 7}"));
   const auto memory = read_memory(
       "{\"recent\": [1, \"/a.wrl\", \"\", \"/a.wrl\", \"two\\nlines\", null], \"window\": {\"width\": -5, \"height\": "
-      "1e99, \"place\": [1, 1e99]}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", \"open\": "
+      "1e99, \"place\": [1, 1e99]}, \"areas\": [\"x\", 1e99, 250, 4, 5], \"panels\": [7, {\"panel\": \"log\", "
+      "\"open\": "
       "true}, {}]}");
   REQUIRE(memory);
   CHECK(memory->recent == std::vector<std::string>{"/a.wrl"});

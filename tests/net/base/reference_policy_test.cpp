@@ -51,7 +51,8 @@ TEST_CASE("what the user asks for is allowed anywhere") {
   for (const char* to : {"file:///etc/passwd", "http://user:password@localhost/", "cells://127.0.0.1:53/x", "data:,x"})
     CHECK(refusal("", to).empty());
   CHECK(Origin{}.reach() == AddressSpace::special);
-  CHECK(refusal("", "gopher://a") == "the scheme gopher: is not known; expected one of file, data, http, https, ftp, cells");
+  CHECK(refusal("", "gopher://a") ==
+        "the scheme gopher: is not known; expected one of file, data, http, https, ftp, cells");
   CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, cells");
 }
 

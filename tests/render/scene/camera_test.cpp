@@ -107,7 +107,8 @@ TEST_CASE("What is flat is not first seen edge on") {
   const auto back = [](const glm::vec3& size) {
     return glm::vec3(first_camera(box(-size / 2.0f, size / 2.0f), 0.8f, 4, 3).world_from_camera[2]);
   };
-  for (const glm::vec3& size : {glm::vec3(1, 1, 1), glm::vec3(3, 1, 2), glm::vec3(9, 9, 0.1f), glm::vec3(9, 0.1f, 0.1f)})
+  for (const glm::vec3& size :
+       {glm::vec3(1, 1, 1), glm::vec3(3, 1, 2), glm::vec3(9, 9, 0.1f), glm::vec3(9, 0.1f, 0.1f)})
     CHECK(back(size) == glm::vec3(0, 0, 1));
   CHECK(back({9, 1, 9}).y > 0.5f);  // it lies: from above
   CHECK(back({9, 1, 9}).x == 0);
