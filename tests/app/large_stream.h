@@ -37,7 +37,7 @@ inline std::string encoded_large_stream() {
       triangles.emplace_back().positions = {at(i, j), at(i + 1, j + 1), at(i, j + 1)};
     }
   qnv::EncodeOptions options;
-  options.vectors = 1'500'000;
+  options.vectors = 1'000'000;
   auto encoded = qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(triangles); }, options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   const auto& all = std::get<qnv::EncodedStream>(encoded).bytes;
