@@ -50,6 +50,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Bytes of a world beside which the code of the driver's compiler counts; it takes 5 ms to have it back.
+constexpr std::size_t kLargeWorld = 16 << 20;
 constexpr int kMostAtFirst = 2048;  // pixels a side that the driver makes ready; of larger pictures parts are drawn
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -173,8 +175,8 @@ bool host_takes_pages_back() {
 std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
 
 /// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
-/// is a third of its time. So blocks are kept, and come from one heap for all threads, whose addresses are taken here,
-/// at the beginning, for large pages where the system has them for who asks.
+/// is a third of its time. So blocks are kept. Where the system has large pages for who asks, they come from one heap
+/// for all threads, whose addresses are taken here, at the beginning; elsewhere threads would only wait for each other.
 void keep_memory() {
   constexpr int kMapped = 32 << 20;     // bytes of a block that the system gives and takes back alone
   constexpr int kKept = 1 << 30;        // bytes that are kept
@@ -183,8 +185,8 @@ void keep_memory() {
   constexpr std::uintptr_t kLargePage = 2 << 20;
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
   (void)mallopt(M_TRIM_THRESHOLD, kKept);
-  (void)mallopt(M_ARENA_MAX, 1);
   if (!addresses_are_limited() && !host_takes_pages_back()) {
+    (void)mallopt(M_ARENA_MAX, 1);
     const std::uintptr_t before = end_of_heap();
     (void)mallopt(M_TOP_PAD, kReserved);
     void* volatile block = std::malloc(kMapped / 2);  // volatile: or the compiler leaves both out
@@ -232,6 +234,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   print_diagnostics(world.diagnostics);
   const std::size_t warnings = world.diagnostics.warnings(), errors = world.diagnostics.errors();
   if (!world.scene) return kFailed;
+  const bool large = world.bytes > kLargeWorld;
   Simulation simulation(std::move(world), {options.width, options.height}, view_style(options));
   simulation.fetch_with(*loading);
   simulation.measure(measured);
@@ -266,6 +269,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   release_lists(*simulation.world().scene);
   phases.enter(Phase::compile);
   const OpenedRenderer opened = opening.get();
+  if (large) render::release_driver_code();
   if (!opened.renderer) return fail(opened.problem);
   render::GlContext& context = *opened.context;
   context.make_current();

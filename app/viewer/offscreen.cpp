@@ -19,7 +19,6 @@ OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptio
   } else {
     result.renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
     result.renderer->prepare(draw);
-    render::release_driver_code();
   }
   result.context->release_current();
   return result;
