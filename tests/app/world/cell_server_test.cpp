@@ -1,0 +1,143 @@
+// Servers of cells that stop, are killed or changed, and what views ask of one.
+#include "tests/app/world/cell_site.h"
+
+#include <catch2/catch.hpp>
+
+using namespace gs;
+using namespace gs::app;
+
+namespace {
+
+/// The world that is left when the server goes in the middle, and what `then` does about it.
+template <class Then>
+OpenedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& then) {
+  WorldLoading loading(site.url("packed.qnv"), options);
+  while (!loading.done() && loading.state().received < 100'000) (void)loading.step(kCellWait);
+  REQUIRE_FALSE(loading.done());
+  then();
+  while (!loading.done()) (void)loading.step(kCellWait);
+  OpenedWorld world = loading.take();
+  for (const auto& feed : world.feeds) (void)feed->apply();
+  return world;
+}
+
+/// A server as a program of its own, that can be killed: one whose streams take a while, and one that follows it.
+class ServerProgram {
+ public:
+  explicit ServerProgram(const CellSite& site, const char* rate = "2000000") {
+    const std::string port = std::to_string(*site.options.cells_port), folder = site.folder.path("");
+    process_ = ::fork();
+    if (process_ != 0) return;
+    ::execl(program().c_str(), "ghostspace", "serve", "--cells", port.c_str(), "--rate", rate, folder.c_str(),
+            static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  ServerProgram(const ServerProgram&) = delete;
+  ServerProgram& operator=(const ServerProgram&) = delete;
+  ~ServerProgram() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+
+ private:
+  pid_t process_ = -1;
+};
+
+}  // namespace
+
+TEST_CASE("A server of cells that stops leaves what has come") {
+  CellSite site;
+  site.options.rate = 2'000'000;
+  site.start();
+  LoadOptions options;
+  options.timeout_seconds = 60;
+  const OpenedWorld world = interrupted(site, options, [&] { site.archive.reset(); });
+  CHECK(tells(world.diagnostics, "the server stops"));
+  REQUIRE(world.scene);
+  CHECK(world.truncated);
+  CHECK(cloud_of_world(world).size() > 1000);
+}
+
+TEST_CASE("A server of cells that is killed is asked again, and one with another file is told apart") {
+  CellSite site;
+  site.start();
+  site.archive.reset();  // the port is free
+  auto server = std::make_unique<ServerProgram>(site);
+  LoadOptions options;
+  options.timeout_seconds = 120;
+  SECTION("the same file: what is there stays") {
+    const OpenedWorld world = interrupted(site, options, [&] {
+      server.reset();
+      server = std::make_unique<ServerProgram>(site, "20000000");
+    });
+    CHECK(world.diagnostics.errors() == 0);
+    CHECK(cloud_of_world(world).size() > 500'000);
+  }
+  SECTION("another one") {
+    const OpenedWorld world = interrupted(site, options, [&] {
+      server.reset();
+      site.folder.write("packed.qnv", large_stream().substr(0, large_stream().size() / 2));
+      server = std::make_unique<ServerProgram>(site);
+    });
+    CHECK(tells(world.diagnostics, "changed on the server"));
+    REQUIRE(world.scene);
+    CHECK(world.truncated);
+    CHECK(cloud_of_world(world).size() > 1000);
+  }
+}
+
+TEST_CASE("In a window the base shows at once, and views say what comes next") {
+  CellSite site;
+  site.options.rate = 4'000'000;
+  site.start();
+  LoadOptions options;
+  options.by_view = true;
+  options.timeout_seconds = 120;
+  WorldLoading loading(site.url("packed.qnv"), options);
+  while (!loading.done()) (void)loading.step(kCellWait);
+  CHECK(loading.streaming());
+  CHECK(loading.state().received < 200'000);
+  const OpenedWorld world = loading.take();
+  REQUIRE(world.feeds.size() == 1);
+  StreamFeed& feed = *world.feeds.front();
+  (void)feed.apply();
+  auto& levels = *world.clouds.begin()->second->levels;
+  REQUIRE(levels.clusters() > 0);
+  // What lies to the right, closely.
+  qnv::LodView view;
+  view.eye = {3, 0, 0};
+  view.pixels = 1e5f;
+  view.planes[0] = {1, 0, 0, -0.8f};
+  (void)levels.cut(view);
+  feed.ask();
+  const auto discs = [&levels](const qnv::LodView& from) {
+    std::size_t sum = 0;
+    for (const qnv::Piece& piece : levels.cut(from)) sum += piece.count;
+    return sum;
+  };
+  qnv::LodView opposite = view;
+  opposite.eye = {-3, 0, 0};
+  opposite.planes[0] = {-1, 0, 0, -0.8f};
+  opposite.viewport = 1;
+  const std::size_t before = discs(view);
+  bool preferred = false;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(100);
+  while (!preferred && std::chrono::steady_clock::now() < deadline) {
+    (void)loading.step(kCellWait);
+    if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
+  }
+  CHECK(preferred);
+  // Beside a stream of more weight it wants less of the rate.
+  feed.set_weight(0.25);
+  while (loading.cells().granted > 1'100'000 && std::chrono::steady_clock::now() < deadline)
+    (void)loading.step(kCellWait);
+  CHECK(loading.cells().granted <= 1'100'000);
+  feed.set_weight(1);
+  // When all of it is there nobody goes on asking.
+  while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {
+    (void)loading.step(kCellWait);
+    (void)feed.apply();
+  }
+  CHECK_FALSE(loading.streaming());
+  CHECK(levels.count() == cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
+}
