@@ -1,6 +1,6 @@
 #include "qnv/base/parallel.h"
-#include "qnv/displaced/simplify.h"
-#include "qnv/displaced/stage_encode.h"
+#include "qnv/displaced/simplify/simplify.h"
+#include "qnv/displaced/stage/stage_encode.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
 #include "qnv/encode/survey.h"

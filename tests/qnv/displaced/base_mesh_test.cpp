@@ -1,7 +1,7 @@
 #include "qnv/displaced/base_mesh.h"
 
 #include "qnv/displaced/patches.h"
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplify.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 #include "tests/watched.h"
 

@@ -1,8 +1,8 @@
 #include "qnv/displaced/surface.h"
-#include "qnv/displaced/stage_encode.h"
+#include "qnv/displaced/stage/stage_encode.h"
 
 #include "qnv/displaced/cluster_coder.h"
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplify.h"
 #include "qnv/displaced/subdivision.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 #include "tests/watched.h"

@@ -1,6 +1,6 @@
 #include "qnv/surface/patch_evaluator.h"
 
-#include "qnv/displaced/stage_encode.h"
+#include "qnv/displaced/stage/stage_encode.h"
 #include "tests/qnv/surface/patch_shapes.h"
 
 #include <glm/geometric.hpp>

@@ -8,6 +8,8 @@ import struct
 import sys
 import zlib
 
+from residuals import Rans, clamp
+
 OCCUPANCY = [[int(n) for n in row.split()] for row in """
     4 4 4 4 4 4 4 4 4 4 4 4 4 4 4 85 3256 4090 4092 4092 4092 4092 4092 4092
     6 6 6 6 6 6 6 6 6 6 6 6 6 6 14 293 2609 3996 4090 4090 4090 4090 4090 4090
@@ -18,75 +20,6 @@ OCCUPANCY = [[int(n) for n in row.split()] for row in """
     300 300 300 300 300 300 300 300 300 300 393 535 718 947 1223 1540 1885 2239 2583 2897 3169 3394 3574 3713
     800 800 800 800 800 800 800 858 969 1089 1218 1356 1502 1653 1809 1968 2128 2287 2443 2594 2740 2878 3007 3127
 """.strip().splitlines()]
-DECAY = [4, 10, 18, 28, 40, 54, 70, 88, 106, 126, 146, 166, 186, 204, 222, 240]
-
-
-def residual_model(decay):
-    weights, w = [], 1 << 24
-    for symbol in range(31):
-        if symbol % 2 == 1:
-            w = w * decay // 256
-        weights.append(w)
-    weights.append(2 * w * decay // (256 - decay))
-    total = sum(weights)
-    frequencies = [1 + weight * 4064 // total for weight in weights]
-    frequencies[0] += 4096 - sum(frequencies)
-    starts, at = [], 0
-    for frequency in frequencies:
-        starts.append(at)
-        at += frequency
-    slots = []
-    for symbol, frequency in enumerate(frequencies):
-        slots += [symbol] * frequency
-    return starts, frequencies, slots
-
-
-MODELS = [residual_model(d) for d in DECAY]
-
-
-class Rans:
-    def __init__(self, data):
-        self.x = list(struct.unpack_from("<8I", data))
-        self.words = struct.unpack_from("<%dH" % ((len(data) - 32) // 2), data, 32)
-        self.at = 0
-
-    def take(self, lane, start, frequency):
-        x = frequency * (self.x[lane] >> 12) + (self.x[lane] & 4095) - start
-        if x < 65536:
-            x = x * 65536 + (self.words[self.at] if self.at < len(self.words) else 0)
-            self.at += 1
-        self.x[lane] = x
-
-    def bit(self, lane, probability):
-        if (self.x[lane] & 4095) < probability:
-            self.take(lane, 0, probability)
-            return 1
-        self.take(lane, probability, 4096 - probability)
-        return 0
-
-    def residuals(self, models):
-        out = []
-        for first in range(0, len(models), 8):
-            group = models[first:first + 8]
-            symbols = []
-            for lane, model in enumerate(group):
-                starts, frequencies, slots = MODELS[model]
-                symbol = slots[self.x[lane] & 4095]
-                self.take(lane, starts[symbol], frequencies[symbol])
-                symbols.append(symbol)
-            for lane, symbol in enumerate(symbols):
-                if symbol == 31:
-                    symbol = self.x[lane] & 4095
-                    self.take(lane, symbol, 1)
-                out.append(-(symbol + 1) // 2 if symbol % 2 else symbol // 2)
-        return out
-
-    def even(self):
-        return all(x == 65536 for x in self.x) and self.at == len(self.words)
-
-
-def clamp(v, low, high):
-    return max(low, min(high, v))
 
 
 def s(v):

@@ -1,7 +1,7 @@
-#include "qnv/displaced/stage_encode.h"
+#include "qnv/displaced/stage/stage_encode.h"
 
-#include "qnv/displaced/error_cells.h"
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplify.h"
+#include "qnv/displaced/stage/error_cells.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 
 #include <catch2/catch.hpp>

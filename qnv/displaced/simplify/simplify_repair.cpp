@@ -1,4 +1,4 @@
-#include "qnv/displaced/simplifier.h"
+#include "qnv/displaced/simplify/simplifier.h"
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "qnv/base/parallel.h"
-#include "qnv/displaced/simplifier.h"
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplifier.h"
+#include "qnv/displaced/simplify/simplify.h"
 
 #include <algorithm>
 #include <bit>

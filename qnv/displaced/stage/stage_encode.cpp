@@ -1,8 +1,8 @@
-#include "qnv/displaced/stage_encode.h"
+#include "qnv/displaced/stage/stage_encode.h"
 
 #include "qnv/displaced/cluster_coder.h"
-#include "qnv/displaced/error_cells.h"
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplify.h"
+#include "qnv/displaced/stage/error_cells.h"
 #include "qnv/displaced/subdivision.h"
 
 #include <glm/common.hpp>
@@ -21,13 +21,8 @@ constexpr std::size_t kMostClusterBytes = 1190, kAimedClusterBytes = 1000;
 // A residual below this part of a step is left out; of deeper levels, where it would only make the surface rough, more.
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
 constexpr std::size_t kPartVertices = 8192;  // of a level, for a thread at a time
-// Triangles within this cosine of the direction looked for are the same side of the surface.
-constexpr float kSameSide = 0.2f;
-constexpr float kShortLook = 1.0f / 8;  // of the reach
 // A crease of the base runs within this part of its length of a line of the source.
 constexpr float kCreaseReach = 0.12f;
-// Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
-constexpr float kShadedApart = 0.94f;
 
 // Of a stage that is followed no more levels than these are sent; whether it is can be told so many levels before the
 // last one, by places that are farther than so many edges of the source for each of them.
@@ -36,34 +31,6 @@ constexpr float kFar = 1;
 // Places of the target at which the error is looked at, about.
 constexpr std::size_t kErrorSamples = 20'000;
 constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // for a thread at a time
-
-SurfaceMesh lines_of(const SurfaceMesh& mesh) {
-  SurfaceMesh lines;
-  lines.positions = mesh.positions;
-  const auto beside = neighbours_of(mesh.triangles);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3], other = beside[t][k];
-      bool line = other == kNone;
-      if (!line && other > t && !mesh.normals.empty())
-        for (std::size_t l = 0; l < 3; ++l) {
-          if (mesh.triangles[other][l] == a)
-            line = line || glm::dot(mesh.normals[t][k], mesh.normals[other][l]) < kShadedApart;
-          if (mesh.triangles[other][l] == b)
-            line = line || glm::dot(mesh.normals[t][(k + 1) % 3], mesh.normals[other][l]) < kShadedApart;
-        }
-      if (line) lines.triangles.push_back({a, b, b});
-    }
-  return lines;
-}
-
-float mean_edge(const SurfaceMesh& mesh) {
-  double sum = 0;
-  for (const Corners& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k)
-      sum += static_cast<double>(glm::length(mesh.positions[t[k]] - mesh.positions[t[(k + 1) % 3]]));
-  return mesh.triangles.empty() ? 0.0f : static_cast<float>(sum / (3.0 * static_cast<double>(mesh.triangles.size())));
-}
 
 glm::ivec3 luma_chroma(const glm::vec3& c) {
   const int r = static_cast<int>(c.x + 0.5f), g = static_cast<int>(c.y + 0.5f), b = static_cast<int>(c.z + 0.5f);
@@ -447,42 +414,6 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
 }
 
 }  // namespace
-
-Target::Target(const SurfaceMesh& mesh, unsigned threads)
-    : mesh_(mesh),
-      lines_(lines_of(mesh_)),
-      tree_(mesh_, threads),
-      line_tree_(lines_, threads),
-      edge_(mean_edge(mesh_)) {}
-
-float Target::distance(const glm::vec3& from, const glm::vec3& normal, float reach, std::uint32_t& triangle) const {
-  // Most lie near: a short look that finds it finds the nearest, and meets few boxes.
-  const float look = kShortLook * reach;
-  SurfacePoint hit = triangle == kNone ? SurfacePoint() : tree_.on(triangle, from, normal, look);
-  if (hit.triangle == kNone) hit = tree_.along(from, normal, look, normal, kSameSide);
-  if (hit.triangle == kNone) hit = tree_.along(from, normal, reach, normal, kSameSide);
-  triangle = hit.triangle;
-  if (hit.triangle != kNone) return hit.distance + glm::dot(tree_.smooth(hit) - hit.position, normal);
-  const SurfacePoint near = tree_.nearest(from, reach, normal, kSameSide);
-  return near.triangle == kNone ? 0.0f : glm::dot(near.position - from, normal);
-}
-
-SurfacePoint Target::line(const glm::vec3& from, float reach) const {
-  return line_tree_.nearest(from, reach, glm::vec3(0), -1.0f);
-}
-
-glm::vec3 Target::color(const glm::vec3& from, const glm::vec3& normal, float reach) const {
-  SurfacePoint there = tree_.nearest(from, reach, normal, kSameSide);
-  if (there.triangle == kNone) there = tree_.nearest(from, 8 * reach, normal, -1.0f);
-  if (there.triangle == kNone) return glm::vec3(204);
-  const glm::vec3 weights = tree_.weights(there);
-  glm::vec3 sum(0);
-  for (int k = 0; k < 3; ++k) {
-    const Rgb8 c = mesh_.colors[mesh_.triangles[there.triangle][static_cast<std::size_t>(k)]];
-    sum += weights[k] * glm::vec3(c.r, c.g, c.b);
-  }
-  return glm::clamp(sum, glm::vec3(0), glm::vec3(255));
-}
 
 std::vector<std::byte> encode_cluster(Surface& surface, const ClusterHeader& header) {
   BinaryEncoder encoder;

@@ -1,6 +1,6 @@
-#include "qnv/displaced/simplify.h"
+#include "qnv/displaced/simplify/simplify.h"
 
-#include "qnv/displaced/simplifier.h"
+#include "qnv/displaced/simplify/simplifier.h"
 #include "tests/qnv/displaced/displaced_shapes.h"
 
 #include <glm/geometric.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "qnv/displaced/cost_queue.h"
 #include "qnv/displaced/manifold.h"
+#include "qnv/displaced/simplify/cost_queue.h"
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
