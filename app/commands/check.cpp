@@ -1,9 +1,10 @@
 #include "app/base/console.h"
+#include "app/base/fact.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/script/script_runner.h"
 #include "app/world/world_loader.h"
-
-#include <nlohmann/json.hpp>
 
 namespace gs::app {
 
@@ -25,10 +26,13 @@ int run_check(const Options& options) {
     if (world.scene) nodes += world.scene->node_count();
   }
   if (!options.stats.empty()) {
-    const nlohmann::json stats = {{"bytes", bytes},   {"parse_s", seconds},
-                                  {"nodes", nodes},   {"peak_rss_bytes", peak_memory()},
-                                  {"errors", errors}, {"warnings", warnings}};
-    if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
+    const Fact stats = Fact::named({{"bytes", bytes},
+                                    {"parse_s", seconds},
+                                    {"nodes", nodes},
+                                    {"peak_rss_bytes", peak_memory()},
+                                    {"errors", errors},
+                                    {"warnings", warnings}});
+    if (const int status = write_stats(options.stats, stats.json()); status != kDone) return status;
   }
   return errors > 0 ? kFailed : kDone;
 }

@@ -1,11 +1,12 @@
 #include "app/base/console.h"
+#include "app/base/fact.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "net/files/file.h"
 #include "qnv/stream/container.h"
-
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 
@@ -56,12 +57,12 @@ int run_encode(const Options& options) {
   const auto vectors = static_cast<double>(stream.header.vectors);
   const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;
   if (options.json) {
-    const nlohmann::json json = {{"file", out},
-                                 {"vectors", stream.header.vectors},
-                                 {"bytes", stream.bytes.size()},
-                                 {"bits_per_vector", bits},
-                                 {"seconds", seconds}};
-    print_text(json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
+    const Fact facts = Fact::named({{"file", out},
+                                    {"vectors", stream.header.vectors},
+                                    {"bytes", stream.bytes.size()},
+                                    {"bits_per_vector", bits},
+                                    {"seconds", seconds}});
+    print_text(facts.json());
   } else {
     print_line("%s: %llu vectors, %zu bytes, %.2f bits/vector, %.2f s", out.c_str(),
                static_cast<unsigned long long>(stream.header.vectors), stream.bytes.size(), bits, seconds);

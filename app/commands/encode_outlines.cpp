@@ -1,6 +1,9 @@
 #include "app/base/console.h"
+#include "app/base/fact.h"
 #include "app/base/gunzip.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "app/encode/outline_model.h"
@@ -12,8 +15,6 @@
 #include "qnv/codec/payloads.h"
 #include "qnv/outline/outline_stream.h"
 #include "qnv/stream/container.h"
-
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cstdint>
@@ -66,17 +67,17 @@ void tell(const Options& options, const qnv::OutlineGroups& groups, std::size_t 
   for (const qnv::OutlineGroup& group : groups.groups) outlines += group.outline.size(), inner += group.inner.size();
   const qnv::OutlineCounts& counts = groups.counts;
   if (options.json) {
-    const nlohmann::json json = {{"file", options.files[1]},
-                                 {"source_polygons", counts.polygons},
-                                 {"groups", groups.groups.size()},
-                                 {"outline_polygons", outlines},
-                                 {"inner_polygons", inner},
-                                 {"invalid", counts.invalid},
-                                 {"degenerate", counts.degenerate},
-                                 {"duplicates", counts.duplicates},
-                                 {"bytes", bytes},
-                                 {"seconds", seconds}};
-    print_text(json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
+    const Fact facts = Fact::named({{"file", options.files[1]},
+                                    {"source_polygons", counts.polygons},
+                                    {"groups", groups.groups.size()},
+                                    {"outline_polygons", outlines},
+                                    {"inner_polygons", inner},
+                                    {"invalid", counts.invalid},
+                                    {"degenerate", counts.degenerate},
+                                    {"duplicates", counts.duplicates},
+                                    {"bytes", bytes},
+                                    {"seconds", seconds}});
+    print_text(facts.json());
     return;
   }
   print_line("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s",

@@ -1,6 +1,8 @@
 #include "app/formats/export/export.h"
 #include "app/base/console.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/commands/progress_bar.h"
 #include "app/commands/vectors_of.h"
 #include "app/formats/export/outline_text.h"

@@ -1,12 +1,13 @@
 #include "app/base/console.h"
+#include "app/base/fact.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/commands/progress_bar.h"
 #include "app/streams/stream_feed.h"
 #include "app/world/world_loading.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -52,26 +53,25 @@ void count(OpenedWorld& world, Report& report) {
     if (item.mesh) report.triangles += item.mesh->indices.size() / 3;
 }
 
-nlohmann::json as_json(const std::string& url, const Report& report) {
-  nlohmann::json json = {
-      {"url", net::url_for_messages(url)},
-      {"bytes", report.bytes},
-      {"seconds", report.seconds},
-      {"vectors", report.vectors},
-      {"triangles", report.triangles},
-      {"first_picture_s", report.first_seconds < 0 ? nlohmann::json() : nlohmann::json(report.first_seconds)},
-      {"first_picture_bytes", report.first_bytes},
-      {"complete", report.complete}};
+Fact facts_of(const std::string& url, const Report& report) {
+  Fact facts = Fact::named({{"url", net::url_for_messages(url)},
+                            {"bytes", report.bytes},
+                            {"seconds", report.seconds},
+                            {"vectors", report.vectors},
+                            {"triangles", report.triangles},
+                            {"first_picture_s", report.first_seconds < 0 ? Fact() : Fact(report.first_seconds)},
+                            {"first_picture_bytes", report.first_bytes},
+                            {"complete", report.complete}});
   if (report.is_cells)
-    json["cells"] = {{"datagrams", report.cells.datagrams},
-                     {"lost_datagrams", report.cells.lost},
-                     {"parity_datagrams", report.cells.parity},
-                     {"rebuilt_datagrams", report.cells.rebuilt},
-                     {"damaged_pdus", report.cells.damaged_pdus},
-                     {"granted_bit_s", report.cells.granted},
-                     {"rate_bit_s", report.cells.server_rate},
-                     {"round_trip_ms", static_cast<double>(report.cells.round_trip.count()) / 1000}};
-  return json;
+    facts.put("cells", Fact::named({{"datagrams", report.cells.datagrams},
+                                    {"lost_datagrams", report.cells.lost},
+                                    {"parity_datagrams", report.cells.parity},
+                                    {"rebuilt_datagrams", report.cells.rebuilt},
+                                    {"damaged_pdus", report.cells.damaged_pdus},
+                                    {"granted_bit_s", report.cells.granted},
+                                    {"rate_bit_s", report.cells.server_rate},
+                                    {"round_trip_ms", static_cast<double>(report.cells.round_trip.count()) / 1000}}));
+  return facts;
 }
 
 void print(const Report& report) {
@@ -142,7 +142,7 @@ int run_fetch(const Options& options) {
   report.complete = !world.truncated && world.diagnostics.errors() == 0;
   count(world, report);
   if (options.json)
-    print_text(as_json(url, report).dump(2) + "\n");
+    print_text(facts_of(url, report).json());
   else
     print(report);
   return report.complete ? kDone : kFailed;

@@ -1,6 +1,7 @@
 #include "app/base/console.h"
 #include "app/commands/options/command_line.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/syntax/printer.h"
 

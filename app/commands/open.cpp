@@ -1,5 +1,7 @@
 #include "app/base/console.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/commands/picture_world.h"
 #include "app/settings/user_folders.h"
 #include "app/viewer/hand_over.h"

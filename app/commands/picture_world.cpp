@@ -1,7 +1,10 @@
 #include "app/commands/picture_world.h"
 
 #include "app/base/numbered_files.h"
-#include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
+#include "app/picture/volume_show.h"
+#include "app/session/view.h"
 
 #include <glm/trigonometric.hpp>
 

@@ -1,13 +1,20 @@
 #pragma once
 
-#include "app/commands/options/options.h"
-#include "app/picture/volume_show.h"
-#include "app/session/view.h"
-
 #include <optional>
 #include <string>
 
+namespace gs::render {
+struct Camera;
+struct DrawOptions;
+struct RenderList;
+}  // namespace gs::render
+
 namespace gs::app {
+
+struct Options;
+struct View;
+struct ViewStyle;
+struct VolumeWishes;
 
 /// What pictures of a world are drawn with, by the options; of their size.
 [[nodiscard]] render::DrawOptions picture_draw(const Options& options, const View& seen);

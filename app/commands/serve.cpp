@@ -3,6 +3,8 @@
 #include "app/base/confinement.h"
 #include "app/base/console.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 
 #include <atomic>
 #include <csignal>

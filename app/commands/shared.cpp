@@ -1,11 +1,16 @@
+#include "app/commands/options/shared.h"
+
 #include "app/base/console.h"
-#include "app/commands/options/commands.h"
+#include "app/base/fact.h"
+#include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 #include "app/formats/export/export.h"
+#include "app/world/world_loader.h"
 #include "net/files/file.h"
+#include "render/scene/draw_options.h"
+#include "vrml/scene/diagnostic.h"
 
 #include <sys/resource.h>
-#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -26,12 +31,8 @@ int write_stats(const std::string& path, const std::string& json) {
   if (std::filesystem::exists(path, error)) {
     const auto opened = net::map_file(path);
     const auto* file = std::get_if<net::MappedFile>(&opened);
-    const auto old =
-        file ? nlohmann::json::parse(reinterpret_cast<const char*>(file->bytes().data()),
-                                     reinterpret_cast<const char*>(file->bytes().data()) + file->bytes().size(),
-                                     nullptr, false)
-             : nlohmann::json();
-    const bool ours = old.is_object() && old.contains("peak_rss_bytes");
+    const bool ours = file && is_json_with({reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size()},
+                                           "peak_rss_bytes");
     if (!ours && !(file && file->bytes().empty())) {
       complain("%s: error: is there and holds no measurements; it is not written over", path.c_str());
       return kFailed;

@@ -1,8 +1,13 @@
 #include "app/base/console.h"
+#include "app/base/fact.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
+#include "app/commands/picture_memory.h"
 #include "app/commands/picture_world.h"
 #include "app/media/wave_file.h"
 #include "app/picture/paint.h"
+#include "app/picture/volume_show.h"
 #include "app/session/links.h"
 #include "app/simulation/simulation.h"
 #include "app/view/navigation.h"
@@ -17,11 +22,6 @@
 #include "render/scene/render_list.h"
 #include "vrml/scene/scene_graph.h"
 
-#include <nlohmann/json.hpp>
-
-#include <malloc.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -35,7 +35,6 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <future>
 #include <memory>
 #include <optional>
@@ -67,11 +66,11 @@ double seconds_so_far() {
 }
 
 /// The phases of the program, in sum `total_s`, so far.
-void add_phases(render::PhaseClock& phases, nlohmann::json& stats) {
+void add_phases(render::PhaseClock& phases, Fact& stats) {
   phases.enter(render::Phase::other);
   for (std::size_t i = 0; i < render::kPhaseNames.size(); ++i)
-    stats[std::string(render::kPhaseNames[i]) + "_s"] = phases.seconds(static_cast<render::Phase>(i));
-  stats["total_s"] = phases.total();
+    stats.put(std::string(render::kPhaseNames[i]) + "_s", phases.seconds(static_cast<render::Phase>(i)));
+  stats.put("total_s", phases.total());
 }
 
 // A picture is only ever written over a picture: a mistyped OUT.png must not cost a world.
@@ -132,70 +131,6 @@ int leave(std::optional<WorldLoading>& loading, int status) {
   (void)loading;
   return status;
 #endif
-}
-
-/// Geometries are meshes by now, and nobody reads the lists of numbers that they were made of again: large ones give
-/// their memory back before the driver makes copies of its own.
-void release_lists(vrml::SceneGraph& scene) {
-  constexpr std::size_t kLarge = 100'000;  // elements
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    if (!scene.contains(scene.id_at(i))) continue;
-    vrml::Node& node = scene.node(scene.id_at(i));
-    for (std::size_t slot = 0; slot < node.type->defaults.size(); ++slot)
-      std::visit(
-          [](auto& value) {
-            if constexpr (requires { value.shared(); })
-              if (value.size() > kLarge) value = {};
-          },
-          node.values[slot]);
-  }
-  for (const auto& [inline_node, content] : scene.inlines())
-    if (content) release_lists(*content);
-}
-
-bool addresses_are_limited() {
-  rlimit limit{};
-  return ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
-}
-
-/// Whether this machine is a virtual one that hands free large pages back to its host (the balloon of virtio, "free
-/// page reporting"): a large page then takes milliseconds where nobody had it a moment ago.
-bool host_takes_pages_back() {
-  constexpr std::size_t kReporting = 5;  // the bit of VIRTIO_BALLOON_F_REPORTING; files show bits as 0 and 1
-  std::error_code error;
-  for (const auto& device : std::filesystem::directory_iterator("/sys/bus/virtio/devices", error)) {
-    std::string kind, features;
-    std::ifstream(device.path() / "device") >> kind;
-    std::ifstream(device.path() / "features") >> features;
-    if (kind == "0x0005" && features.size() > kReporting && features[kReporting] == '1') return true;
-  }
-  return false;
-}
-
-std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); }
-
-/// A picture's program ends when it is written: memory that is given back to the system, and taken again page by page,
-/// is a third of its time. So blocks are kept. Where the system has large pages for who asks, they come from one heap
-/// for all threads, whose addresses are taken here, at the beginning; elsewhere threads would only wait for each other.
-void keep_memory() {
-  constexpr int kMapped = 32 << 20;     // bytes of a block that the system gives and takes back alone
-  constexpr int kKept = 1 << 30;        // bytes that are kept
-  constexpr int kAhead = 16 << 20;      // bytes that the heap grows by
-  constexpr int kReserved = 512 << 20;  // bytes of addresses, without memory until they are written to
-  constexpr std::uintptr_t kLargePage = 2 << 20;
-  (void)mallopt(M_MMAP_THRESHOLD, kMapped);
-  (void)mallopt(M_TRIM_THRESHOLD, kKept);
-  if (!addresses_are_limited() && !host_takes_pages_back()) {
-    (void)mallopt(M_ARENA_MAX, 1);
-    const std::uintptr_t before = end_of_heap();
-    (void)mallopt(M_TOP_PAD, kReserved);
-    void* volatile block = std::malloc(kMapped / 2);  // volatile: or the compiler leaves both out
-    std::free(block);
-    const std::uintptr_t first = (before + kLargePage - 1) / kLargePage * kLargePage;
-    const std::uintptr_t last = end_of_heap() / kLargePage * kLargePage;
-    if (first < last) (void)::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
-  }
-  (void)mallopt(M_TOP_PAD, kAhead);
 }
 
 }  // namespace
@@ -298,26 +233,26 @@ int run_snapshot(const Options& given_options, const std::string& named) {
     return fail_to_write(options.snapshot + ": " + problem->message);
 
   if (!options.stats.empty()) {
-    nlohmann::json stats;
+    Fact stats;
     add_phases(phases, stats);
     const Clock::time_point again = Clock::now();
     (void)paint_image(renderer, scene, options.picture);
-    stats.update({{"bytes", simulation.world().bytes},
-                  {"load_s", load_seconds},
-                  {"first_image_s", first_image_seconds},
-                  {"frame_s", seconds_since(again)},
-                  {"triangles", statistics.triangles},
-                  {"vectors", statistics.vectors},
-                  {"items", statistics.items},
-                  {"draw_calls", statistics.draw_calls},
-                  {"colors", colors.count()},
-                  {"peak_rss_bytes", peak_memory()},
-                  {"backend", std::string(context.backend())},
-                  {"renderer", renderer.gl_renderer()},
-                  {"splats", statistics.splats},
-                  {"errors", errors + left_out.errors()},
-                  {"warnings", warnings}});
-    if (const int status = write_stats(options.stats, stats.dump(2) + "\n"); status != kDone) return status;
+    stats.put("bytes", simulation.world().bytes);
+    stats.put("load_s", load_seconds);
+    stats.put("first_image_s", first_image_seconds);
+    stats.put("frame_s", seconds_since(again));
+    stats.put("triangles", statistics.triangles);
+    stats.put("vectors", statistics.vectors);
+    stats.put("items", statistics.items);
+    stats.put("draw_calls", statistics.draw_calls);
+    stats.put("colors", colors.count());
+    stats.put("peak_rss_bytes", peak_memory());
+    stats.put("backend", std::string(context.backend()));
+    stats.put("renderer", renderer.gl_renderer());
+    stats.put("splats", statistics.splats);
+    stats.put("errors", errors + left_out.errors());
+    stats.put("warnings", warnings);
+    if (const int status = write_stats(options.stats, stats.json()); status != kDone) return status;
   }
   return leave(loading, simulation.world().truncated ? kFailed : kDone);
 }

@@ -1,5 +1,7 @@
 #include "app/base/console.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/media/wave_file.h"
 #include "app/session/links.h"
 #include "app/simulation/simulation.h"

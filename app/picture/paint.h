@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/picture/picture_request.h"
+#include "render/draw/picture.h"
 
 #include <cstddef>
 #include <functional>

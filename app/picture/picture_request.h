@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/draw/picture.h"
+#include "render/scene/stereo.h"
 
 #include <glm/vec2.hpp>
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/upright.h"
+#include "app/view/pose.h"
 #include "app/view/walking.h"
 #include "render/scene/camera.h"
 #include "render/scene/render_list.h"
@@ -56,19 +57,6 @@ struct NavigationRules {
 /// eight seconds. Starts as the standard's default does when the author chose a Viewpoint, else in EXAMINE.
 [[nodiscard]] NavigationRules default_navigation_rules(const render::WorldBounds& bounds, bool has_viewpoint);
 
-/// Where the viewer is: world space, metres; looks along -Z of `orientation`. Always finite and normalised.
-struct Pose {
-  glm::dvec3 position{0, 0, 10};
-  glm::quat orientation{1, 0, 0, 0};
-  float field_of_view = 0.785398f;  // radians, the smaller of the two angles
-  /// World units that the smaller side of the picture shows by parallel rays; 0: in perspective. Who sees by parallel
-  /// rays stands where one who sees the same in perspective would.
-  double height = 0;
-
-  [[nodiscard]] glm::vec3 right() const { return orientation * glm::vec3(1, 0, 0); }
-  [[nodiscard]] glm::vec3 up() const { return orientation * glm::vec3(0, 1, 0); }
-  [[nodiscard]] glm::vec3 forward() const { return orientation * glm::vec3(0, 0, -1); }
-};
 /// With all numbers finite and in their ranges; those of `otherwise` where that cannot be.
 [[nodiscard]] Pose valid_pose(Pose pose, const Pose& otherwise);
 /// The nearest valid pose: scale and shear of the matrix are taken out, NaN and infinity replaced.
@@ -195,8 +183,8 @@ struct Navigation {
 enum class ViewSide : std::uint8_t { front, back, left, right, top, bottom };
 inline constexpr int kSideCount = 6;
 /// Where the whole of `bounds` is seen from one of its sides, with the lens of `pose`.
-[[nodiscard]] Pose pose_at_side(ViewSide side, const Pose& pose, const render::WorldBounds& bounds, const glm::vec2& viewport,
-                                const Upright& upright);
+[[nodiscard]] Pose pose_at_side(ViewSide side, const Pose& pose, const render::WorldBounds& bounds,
+                                const glm::vec2& viewport, const Upright& upright);
 /// The same place and direction without roll; straight up or down nothing is turned.
 [[nodiscard]] Pose straightened(const Pose& pose, const glm::vec3& up);
 /// The camera of the bound Viewpoint; of the first one where that is not shown, inside a Switch for example; of a world
@@ -204,7 +192,8 @@ inline constexpr int kSideCount = 6;
 [[nodiscard]] render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node* bound,
                                               const glm::vec2& size);
 /// Where a world without a Viewpoint is first seen from: all of it, from the front.
-[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport, const Upright& upright = {});
+[[nodiscard]] Pose first_pose(const render::WorldBounds& bounds, const glm::vec2& viewport,
+                              const Upright& upright = {});
 
 /// The Viewpoints that a list for the user has: those with a description, and the first, which is bound at
 /// start (VRML97 6.53). Indices into `viewpoints`.

@@ -2,6 +2,7 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/base/parallel.h"
+#include "qnv/volume/voxel_type.h"
 
 #include <array>
 #include <cstddef>
@@ -14,10 +15,6 @@
 #include <vector>
 
 namespace gs::qnv {
-
-/// What the bytes of a voxel are.
-enum class VoxelType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64 };
-[[nodiscard]] std::size_t size_of(VoxelType type);
 
 /// A regular grid of scalar values that is read slice by slice, so that it may be larger than memory.
 struct VolumeLayout {

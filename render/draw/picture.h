@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/draw/renderer.h"
+#include "render/scene/stereo.h"
 
 #include <cstdint>
 #include <functional>
@@ -8,10 +9,6 @@
 #include <variant>
 
 namespace gs::render {
-
-/// Pictures for two eyes: one half for each, left and right; or both in one, the left eye's as red and the right one's
-/// as green and blue.
-enum class Stereo : std::uint8_t { none, side_by_side, anaglyph };
 
 /// A picture that is to be kept.
 struct PictureOptions {

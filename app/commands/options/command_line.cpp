@@ -5,6 +5,7 @@
 #include "app/base/temporary_file.h"
 #include "app/commands/options/commands.h"
 #include "app/commands/options/options.h"
+#include "app/commands/options/shared.h"
 #include "app/formats/content_types.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"

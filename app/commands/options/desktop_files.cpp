@@ -3,6 +3,7 @@
 #include "app/base/console.h"
 #include "app/commands/options/command_line.h"
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
 #include "app/formats/content_types.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-#include "app/commands/options/options.h"
 
+#include "app/commands/options/options.h"
 #include "app/base/text.h"
-#include "app/commands/options/commands.h"
 #include "app/commands/options/encode_options.h"
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/picture_options.h"

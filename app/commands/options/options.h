@@ -2,11 +2,11 @@
 
 #include "app/base/exit_status.h"
 #include "app/formats/common/upright.h"
-#include "app/formats/volume/volume.h"
+#include "app/formats/volume/raw_volume.h"
 #include "app/picture/animation_request.h"
 #include "app/picture/picture_request.h"
-#include "app/view/navigation.h"
 #include "app/view/panes/split_tree.h"
+#include "app/view/pose.h"
 #include "app/view/values/slices.h"
 #include "net/base/address_space.h"
 #include "net/cells/congestion.h"

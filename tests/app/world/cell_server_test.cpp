@@ -88,7 +88,7 @@ TEST_CASE("A server of cells that is killed is asked again, and one with another
 
 TEST_CASE("In a window the base shows at once, and views say what comes next") {
   CellSite site;
-  site.options.rate = 4'000'000;
+  site.options.rate = 8'000'000;
   site.start();
   LoadOptions options;
   options.by_view = true;
@@ -129,9 +129,9 @@ TEST_CASE("In a window the base shows at once, and views say what comes next") {
   CHECK(preferred);
   // Beside a stream of more weight it wants less of the rate.
   feed.set_weight(0.25);
-  while (loading.cells().granted > 1'100'000 && std::chrono::steady_clock::now() < deadline)
+  while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
     (void)loading.step(kCellWait);
-  CHECK(loading.cells().granted <= 1'100'000);
+  CHECK(loading.cells().granted <= 2'200'000);
   feed.set_weight(1);
   // When all of it is there nobody goes on asking.
   while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {

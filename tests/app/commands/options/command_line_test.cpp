@@ -1,7 +1,7 @@
 #include "app/commands/options/command_line.h"
-#include "app/commands/options/options.h"
 
 #include "app/commands/options/commands.h"
+#include "app/commands/options/options.h"
 #include "app/serve/archive.h"
 #include "tests/app/run_program.h"
 #include "tests/app/scratch_folder.h"

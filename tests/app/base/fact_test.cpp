@@ -1,0 +1,51 @@
+#include "app/base/fact.h"
+
+#include <catch2/catch.hpp>
+
+using namespace gs::app;
+
+TEST_CASE("Facts are printed as JSON in the order in which they were put") {
+  Fact facts = Fact::named({{"file", "a.wrl"}, {"bytes", std::size_t{18'446'744'073'709'551'615u}}, {"least", -3}});
+  facts.put("right", true);
+  facts.put("size", Fact::list({1.5, 2.0f, 7u}));
+  facts.put("none", Fact());
+  facts.put("file", std::string("\xff\"\n"));
+  REQUIRE(
+      facts.json() ==
+      "{\n  \"file\": \"\\ufffd\\\"\\n\",\n  \"bytes\": 18446744073709551615,\n  \"least\": -3,\n  \"right\": true,\n"
+      "  \"size\": [\n    1.5,\n    2.0,\n    7\n  ],\n  \"none\": null\n}\n");
+  REQUIRE(Fact::list().json() == "[]\n");
+  REQUIRE(Fact::named().json() == "{}\n");
+}
+
+TEST_CASE("Facts are lines for people, those of lists and metadata a line each") {
+  Fact facts = Fact::named({{"type_of_voxels", "u16be"}, {"origin", Fact::list({0.1f, 4'500'000.001})}});
+  Fact levels = Fact::list();
+  levels.add(Fact::named({{"level", 0}, {"bytes", 12}}));
+  facts.put("levels", levels);
+  facts.put("metadata", Fact::named({{"up", "z"}}));
+  REQUIRE(facts.lines() == std::vector<std::string>{"type of voxels         u16be",
+                                                    "origin                 0.1 4500000.001", "levels",
+                                                    "  level 0, bytes 12", "metadata", "  up: z"});
+}
+
+TEST_CASE("Facts are values: what is copied stays as it was, and an empty one says so") {
+  Fact a = Fact::list();
+  REQUIRE(a.empty());
+  Fact b = a;
+  b.add(1);
+  REQUIRE(a.empty());
+  REQUIRE_FALSE(b.empty());
+  a = b;
+  b = Fact::named();
+  REQUIRE(a.json() == "[\n  1\n]\n");
+  REQUIRE(b.empty());
+}
+
+TEST_CASE("Only JSON by names has a name") {
+  REQUIRE(is_json_with(R"({"peak_rss_bytes": 1})", "peak_rss_bytes"));
+  REQUIRE_FALSE(is_json_with(R"({"peak_rss_bytes": 1)", "peak_rss_bytes"));
+  REQUIRE_FALSE(is_json_with(R"({"other": 1})", "peak_rss_bytes"));
+  REQUIRE_FALSE(is_json_with(R"(["peak_rss_bytes"])", "peak_rss_bytes"));
+  REQUIRE_FALSE(is_json_with("", "peak_rss_bytes"));
+}

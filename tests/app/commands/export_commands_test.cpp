@@ -1,0 +1,99 @@
+// export, and pictures of streams, as a user runs them.
+#include "app/formats/export/export.h"
+#include "tests/app/commands/vector_commands.h"
+
+#include <string>
+
+using namespace gs::app;
+using namespace gs::app::test;
+
+TEST_CASE("export: every format of the table, and what we read comes back") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 3000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  for (const ExportFormat& format : export_formats()) {
+    const std::string out = folder.path("out" + std::string(format.extension));
+    const Run result = run("export --vectors 1000 " + quoted(stream) + " " + quoted(out));
+    INFO(result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.starts_with(out + ": 1000 vectors, "));
+    // Again over its own kind.
+    CHECK(run("export --vectors 1000 " + quoted(stream) + " " + quoted(out)).status == kDone);
+    CHECK(info(out)["bytes"] > 1000);
+  }
+  const nlohmann::json points = info(folder.path("out.ply")), splats = info(folder.path("out.spz"));
+  CHECK(points["vectors"] == 1000);
+  CHECK(points["area"] == Approx(kBallArea).epsilon(0.02));
+  CHECK(splats["vectors"] == 1000);
+  CHECK(splats["area"] == Approx(kBallArea).epsilon(0.1));
+  // A mesh is encoded on the way; a world for any browser names the stream for ours.
+  CHECK(run("export --vectors 500 " + quoted(world) + " " + quoted(folder.path("mesh.ply"))).status == kDone);
+  CHECK(info(folder.path("mesh.ply"))["vectors"] == 500);
+  REQUIRE(run("export --vrml97 " + quoted(stream) + " " + quoted(folder.path("world.wrl"))).status == kDone);
+  CHECK(folder.read("world.wrl").find("\"ball.qnv\"") != std::string::npos);
+  CHECK(info(folder.path("world.wrl"))["vectors"] == info(stream)["vectors"]);
+  CHECK(run("check " + quoted(folder.path("world.wrl"))).output.empty());
+}
+
+TEST_CASE("encode and export write over nothing but what they write") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 4000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  CHECK(run("encode --vectors 4000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  const std::string bytes = folder.read("ball.qnv");
+  const std::string notes = folder.write("notes.qnv", "mine"),
+                    mesh = folder.write("mesh.ply", "ply\nformat ascii 1.0\n");
+  for (const std::string& arguments :
+       {"encode " + quoted(world) + " " + quoted(notes), "encode " + quoted(stream) + " " + quoted(stream),
+        "export " + quoted(stream) + " " + quoted(mesh), "export " + quoted(world) + " " + quoted(world),
+        "encode " + quoted(folder.path("missing.wrl")) + " " + quoted(stream),
+        "encode " + quoted(folder.write("empty.wrl", "#VRML V2.0 utf8\n")) + " " + quoted(stream),
+        "export " + quoted(folder.write("cut.qnv", bytes.substr(0, 40))) + " " + quoted(folder.path("x.ply")),
+        "info " + quoted(folder.path("cut.qnv")), "info " + quoted(folder.path("missing"))}) {
+    const Run result = run(arguments);
+    INFO(arguments << "\n" << result.output);
+    CHECK(result.status == kFailed);
+    CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
+    CHECK(result.output.find("error: ") != std::string::npos);
+  }
+  CHECK(folder.read("notes.qnv") == "mine");
+  CHECK(folder.read("mesh.ply") == "ply\nformat ascii 1.0\n");
+  CHECK(folder.read("ball.wrl") == kBall);
+  CHECK(folder.read("ball.qnv") == bytes);
+  // A stream that was cut is less, not nothing.
+  const std::string cut = folder.write("half.qnv", bytes.substr(0, bytes.size() * 2 / 3));
+  CHECK(run("export " + quoted(cut) + " " + quoted(folder.path("half.ply"))).status == kDone);
+  CHECK(info(folder.path("half.ply"))["vectors"] > 0);
+  CHECK(info(cut)["problems"].size() == 1);
+}
+
+TEST_CASE("snapshot: budgets, losses and prefixes of a stream, drawn either way") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
+  REQUIRE(run("encode --vectors 20000 " + quoted(world) + " " + quoted(stream)).status == kDone);
+  const auto snapshot = [&](const std::string& options) {
+    const std::string stats = folder.path("stats.json");
+    const Run result =
+        run("--snapshot " + quoted(folder.path("ball.png")) + " --size 200x150 --backend osmesa --stats " +
+            quoted(stats) + " " + options + " " + quoted(stream));
+    INFO(options << "\n" << result.output);
+    REQUIRE(result.status == kDone);
+    CHECK(result.output.empty());
+    return nlohmann::json::parse(folder.read("stats.json"));
+  };
+  const nlohmann::json whole = snapshot("");
+  CHECK(whole["vectors"] > 500);
+  CHECK(whole["splats"] == "cpu");
+  CHECK(whole["colors"] > 10);
+  CHECK(snapshot("--splats gl")["splats"] == "gl");
+  // Of a ball about half of the discs face the viewer.
+  const nlohmann::json few = snapshot("--budget 800");
+  CHECK(few["vectors"] > 100);
+  CHECK(few["vectors"] <= 800);
+  CHECK(snapshot("--max-bytes 1000")["vectors"] > 20);
+  const nlohmann::json lossy = snapshot("--loss 1");
+  CHECK(lossy["vectors"] > 100);
+  CHECK(run("--snapshot x.png --loss 1.5 " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --splats fast " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --budget 0 " + quoted(stream)).status == kUsage);
+}

@@ -1,0 +1,38 @@
+#pragma once
+
+// What tests of encode, info and export have in common: the program as a user runs it, and what it is given.
+#include "app/base/exit_status.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
+
+namespace gs::app::test {
+
+inline nlohmann::json info(const std::string& file) {
+  const Run result = run("info --json " + quoted(file));
+  INFO(result.output);
+  REQUIRE(result.status == kDone);
+  return nlohmann::json::parse(result.output);
+}
+
+inline const std::string kBall =
+    "#VRML V2.0 utf8\nWorldInfo { title \"The ball\" }\n"
+    "Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } geometry Sphere { radius 2 } }\n";
+inline constexpr double kBallArea = 50.2655;
+
+// A ball of 16 in a cube of 32: values fall from its middle to its surface.
+inline std::string raw_ball() {
+  std::string voxels;
+  for (int z = -16; z < 16; ++z)
+    for (int y = -16; y < 16; ++y)
+      for (int x = -16; x < 16; ++x)
+        voxels += static_cast<char>(std::max(0, 200 - 200 * (x * x + y * y + z * z) / 196));
+  return voxels;
+}
+
+}  // namespace gs::app::test
