@@ -1,4 +1,4 @@
-// Streams that come as cells over UDP, on this machine.
+// Streams that come as cells over UDP, on this machine, and what views ask of them.
 #include "tests/app/world/cell_site.h"
 
 #include <catch2/catch.hpp>
@@ -150,4 +150,60 @@ TEST_CASE("Regions are what views see of a stream") {
   CHECK(regions_of(std::span(views).subspan(1, 1), flat).size() == 1);
   views[1].planes[0] = glm::vec4(std::numeric_limits<float>::quiet_NaN());
   CHECK(regions_of(views, all).size() <= 1);
+}
+
+TEST_CASE("In a window the base shows at once, and views say what comes next") {
+  CellSite site;
+  site.options.rate = 8'000'000;
+  site.start();
+  LoadOptions options;
+  options.by_view = true;
+  options.timeout_seconds = 120;
+  WorldLoading loading(site.url("packed.qnv"), options);
+  while (!loading.done()) (void)loading.step(kCellWait);
+  CHECK(loading.streaming());
+  CHECK(loading.state().received < 200'000);
+  const OpenedWorld world = loading.take();
+  REQUIRE(world.feeds.size() == 1);
+  StreamFeed& feed = *world.feeds.front();
+  (void)feed.apply();
+  auto& levels = *world.clouds.begin()->second->levels;
+  REQUIRE(levels.clusters() > 0);
+  // What lies to the right, closely.
+  qnv::LodView view;
+  view.eye = {3, 0, 0};
+  view.pixels = 1e5f;
+  view.planes[0] = {1, 0, 0, -0.8f};
+  (void)levels.cut(view);
+  feed.ask();
+  const auto discs = [&levels](const qnv::LodView& from) {
+    std::size_t sum = 0;
+    for (const qnv::Piece& piece : levels.cut(from)) sum += piece.count;
+    return sum;
+  };
+  qnv::LodView opposite = view;
+  opposite.eye = {-3, 0, 0};
+  opposite.planes[0] = {-1, 0, 0, -0.8f};
+  opposite.viewport = 1;
+  const std::size_t before = discs(view);
+  bool preferred = false;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(100);
+  while (!preferred && std::chrono::steady_clock::now() < deadline) {
+    (void)loading.step(kCellWait);
+    if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
+  }
+  CHECK(preferred);
+  // Beside a stream of more weight it wants less of the rate.
+  feed.set_weight(0.25);
+  while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
+    (void)loading.step(kCellWait);
+  CHECK(loading.cells().granted <= 2'200'000);
+  feed.set_weight(1);
+  // When all of it is there nobody goes on asking.
+  while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {
+    (void)loading.step(kCellWait);
+    (void)feed.apply();
+  }
+  CHECK_FALSE(loading.streaming());
+  CHECK(levels.count() == cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }

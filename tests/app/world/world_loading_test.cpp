@@ -261,7 +261,7 @@ TEST_CASE("a stream shows from its front on, and grows") {
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
   web.put_script("memory://a/ball.qnv", [](const net::TransferRequest&, unsigned) {
     net::MemoryAnswer answer = whole(large_stream());
-    answer.bytes_per_second = large_stream().size() * 2;
+    answer.bytes_per_second = large_stream().size() * 4;
     return answer;
   });
   WorldLoading loading("memory://a/world.wrl", web.options);
