@@ -5,7 +5,7 @@
 #include <string>
 
 using namespace gs::app;
-using namespace gs::app::test;
+using namespace gs::test;
 
 TEST_CASE("export: every format of the table, and what we read comes back") {
   const ScratchFolder folder;

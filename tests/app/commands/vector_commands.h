@@ -11,7 +11,12 @@
 #include <algorithm>
 #include <string>
 
-namespace gs::app::test {
+namespace gs::test {
+
+using app::kDone;
+using app::quoted;
+using app::Run;
+using app::run;
 
 inline nlohmann::json info(const std::string& file) {
   const Run result = run("info --json " + quoted(file));
@@ -35,4 +40,4 @@ inline std::string raw_ball() {
   return voxels;
 }
 
-}  // namespace gs::app::test
+}  // namespace gs::test

@@ -19,7 +19,7 @@
 #include <thread>
 
 using namespace gs::app;
-using namespace gs::app::test;
+using namespace gs::test;
 
 TEST_CASE("encode: a world becomes a stream of its area, title and source, and info tells of it") {
   const ScratchFolder folder;
