@@ -71,8 +71,9 @@ set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/package)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# What is opened at run time: rendering without a display and fonts for all, the rest for sounds, movies and 3D mice.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core")
+# What is opened at run time: rendering without a display, fonts and the network for all, the rest for sounds, movies and
+# 3D mice.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libcurl4, libmicrohttpd12")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1, libopenal1, libavcodec59, libavformat59, libswscale6, libfluidsynth3, \
 timgm6mb-soundfont, shared-mime-info, desktop-file-utils, xdg-utils, ca-certificates")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "spacenavd, libspnav0, zenity | kdialog")

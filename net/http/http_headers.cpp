@@ -4,7 +4,7 @@
 #include <charconv>
 #include <ctime>
 
-#include <curl/curl.h>
+#include "net/http/curl_library.h"
 
 namespace gs::net {
 namespace {
@@ -105,8 +105,8 @@ CacheControl parse_cache_control(std::string_view text) {
 }
 
 std::optional<std::int64_t> parse_http_date(std::string_view text) {
-  if (text.size() > 64) return std::nullopt;
-  const std::time_t time = curl_getdate(std::string(trimmed(text)).c_str(), nullptr);
+  if (text.size() > 64 || !curl().problem.empty()) return std::nullopt;
+  const std::time_t time = curl().curl_getdate(std::string(trimmed(text)).c_str(), nullptr);
   if (time < 0) return std::nullopt;
   return static_cast<std::int64_t>(time);
 }

@@ -4,9 +4,8 @@
 #include <memory>
 #include <string_view>
 
-#include <curl/curl.h>
-
 #include "net/base/address_space.h"
+#include "net/http/curl_library.h"
 
 namespace gs::net {
 namespace {
@@ -46,7 +45,7 @@ bool is_listed_host(const std::string& host, std::string_view list) {
 }
 
 struct FreeUrl {
-  void operator()(CURLU* url) const { curl_url_cleanup(url); }
+  void operator()(CURLU* url) const { curl().curl_url_cleanup(url); }
 };
 
 }  // namespace
@@ -68,14 +67,15 @@ std::string proxy_of(const Url& url, const Environment& environment) {
 }
 
 AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of) {
-  const std::unique_ptr<CURLU, FreeUrl> parts(curl_url());
+  if (!curl().problem.empty()) return AddressSpace::special;
+  const std::unique_ptr<CURLU, FreeUrl> parts(curl().curl_url());
   char* text = nullptr;
   // curl writes numbers of any base as addresses.
-  if (curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
-      curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
+  if (curl().curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
+      curl().curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
     return AddressSpace::special;
   std::string host = text;
-  curl_free(text);
+  curl().curl_free(text);
   if (host.size() > 2 && host.front() == '[') host = host.substr(1, host.find(']') - 1);
   if (const auto address = ip_address_of(host)) return space_of(*address);
   if (host.ends_with('.')) host.pop_back();

@@ -29,6 +29,8 @@ void LoadEngine::add_transport(TransportKind kind, std::unique_ptr<Transport> tr
   transports_[kind] = std::move(transport);
 }
 
+void LoadEngine::refuse_transport(TransportKind kind, std::string why) { refused_transports_[kind] = std::move(why); }
+
 void LoadEngine::request(RequestId id, Request request) {
   auto& job = jobs_[id];
   job = std::make_unique<LoadJob>(context_, id, std::move(request));
@@ -176,8 +178,10 @@ void LoadEngine::let_run(const Candidate& candidate, Load& load) {
   }
   const auto transport = transports_.find(job->scheme()->transport);
   if (transport == transports_.end()) {
+    const auto refused = refused_transports_.find(job->scheme()->transport);
     job->fail(LoadErrorKind::unsupported,
-              "there is no transport for the scheme " + std::string(job->scheme()->name) + ":");
+              "there is no transport for the scheme " + std::string(job->scheme()->name) + ":" +
+                  (refused == refused_transports_.end() ? "" : " (" + refused->second + ")"));
     touched_.insert(job->id());
     return;
   }

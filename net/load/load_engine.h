@@ -23,6 +23,8 @@ class LoadEngine final : private TransferSink {
   LoadEngine& operator=(const LoadEngine&) = delete;
 
   void add_transport(TransportKind kind, std::unique_ptr<Transport> transport);
+  /// Requests that would need it fail, and say why.
+  void refuse_transport(TransportKind kind, std::string why);
 
   // The request must be open in the queue.
   void request(RequestId id, Request request);
@@ -68,6 +70,7 @@ class LoadEngine final : private TransferSink {
   LoadQueue& queue_;
   JobContext context_;
   std::map<TransportKind, std::unique_ptr<Transport>> transports_;
+  std::map<TransportKind, std::string> refused_transports_;  // why
   std::map<RequestId, std::unique_ptr<LoadJob>> jobs_;
   std::unordered_map<TransferId, Running> running_;
   std::set<RequestId> touched_;  // jobs that something happened to

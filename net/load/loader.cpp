@@ -10,6 +10,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "net/http/curl_library.h"
 #include "net/http/http_cache.h"
 #include "net/load/load_engine.h"
 #include "net/load/load_queue.h"
@@ -155,7 +156,7 @@ struct Loader::Parts {
     return engine;
   }
 
-  std::unique_ptr<LoadEngine> make_network_engine(Transport& http) {
+  std::unique_ptr<LoadEngine> make_network_engine(Transport* http) {
     if (!options.cache_folder.empty()) {
       auto opened =
           HttpCache::open({options.cache_folder, options.cache_bytes, options.cache_entries, 0, options.random},
@@ -168,7 +169,10 @@ struct Loader::Parts {
       }
     }
     auto engine = std::make_unique<LoadEngine>(options, queue, cache.get());
-    engine->add_transport(TransportKind::http, std::make_unique<SharedHttp>(http));
+    if (http)
+      engine->add_transport(TransportKind::http, std::make_unique<SharedHttp>(*http));
+    else
+      engine->refuse_transport(TransportKind::http, curl().problem);
     if (options.memory) engine->add_transport(TransportKind::memory, make_memory_transport(options.memory));
     for (const auto& [kind, make] : options.transports) engine->add_transport(kind, make());
     return engine;
@@ -176,9 +180,11 @@ struct Loader::Parts {
 
   void open_lanes() {
     auto http = make_http_transport(options);
-    Transport& transport = *http;
+    Transport* const transport = http.get();
+    std::unique_ptr<Waiter> waiter = std::move(http);
+    if (!waiter) waiter = std::make_unique<ConditionWaiter>();
     lanes[static_cast<std::size_t>(Lane::network)] =
-        std::make_unique<LaneThread>(std::move(http), [this, &transport] { return make_network_engine(transport); });
+        std::make_unique<LaneThread>(std::move(waiter), [this, transport] { return make_network_engine(transport); });
     lanes[static_cast<std::size_t>(Lane::local)] =
         std::make_unique<LaneThread>(std::make_unique<ConditionWaiter>(), [this] { return make_local_engine(); });
   }

@@ -84,6 +84,7 @@ class Waiter {
 /// http, https and ftp, by libcurl; also waits for its own sockets.
 class HttpTransport : public Transport, public Waiter {};
 
+/// Null where libcurl cannot be opened; curl().problem says why.
 [[nodiscard]] std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options);
 [[nodiscard]] std::unique_ptr<Transport> make_file_transport();
 [[nodiscard]] std::unique_ptr<Transport> make_data_transport();

@@ -7,13 +7,12 @@
 #include <unordered_map>
 #include <utility>
 
-#include <curl/curl.h>
-
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "net/base/reference_policy.h"
 #include "net/base/token_bucket.h"
+#include "net/http/curl_library.h"
 #include "net/http/http_headers.h"
 #include "net/http/http_proxy.h"
 #include "net/load/curl_failures.h"
@@ -35,13 +34,13 @@ constexpr Milliseconds kLongestHold{1000};
 constexpr std::uint64_t kLeastBlock = 1 << 10, kLeastAhead = 4 << 10, kMostAhead = 1 << 20;
 
 struct FreeEasy {
-  void operator()(CURL* easy) const { curl_easy_cleanup(easy); }
+  void operator()(CURL* easy) const { curl().curl_easy_cleanup(easy); }
 };
 struct FreeMulti {
-  void operator()(CURLM* multi) const { curl_multi_cleanup(multi); }
+  void operator()(CURLM* multi) const { curl().curl_multi_cleanup(multi); }
 };
 struct FreeList {
-  void operator()(curl_slist* list) const { curl_slist_free_all(list); }
+  void operator()(curl_slist* list) const { curl().curl_slist_free_all(list); }
 };
 
 std::string environment_variable(const std::string& name) {
@@ -53,23 +52,23 @@ class CurlTransport final : public HttpTransport {
  public:
   explicit CurlTransport(const LoaderOptions& options) : options_(options) {
     // Counted by curl, and safe beside other threads since 7.84.
-    curl_global_init(CURL_GLOBAL_DEFAULT);
-    multi_.reset(curl_multi_init());
+    curl().curl_global_init(CURL_GLOBAL_DEFAULT);
+    multi_.reset(curl().curl_multi_init());
     CURLM* const multi = multi_.get();
-    curl_multi_setopt(multi, CURLMOPT_MAXCONNECTS, kIdleConnections);
-    curl_multi_setopt(multi, CURLMOPT_PIPELINING, static_cast<long>(CURLPIPE_MULTIPLEX));
+    curl().curl_multi_setopt(multi, CURLMOPT_MAXCONNECTS, kIdleConnections);
+    curl().curl_multi_setopt(multi, CURLMOPT_PIPELINING, static_cast<long>(CURLPIPE_MULTIPLEX));
   }
   ~CurlTransport() override {
-    for (auto& [id, transfer] : transfers_) curl_multi_remove_handle(multi_.get(), transfer->easy.get());
+    for (auto& [id, transfer] : transfers_) curl().curl_multi_remove_handle(multi_.get(), transfer->easy.get());
   }
 
   void wait(Milliseconds time, std::span<const int> readable) override {
     std::vector<curl_waitfd> extra;
     for (const int socket : readable) extra.push_back({socket, CURL_WAIT_POLLIN, 0});
-    curl_multi_poll(multi_.get(), extra.data(), static_cast<unsigned>(extra.size()), static_cast<int>(time.count()),
-                    nullptr);
+    curl().curl_multi_poll(multi_.get(), extra.data(), static_cast<unsigned>(extra.size()),
+                           static_cast<int>(time.count()), nullptr);
   }
-  void wake() override { curl_multi_wakeup(multi_.get()); }
+  void wake() override { curl().curl_multi_wakeup(multi_.get()); }
 
   void start(TransferId id, const TransferRequest& request, TimePoint now) override;
   void cancel(TransferId id) override {
@@ -193,10 +192,10 @@ void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoi
   transfer->id = id;
   transfer->progress = now;
   transfer->reach = request.reach;
-  transfer->easy.reset(curl_easy_init());
+  transfer->easy.reset(curl().curl_easy_init());
   set_options(*transfer, request);
   // What is refused already ends in the next step.
-  if (transfer->refused_host.empty()) curl_multi_add_handle(multi_.get(), transfer->easy.get());
+  if (transfer->refused_host.empty()) curl().curl_multi_add_handle(multi_.get(), transfer->easy.get());
   transfers_[id] = std::move(transfer);
   dirty_ = true;
 }
@@ -211,48 +210,48 @@ bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>
 
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
   CURL* const easy = transfer.easy.get();
-  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
+  curl().curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
   transfer.by_ftp = parse_url(request.url).scheme == "ftp";
-  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
+  curl().curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
   // The loader follows redirects itself: each hop is checked, and looked up in the cache.
-  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
-  curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
-  curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
-  curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // not waiting for a name server at the end
-  curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
-  curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
-  curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
-  curl_easy_setopt(easy, CURLOPT_USERAGENT, options_.user_agent.c_str());
-  curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.detail.data());
-  curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
-  curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
-  curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
-  if (!options_.ca_file.empty()) curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
+  curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
+  curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
+  curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // not waiting for a name server at the end
+  curl().curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
+  curl().curl_easy_setopt(easy, CURLOPT_USERAGENT, options_.user_agent.c_str());
+  curl().curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.detail.data());
+  curl().curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, &write_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
+  curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
+  if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   // A proxy would answer by HTTP.
   const std::string proxy = options_.proxy_from_environment && !transfer.by_ftp
                                 ? proxy_of(parse_url(request.url), environment_variable)
                                 : std::string();
-  curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
-  curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
+  curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
+  curl().curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();
   if (transfer.proxied) {
     transfer.space = space_by_name(request.url, options_.space_of);
     transfer.refused_host = refuse_host(transfer.reach, transfer.space).value_or("");
   }
-  curl_easy_setopt(easy, CURLOPT_OPENSOCKETFUNCTION, &open_socket_callback);
-  curl_easy_setopt(easy, CURLOPT_OPENSOCKETDATA, &transfer);
-  curl_easy_setopt(easy, CURLOPT_PREREQFUNCTION, &request_callback);
-  curl_easy_setopt(easy, CURLOPT_PREREQDATA, &transfer);
+  curl().curl_easy_setopt(easy, CURLOPT_OPENSOCKETFUNCTION, &open_socket_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_OPENSOCKETDATA, &transfer);
+  curl().curl_easy_setopt(easy, CURLOPT_PREREQFUNCTION, &request_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_PREREQDATA, &transfer);
   if (transfer.by_ftp) return set_ftp_options(transfer);
-  curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, &header_callback);
-  curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
+  curl().curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, &header_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
 
   const auto add = [&transfer](const std::string& name, const std::string& value) {
     const bool safe =
         std::none_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
     if (value.empty() || !safe) return;
-    transfer.headers.reset(curl_slist_append(transfer.headers.release(), (name + ": " + value).c_str()));
+    transfer.headers.reset(curl().curl_slist_append(transfer.headers.release(), (name + ": " + value).c_str()));
   };
   if (request.range) {
     const bool open = request.range->end == kOpenEnd;
@@ -261,28 +260,28 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     add("If-Range", request.if_range);
     // Ranges of a compressed form would be of no use.
     add("Accept-Encoding", "identity");
-    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
+    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
   } else {
     // Only what cannot grow without bound between two of our looks.
-    curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
-    curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kCompressedBlock));
+    curl().curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
+    curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kCompressedBlock));
   }
   add("If-None-Match", request.if_none_match);
   add("If-Modified-Since", request.if_modified_since);
   add("Accept", request.accept);
-  curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
+  curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
 }
 
 /// Whole files of who asks without a name (RFC 959, 1635), by connections that we open (RFC 2428), each for one file.
 void CurlTransport::set_ftp_options(Transfer& transfer) {
   CURL* const easy = transfer.easy.get();
-  curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
-  curl_easy_setopt(easy, CURLOPT_FTP_SKIP_PASV_IP, 1L);
-  curl_easy_setopt(easy, CURLOPT_FORBID_REUSE, 1L);
-  curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
-  curl_easy_setopt(easy, CURLOPT_NOPROGRESS, 0L);
-  curl_easy_setopt(easy, CURLOPT_XFERINFOFUNCTION, &progress_callback);
-  curl_easy_setopt(easy, CURLOPT_XFERINFODATA, &transfer);
+  curl().curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
+  curl().curl_easy_setopt(easy, CURLOPT_FTP_SKIP_PASV_IP, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_FORBID_REUSE, 1L);
+  curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, block_size(kPlainBlock));
+  curl().curl_easy_setopt(easy, CURLOPT_NOPROGRESS, 0L);
+  curl().curl_easy_setopt(easy, CURLOPT_XFERINFOFUNCTION, &progress_callback);
+  curl().curl_easy_setopt(easy, CURLOPT_XFERINFODATA, &transfer);
 }
 
 bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
@@ -298,7 +297,7 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   if (line.starts_with("HTTP/")) {
     transfer.head = {};
     long status = 0;
-    curl_easy_getinfo(transfer.easy.get(), CURLINFO_RESPONSE_CODE, &status);
+    curl().curl_easy_getinfo(transfer.easy.get(), CURLINFO_RESPONSE_CODE, &status);
     transfer.head.status = static_cast<int>(status);
     return true;
   }
@@ -317,7 +316,7 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
 /// for its last word, for which curl would let all others wait.
 bool CurlTransport::begin_file(Transfer& transfer) {
   curl_off_t size = -1;
-  curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
+  curl().curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
   if (size < 0) {
     transfer.failure =
         LoadError{LoadErrorKind::bad_response, "the server does not say how long the file is; expected SIZE", 0};
@@ -374,7 +373,7 @@ void CurlTransport::apply_pauses() {
     transfer->slowed.reset();
     transfer->progress = now_;
     // Going on may hand over what curl has held back, and that may pause again.
-    curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
+    curl().curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
   }
 }
 
@@ -388,7 +387,7 @@ void CurlTransport::go_on_at_rate() {
     if (!first) return;
     first->slowed.reset();
     first->progress = now_;
-    curl_easy_pause(first->easy.get(), CURLPAUSE_CONT);
+    curl().curl_easy_pause(first->easy.get(), CURLPAUSE_CONT);
   }
 }
 
@@ -407,7 +406,7 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   if (options_.bytes_per_second > 0) go_on_at_rate();
   int running = 0;
   step_began_ = std::chrono::steady_clock::now();
-  curl_multi_perform(multi_.get(), &running);
+  curl().curl_multi_perform(multi_.get(), &running);
   end_refused();
   collect();
   watch_the_clock();
@@ -424,10 +423,10 @@ void CurlTransport::end_refused() {
 
 void CurlTransport::collect() {
   int left = 0;
-  while (const CURLMsg* const message = curl_multi_info_read(multi_.get(), &left)) {
+  while (const CURLMsg* const message = curl().curl_multi_info_read(multi_.get(), &left)) {
     if (message->msg != CURLMSG_DONE) continue;
     void* user = nullptr;
-    curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &user);
+    curl().curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &user);
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.over) continue;
     const CURLcode code = message->data.result;
@@ -458,7 +457,7 @@ void CurlTransport::watch_the_clock() {
 
 void CurlTransport::remove_over() {
   std::erase_if(transfers_, [this](const auto& entry) {
-    if (entry.second->over) curl_multi_remove_handle(multi_.get(), entry.second->easy.get());
+    if (entry.second->over) curl().curl_multi_remove_handle(multi_.get(), entry.second->easy.get());
     return entry.second->over;
   });
 }
@@ -479,7 +478,7 @@ std::optional<TimePoint> CurlTransport::deadline(TimePoint now) const {
 }  // namespace
 
 std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options) {
-  return std::make_unique<CurlTransport>(options);
+  return curl().problem.empty() ? std::make_unique<CurlTransport>(options) : nullptr;
 }
 
 }  // namespace gs::net

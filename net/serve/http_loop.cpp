@@ -1,6 +1,7 @@
 #include "net/serve/http_loop.h"
 
 #include "net/base/clock.h"
+#include "net/serve/microhttpd_library.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -83,17 +84,18 @@ std::optional<std::string> HttpLoop::start() {
   }
   site_ = std::make_unique<HttpSite>(options_, std::move(std::get<ServedFolder>(folder)), made_.get(),
                                      [this] { return metrics(); });
+  if (!microhttpd().problem.empty()) return microhttpd().problem;
   if (auto message = listen()) return message;
   const auto most = static_cast<unsigned>(std::min<std::size_t>(
       options_.limits.connections > 0 ? options_.limits.connections : 1U << 20, std::numeric_limits<int>::max()));
   const auto flags = static_cast<unsigned>(MHD_USE_EPOLL) | static_cast<unsigned>(MHD_ALLOW_SUSPEND_RESUME);
   // libmicrohttpd takes its listener over and closes it.
-  daemon_ = MHD_start_daemon(flags, port_, nullptr, nullptr, &HttpLoop::on_request, this, MHD_OPTION_LISTEN_SOCKET,
-                             ::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_CONNECTION_LIMIT, most,
-                             MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_URI_LOG_CALLBACK,
-                             &HttpLoop::on_target, this, MHD_OPTION_UNESCAPE_CALLBACK, &leave_encoded, nullptr,
-                             MHD_OPTION_NOTIFY_COMPLETED, &HttpLoop::on_completed, this, MHD_OPTION_NOTIFY_CONNECTION,
-                             &HttpLoop::on_connection, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
+  daemon_ = microhttpd().MHD_start_daemon(
+      flags, port_, nullptr, nullptr, &HttpLoop::on_request, this, MHD_OPTION_LISTEN_SOCKET,
+      ::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_CONNECTION_LIMIT, most,
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionMemory, MHD_OPTION_URI_LOG_CALLBACK, &HttpLoop::on_target, this,
+      MHD_OPTION_UNESCAPE_CALLBACK, &leave_encoded, nullptr, MHD_OPTION_NOTIFY_COMPLETED, &HttpLoop::on_completed, this,
+      MHD_OPTION_NOTIFY_CONNECTION, &HttpLoop::on_connection, this, MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_END);
   if (!daemon_) return "libmicrohttpd cannot serve";
   listener_.close();
   thread_ = std::thread([this] { run(); });
@@ -132,7 +134,7 @@ bool HttpLoop::finished(Instant now) {
   }
   if (!quiet_) {
     quiet_ = true;
-    const MHD_socket listener = MHD_quiesce_daemon(daemon_);
+    const MHD_socket listener = microhttpd().MHD_quiesce_daemon(daemon_);
     if (listener != MHD_INVALID_SOCKET) ::close(listener);
   }
   // Those between two requests would only be waited for.
@@ -142,10 +144,10 @@ bool HttpLoop::finished(Instant now) {
 }
 
 void HttpLoop::run() {
-  const MHD_DaemonInfo* info = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD);
+  const MHD_DaemonInfo* info = microhttpd().MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_EPOLL_FD);
   pollfd waits[2] = {{info ? info->epoll_fd : -1, POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   for (;;) {
-    (void)MHD_run(daemon_);
+    (void)microhttpd().MHD_run(daemon_);
     const Instant now = clock_now();
     if (finished(now)) break;
     // What goes on does so in MHD_run, which nothing else wakes for it.
@@ -160,12 +162,12 @@ void HttpLoop::run() {
   }
   // Nothing may be suspended when libmicrohttpd ends.
   aborting_ = true;
-  for (const auto& [id, handle] : turns_) MHD_resume_connection(handle);
-  for (const auto& [id, waiting] : waiting_) MHD_resume_connection(waiting.handle);
+  for (const auto& [id, handle] : turns_) microhttpd().MHD_resume_connection(handle);
+  for (const auto& [id, waiting] : waiting_) microhttpd().MHD_resume_connection(waiting.handle);
   turns_.clear();
   waiting_.clear();
-  (void)MHD_run(daemon_);
-  MHD_stop_daemon(daemon_);
+  (void)microhttpd().MHD_run(daemon_);
+  microhttpd().MHD_stop_daemon(daemon_);
   daemon_ = nullptr;
 }
 
@@ -173,12 +175,13 @@ void HttpLoop::pace(Instant now) {
   while (const auto turn = limits_.next(now)) {
     const auto found = turns_.find(*turn);
     if (found == turns_.end()) continue;
-    const MHD_ConnectionInfo* info = MHD_get_connection_info(found->second, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    const MHD_ConnectionInfo* info =
+        microhttpd().MHD_get_connection_info(found->second, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     auto* connection = static_cast<Connection*>(info->socket_context);
     connection->credit += limits_.piece();
     connection->phase = Phase::sending;
     connection->since = now;
-    MHD_resume_connection(found->second);
+    microhttpd().MHD_resume_connection(found->second);
     turns_.erase(found);
   }
 }
@@ -189,7 +192,7 @@ void HttpLoop::look_at_made(Instant now) {
       ++at;
       continue;
     }
-    MHD_resume_connection(at->second.handle);
+    microhttpd().MHD_resume_connection(at->second.handle);
     at = waiting_.erase(at);
   }
 }
@@ -215,7 +218,7 @@ int HttpLoop::milliseconds_to_wait(Instant now) {
   for (const auto& [id, waiting] : waiting_) until = std::min(until, waiting.until);
   until = std::min(until, limits_.deadline(now));
   MHD_UNSIGNED_LONG_LONG most = 0;
-  if (MHD_get_timeout(daemon_, &most) == MHD_YES) until = std::min(until, now + Instant(most * 1000));
+  if (microhttpd().MHD_get_timeout(daemon_, &most) == MHD_YES) until = std::min(until, now + Instant(most * 1000));
   if (until == Instant::max()) return -1;
   return static_cast<int>(std::clamp<std::int64_t>(((until - now).count() + 999) / 1000, 0, 60'000));
 }

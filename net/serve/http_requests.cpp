@@ -2,6 +2,7 @@
 #include "net/base/clock.h"
 #include "net/base/host_names.h"
 #include "net/serve/http_loop.h"
+#include "net/serve/microhttpd_library.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -17,12 +18,12 @@ namespace {
 constexpr std::size_t kAnswerBlock = 65536;
 
 std::string header(MHD_Connection* handle, const char* name) {
-  const char* value = MHD_lookup_connection_value(handle, MHD_HEADER_KIND, name);
+  const char* value = microhttpd().MHD_lookup_connection_value(handle, MHD_HEADER_KIND, name);
   return value ? value : "";
 }
 
 const sockaddr* address_of(MHD_Connection* handle) {
-  const MHD_ConnectionInfo* info = MHD_get_connection_info(handle, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+  const MHD_ConnectionInfo* info = microhttpd().MHD_get_connection_info(handle, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
   return info ? info->client_addr : nullptr;
 }
 
@@ -42,7 +43,7 @@ MHD_Result collect_field(void* self, MHD_ValueKind, const char* name, const char
 // `name` in lower case.
 std::vector<std::string> fields_of(MHD_Connection* handle, std::string_view name) {
   Fields fields{name, {}};
-  (void)MHD_get_connection_values(handle, MHD_HEADER_KIND, collect_field, &fields);
+  (void)microhttpd().MHD_get_connection_values(handle, MHD_HEADER_KIND, collect_field, &fields);
   return std::move(fields.values);
 }
 std::string joined_fields(const std::vector<std::string>& values) {
@@ -93,7 +94,7 @@ void HttpLoop::on_connection(void* self, MHD_Connection* handle, void** context,
     connection->peer = connection->client = client_key(address_of(handle));
     connection->shared = peer && is_one_of(loop->options_.proxies, *peer);
     connection->since = now;
-    if (const auto* info = MHD_get_connection_info(handle, MHD_CONNECTION_INFO_CONNECTION_FD))
+    if (const auto* info = microhttpd().MHD_get_connection_info(handle, MHD_CONNECTION_INFO_CONNECTION_FD))
       connection->socket = info->connect_fd;
     connection->counted = loop->limits_.open(connection->peer, connection->shared, now);
     if (!connection->counted) (void)::shutdown(connection->socket, SHUT_RDWR);
@@ -110,7 +111,7 @@ void* HttpLoop::on_target(void* self, const char* target, MHD_Connection* handle
   auto* loop = static_cast<HttpLoop*>(self);
   auto request = std::make_unique<Request>();
   request->loop = loop;
-  if (const auto* info = MHD_get_connection_info(handle, MHD_CONNECTION_INFO_SOCKET_CONTEXT))
+  if (const auto* info = microhttpd().MHD_get_connection_info(handle, MHD_CONNECTION_INFO_SOCKET_CONTEXT))
     request->connection = static_cast<Connection*>(info->socket_context);
   request->request.target = target;
   request->begin = clock_now();
@@ -178,7 +179,7 @@ MHD_Result HttpLoop::reply(Request& request, MHD_Connection* handle) {
   if (!request.until) request.until = clock_now() + std::chrono::duration_cast<Instant>(wait.wait);
   request.connection->phase = Phase::waiting;
   waiting_[request.id] = {handle, wait.lane, wait.key, *request.until};
-  MHD_suspend_connection(handle);
+  microhttpd().MHD_suspend_connection(handle);
   return MHD_YES;
 }
 
@@ -197,16 +198,17 @@ MHD_Result HttpLoop::queue(Request& request, MHD_Connection* handle, HttpAnswer 
   };
   const auto free_body = [](void* self) { delete static_cast<Transfer*>(self); };
   const std::size_t block = static_cast<std::size_t>(std::clamp<std::uint64_t>(size, 1024, kAnswerBlock));
-  MHD_Response* response = size == 0
-                               ? MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT)
-                               : MHD_create_response_from_callback(size, block, read_body, transfer.get(), free_body);
+  MHD_Response* response =
+      size == 0 ? microhttpd().MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT)
+                : microhttpd().MHD_create_response_from_callback(size, block, read_body, transfer.get(), free_body);
   if (!response) return MHD_NO;
-  for (const auto& [name, value] : all.headers) (void)MHD_add_response_header(response, name.c_str(), value.c_str());
-  if (quiet_) (void)MHD_add_response_header(response, "Connection", "close");
+  for (const auto& [name, value] : all.headers)
+    (void)microhttpd().MHD_add_response_header(response, name.c_str(), value.c_str());
+  if (quiet_) (void)microhttpd().MHD_add_response_header(response, "Connection", "close");
   const auto status = static_cast<unsigned>(all.status);
   if (size != 0) (void)transfer.release();  // the response's
-  const MHD_Result queued = MHD_queue_response(handle, status, response);
-  MHD_destroy_response(response);
+  const MHD_Result queued = microhttpd().MHD_queue_response(handle, status, response);
+  microhttpd().MHD_destroy_response(response);
   return queued;
 }
 
@@ -247,7 +249,7 @@ ssize_t HttpLoop::read_paced(Transfer& transfer, std::uint64_t at, char* to, std
       connection.phase = Phase::waiting;
       turns_[transfer.id] = connection.handle;
       limits_.wait(connection.client, transfer.id, connection.since);
-      MHD_suspend_connection(connection.handle);
+      microhttpd().MHD_suspend_connection(connection.handle);
       return 0;
     }
     most = std::min(most, connection.credit);

@@ -119,6 +119,10 @@ TEST_CASE("requests that cannot be") {
         "data, http, https, ftp, cells");
   request.url = "cells://a/b";
   CHECK(message(request) == "cannot load cells://a/b: there is no transport for the scheme cells:");
+  bench.engine->refuse_transport(TransportKind::http, "libx.so cannot be opened");
+  request.url = "https://a/b";
+  CHECK(message(request) ==
+        "cannot load https://a/b: there is no transport for the scheme https: (libx.so cannot be opened)");
   request.url = "memory:a";
   CHECK(message(request) == "cannot load memory:a: the server answered 404 Not Found; expected 200 OK");
   CHECK(message(ranges_of("memory:a", {{5, 5}})) == "cannot load memory:a: an empty range was asked for (5 to 5)");

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "net/base/shared_library.h"
+
+#include <curl/curl.h>
+
+#include <string>
+
+/// The functions of libcurl that are called.
+#define GHOSTSPACE_CURL_FUNCTIONS(X) \
+  X(curl_easy_cleanup)               \
+  X(curl_easy_getinfo)               \
+  X(curl_easy_init)                  \
+  X(curl_easy_pause)                 \
+  X(curl_easy_setopt)                \
+  X(curl_free)                       \
+  X(curl_getdate)                    \
+  X(curl_global_init)                \
+  X(curl_multi_add_handle)           \
+  X(curl_multi_cleanup)              \
+  X(curl_multi_info_read)            \
+  X(curl_multi_init)                 \
+  X(curl_multi_perform)              \
+  X(curl_multi_poll)                 \
+  X(curl_multi_remove_handle)        \
+  X(curl_multi_setopt)               \
+  X(curl_multi_wakeup)               \
+  X(curl_slist_append)               \
+  X(curl_slist_free_all)             \
+  X(curl_url)                        \
+  X(curl_url_cleanup)                \
+  X(curl_url_get)                    \
+  X(curl_url_set)
+
+namespace gs::net {
+
+/// libcurl, opened by the first who asks: with what it needs itself (TLS, Kerberos, LDAP, ...) it takes a third of what
+/// the program needs to start, and a file of this machine needs none of it.
+struct CurlLibrary {
+  CurlLibrary();
+
+  std::string problem;  // empty where all functions are there; nothing may be called otherwise
+#define GHOSTSPACE_CURL_DECLARE(name) decltype(&::name) name = nullptr;
+  GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_CURL_DECLARE)
+#undef GHOSTSPACE_CURL_DECLARE
+};
+/// Any thread.
+[[nodiscard]] const CurlLibrary& curl();
+
+}  // namespace gs::net

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "net/base/shared_library.h"
+
+#include <microhttpd.h>
+
+#include <string>
+
+/// The functions of libmicrohttpd that are called.
+#define GHOSTSPACE_MICROHTTPD_FUNCTIONS(X) \
+  X(MHD_add_response_header)               \
+  X(MHD_create_response_from_buffer)       \
+  X(MHD_create_response_from_callback)     \
+  X(MHD_destroy_response)                  \
+  X(MHD_get_connection_info)               \
+  X(MHD_get_connection_values)             \
+  X(MHD_get_daemon_info)                   \
+  X(MHD_get_timeout)                       \
+  X(MHD_lookup_connection_value)           \
+  X(MHD_queue_response)                    \
+  X(MHD_quiesce_daemon)                    \
+  X(MHD_resume_connection)                 \
+  X(MHD_run)                               \
+  X(MHD_start_daemon)                      \
+  X(MHD_stop_daemon)                       \
+  X(MHD_suspend_connection)
+
+namespace gs::net {
+
+/// libmicrohttpd, opened by the first who serves.
+struct MicrohttpdLibrary {
+  MicrohttpdLibrary();
+
+  std::string problem;  // empty where all functions are there; nothing may be called otherwise
+#define GHOSTSPACE_MICROHTTPD_DECLARE(name) decltype(&::name) name = nullptr;
+  GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_MICROHTTPD_DECLARE)
+#undef GHOSTSPACE_MICROHTTPD_DECLARE
+};
+/// Any thread.
+[[nodiscard]] const MicrohttpdLibrary& microhttpd();
+
+}  // namespace gs::net
