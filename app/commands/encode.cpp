@@ -53,6 +53,11 @@ int run_encode(const Options& options) {
     return fail(in + ": the smallest stream takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +
                 std::to_string(options.max_bytes) + " were asked for");
   if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail_to_write(problem->message);
+  if (stream.thinned)
+    complain(
+        "%s: warning: there are more triangles than memory has room for; thinned to %zu, with a larger --memory to "
+        "more",
+        in.c_str(), most_encoded_triangles(options.limits));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto vectors = static_cast<double>(stream.header.vectors);
   const double bits = vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0;

@@ -43,6 +43,8 @@ std::variant<OutlineModel, std::string> model_of(const Options& options, const O
       return "has triangles that take " + budget.refusal(vrml::Resource::meshes);
     return outline_model((*opened)->list, texture_urls((*opened)->world));
   }
+  if (const auto* mesh = std::get_if<MeshStream>(&input.content))
+    return "has " + std::to_string(mesh->faces) + " faces, which memory has no room for; expected fewer, or --memory";
   const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
   if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
   if (!options.isovalue) return "is a volume; --outlines needs --isovalue to know which surface";

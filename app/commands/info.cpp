@@ -273,6 +273,8 @@ int run_info(const Options& options) {
     } else if (const auto* cloud = std::get_if<qnv::Cloud>(&input->content)) {
       put_cloud(facts, *cloud);
       put_metadata(facts, cloud->description.metadata);
+    } else if (const auto* mesh = std::get_if<MeshStream>(&input->content)) {
+      facts.put("faces", mesh->faces);
     } else {
       describe_world(facts, *std::get<std::unique_ptr<OpenedSurface>>(input->content));
     }

@@ -98,6 +98,15 @@ std::optional<Opened> open_world_input(const Options& options, const std::string
   return surface;
 }
 
+// A mesh that is too large to be a world, and so is read out of its file again and again.
+std::optional<MeshStream> large_mesh(const Options& options, const ContentType& type,
+                                     const std::shared_ptr<const net::MappedFile>& file) {
+  if (!type.in_order) return std::nullopt;
+  auto mesh = open_mesh_stream(file->bytes(), [file](std::size_t bytes) { file->put_aside(bytes); });
+  if (!mesh || mesh->faces <= most_encoded_triangles(options.limits)) return std::nullopt;
+  return mesh;
+}
+
 // What a stream says of where it comes from: before what the source says of itself.
 Metadata metadata_of(const Options& options, const OpenedInput& input, const std::string& path, const Metadata& own) {
   const bool chosen_up = options.up && *options.up != UpAxis::automatic;
@@ -143,6 +152,17 @@ Surface surface_of(const OpenedSurface& opened) {
   return surface;
 }
 
+// Mostly a scan, of which nobody knows whether it is closed: its faces are seen from both sides, as those of such files
+// are in a world.
+Surface surface_of(const MeshStream& mesh) {
+  Surface surface;
+  surface.two_sided = true;
+  surface.origin = mesh.origin;
+  surface.triangles = static_cast<std::size_t>(mesh.faces);
+  surface.source = mesh.source;
+  return surface;
+}
+
 // An isosurface is open where it meets the border of the volume: one can look inside.
 Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
   Surface surface;
@@ -177,6 +197,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   // A number of vectors is the octree's to choose; a base is as fine as its source.
   const bool counted = encode_options.vectors > 0;
   encode_options.exact_bits = options.exact_bits;
+  encode_options.most_triangles = most_encoded_triangles(options.limits);
   encode_options.only_if_suited = !options.displaced && options.exact_bits == 0;
   auto encoded = encode_as(options.records                                     ? qnv::Payload::records
                            : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
@@ -217,6 +238,10 @@ std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume,
 
 }  // namespace
 
+std::size_t most_encoded_triangles(const vrml::Limits& limits) {
+  return limits.memory / 32 * vrml::kHeldShare / qnv::kDisplacedTriangleBytes;
+}
+
 std::optional<OpenedInput> open_input(const Options& options, const std::string& path) {
   const net::Url url = net::parse_url(path);
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
@@ -225,11 +250,15 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
     (void)fail(problem->message);
     return std::nullopt;
   }
-  const auto all = std::get<net::MappedFile>(mapped).bytes();
+  const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
+  const auto all = file->bytes();
   const ContentType& type = content_type_of(local, first_bytes(all));
   std::optional<Opened> opened;
-  OpenedInput input{{}, std::string(type.name), file_name(local), all.size()};
-  if (is_raw(options) || type.content == ContentClass::volume) {
+  OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, nullptr};
+  if (auto mesh = large_mesh(options, type, file)) {
+    opened = std::move(*mesh);
+    input.file = file;
+  } else if (is_raw(options) || type.content == ContentClass::volume) {
     opened = open_volume_input(options, local);
   } else if (type.is_cloud() && !is_outline_stream(all)) {
     opened = open_cloud_input(options, type, {local, all});
@@ -237,7 +266,7 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
     opened = open_world_input(options, local, input.title);
   }
   if (!opened) return std::nullopt;
-  if (const auto changed = std::get<net::MappedFile>(mapped).changed()) {
+  if (const auto changed = file->changed()) {
     (void)fail(local + ": " + *changed);
     return std::nullopt;
   }
@@ -245,6 +274,7 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
   glm::vec3 size(0);
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
     if (const render::WorldBounds& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
+  if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
   input.upright = upright_of(is_raw(options) ? UpRule::slices : type.up, size);
   return input;
 }
@@ -267,6 +297,13 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
     encode_options.metadata = metadata_of(options, input, path, {});
     return encode(surface_of(**opened), options, std::move(encode_options), progress);
+  }
+  if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
+    if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
+    encode_options.metadata = metadata_of(options, input, path, {});
+    auto encoded = encode(surface_of(*mesh), options, std::move(encode_options), progress);
+    if (const auto changed = input.file->changed()) return EncodeError{*changed};
+    return encoded;
   }
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && options.isovalue) {
     encode_options.metadata = metadata_of(options, input, path, volume->layout.metadata);

@@ -2,12 +2,15 @@
 
 #include "app/commands/options/options.h"
 #include "app/commands/progress_bar.h"
+#include "app/encode/mesh_stream.h"
 #include "app/encode/outline_model.h"
 #include "app/world/opened_world.h"
+#include "net/files/file.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/volume/volume.h"
 #include "render/scene/render_list.h"
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <variant>
@@ -22,7 +25,7 @@ struct OpenedSurface {
 };
 
 /// What a file is to `encode`, `export` and `info`.
-using Opened = std::variant<qnv::VolumeSource, qnv::Cloud, std::unique_ptr<OpenedSurface>>;
+using Opened = std::variant<qnv::VolumeSource, qnv::Cloud, std::unique_ptr<OpenedSurface>, MeshStream>;
 
 /// What is in a file, and what it is called.
 struct OpenedInput {
@@ -30,8 +33,12 @@ struct OpenedInput {
   std::string type;   // the content type's name
   std::string title;  // of a world, else the file's name
   std::size_t bytes = 0;
-  Upright upright{};  // by its format, where the file itself does not say
+  Upright upright{};                            // by its format, where the file itself does not say
+  std::shared_ptr<const net::MappedFile> file;  // of which a MeshStream is read
 };
+
+/// The most triangles that may be held while they are encoded as displacements: more are thinned to so many.
+[[nodiscard]] std::size_t most_encoded_triangles(const vrml::Limits& limits);
 
 /// Opens a file of any type; as headerless volume where the options have dimensions. Prints what is wrong; nothing
 /// when there is nothing to work with.

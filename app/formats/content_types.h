@@ -39,6 +39,7 @@ struct ContentType {
   ImportedCloud (*import_cloud)(std::span<const std::byte> bytes, const WorldBudget& budget) = nullptr;
   bool unpacks_itself = false;  // gzip is part of the format
   UpRule up = UpRule::y;        // what is up, where the file itself does not say
+  bool in_order = false;        // mesh: may be read triangle by triangle (open_mesh_stream)
 
   /// True for types that become vectors in the place of nodes.
   [[nodiscard]] bool is_cloud() const {

@@ -4,6 +4,7 @@
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
 #include "qnv/encode/survey.h"
+#include "qnv/encode/thin_surface.h"
 #include "qnv/exact/exact_tail.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/stream/piece_group.h"
@@ -224,6 +225,21 @@ void keep_first(std::vector<OutgoingChunk>& chunks, double bytes) {
   chunks.resize(kept);
 }
 
+/// What memory has no room for, thinned.
+std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  if (options.exact_bits != 0)
+    return EncodeError{"the mesh itself has more than " + std::to_string(options.most_triangles) +
+                       " triangles, which is what memory has room for; expected a smaller mesh, or more memory"};
+  auto thinned = thin_surface(source, options.most_triangles, progress);
+  if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
+  EncodeOptions rest = options;
+  rest.most_triangles = 0;
+  auto encoded = encode_displaced(std::get<ThinnedSurface>(thinned).source(), rest, progress);
+  if (auto* stream = std::get_if<EncodedStream>(&encoded)) stream->thinned = true;
+  return encoded;
+}
+
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
@@ -232,11 +248,17 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
   displaced::MeshBuilder builder(true);
+  bool too_many = false;
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
-    builder.add(triangles);
-    return !cancelled();
+    too_many = options.most_triangles != 0 && s.triangles > options.most_triangles;
+    if (!too_many) builder.add(triangles);
+    return !too_many && !cancelled();
   });
+  if (too_many) {
+    builder = displaced::MeshBuilder(true);  // its memory is needed
+    return encode_thinned(source, options, progress);
+  }
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
   if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   // The colours of a texture are finer than its triangles.

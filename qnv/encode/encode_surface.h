@@ -24,11 +24,15 @@ struct EncodeOptions {
   std::uint64_t seed = 1;     // of the order of records
   bool two_sided = false;
   bool only_if_suited = false;  // displaced: give up (EncodeError::unsuited) where an octree follows the surface better
+  std::size_t most_triangles = 0;  // displaced: held in memory; a surface of more is thinned to so many. 0: any number
   int exact_bits = 0;    // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it
   glm::dvec3 origin{0};  // of triangles: from which they count (Description::origin); vectors say it themselves
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
+
+/// Memory that a triangle takes while its surface is encoded as displacements.
+inline constexpr std::size_t kDisplacedTriangleBytes = 600;
 
 struct EncodeError {
   std::string message;
@@ -39,6 +43,7 @@ struct EncodeError {
 struct EncodedStream {
   StreamHeader header;
   std::vector<std::byte> bytes;
+  bool thinned = false;  // there were more triangles than EncodeOptions::most_triangles
 };
 
 /// Encodes a surface (paper, section 3.1): the triangles are cut at the voxels of an octree, whose moments give exact
@@ -49,9 +54,10 @@ struct EncodedStream {
                                                                       Progress* progress = nullptr);
 
 /// Encodes a surface as a base mesh and displacements along its normals (displaced/surface.h), which a base cannot
-/// follow where it is no surface but a heap of triangles. All triangles are held in memory. With the mesh itself at
-/// the end (exact/exact_tail.h) there is less of what stands before it. The same bytes for the same input and options,
-/// whatever the threads.
+/// follow where it is no surface but a heap of triangles. All triangles are held in memory, at about
+/// kDisplacedTriangleBytes each; a source that may have more than `most_triangles` is read several times. With the mesh
+/// itself at the end (exact/exact_tail.h) there is less of what stands before it. The same bytes for the same input and
+/// options, whatever the threads.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source,
                                                                         const EncodeOptions& options,
                                                                         Progress* progress = nullptr);

@@ -1,6 +1,7 @@
 // A target for every row of the tables of contents and of volumes, and the gzip layer.
 #include "app/base/gunzip.h"
 #include "app/base/local_file.h"
+#include "app/encode/mesh_stream.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/formats/volume/volume_common.h"
@@ -83,6 +84,15 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   for (const vrml::Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   check_scene(scene);
   if (scene.node_count() <= 2000) (void)vrml::print(scene);
+  // The same without a scene, for what is larger than memory.
+  if (const auto stream = open_mesh_stream(files.first)) {
+    std::uint64_t triangles = 0;
+    require(stream->source([&](std::span<const qnv::Triangle> some) {
+      triangles += some.size();
+      return true;
+    }));
+    require(triangles <= files.first.size());
+  }
   return diagnostics.errors() == 0 && !scene.roots().empty();
 }
 

@@ -2,25 +2,17 @@
 
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/common/text_cursor.h"
+#include "app/formats/mesh/stl_binary.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace gs::app {
 namespace {
-
-constexpr std::size_t kStlHeaderBytes = 80, kDataStart = 84, kFacetBytes = 50;
-constexpr std::uint16_t kColorBit = 0x8000;
-
-std::uint32_t word_at(const std::byte* from) {
-  return static_cast<std::uint32_t>(from[0]) | static_cast<std::uint32_t>(from[1]) << 8 |
-         static_cast<std::uint32_t>(from[2]) << 16 | static_cast<std::uint32_t>(from[3]) << 24;
-}
 
 /// Points by their exact bits; open addressing, so that a look-up mostly touches one cache line.
 class Welder {
@@ -89,67 +81,31 @@ void add_shape(SceneBuilder& builder, Geometry geometry, const Look& look, std::
   builder.add_root(shape);
 }
 
-/// Fifteen bits of colour, five each from the lowest on.
-std::array<float, 3> five_bit_colors(std::uint16_t attribute) {
-  return {static_cast<float>(attribute & 31) / 31, static_cast<float>(attribute >> 5 & 31) / 31,
-          static_cast<float>(attribute >> 10 & 31) / 31};
-}
-
-/// The colour of the whole object that Materialise Magics keeps in the header, as "COLOR=" and four bytes.
-std::optional<vrml::Color> magics_color(std::span<const std::byte> header) {
-  const std::string_view text(reinterpret_cast<const char*>(header.data()), header.size());
-  const std::size_t at = text.find("COLOR=");
-  if (at == std::string_view::npos || at + 10 > text.size()) return std::nullopt;
-  const auto part = [&](std::size_t i) {
-    return static_cast<float>(static_cast<unsigned char>(text[at + 6 + i])) / 255;
-  };
-  return vrml::Color{part(0), part(1), part(2)};
-}
-
 void import_binary(std::span<const std::byte> bytes, SceneBuilder& builder) {
-  if (bytes.size() < kDataStart) {
+  const auto stl = BinaryStl::open(bytes);
+  if (!stl) {
     builder.fail(
         "not an STL file: expected a header of 80 bytes and the number of facets, or a text that begins with 'solid'");
     return;
   }
-  const std::uint32_t announced = word_at(bytes.data() + kStlHeaderBytes);
-  const std::size_t there = (bytes.size() - kDataStart) / kFacetBytes;
-  if (announced > there)
-    builder.fail("the file ends too early: expected " + std::to_string(announced) + " facets, found " +
-                 std::to_string(there));
-  const std::size_t count = std::min<std::size_t>(announced, there);
+  const std::size_t count = stl->size();
+  if (stl->announced() > count)
+    builder.fail("the file ends too early: expected " + std::to_string(stl->announced()) + " facets, found " +
+                 std::to_string(count));
 
   Welder welder(builder.scene());
   Appender<std::int32_t> corners(builder.scene());
-  std::size_t colored = 0;
-  const std::byte* facets = bytes.data() + kDataStart;
-  const auto attribute_of = [&](std::size_t i) {
-    return static_cast<std::uint16_t>(word_at(facets + i * kFacetBytes + 46) >> 16);
-  };
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* from = facets + i * kFacetBytes + 12;  // behind the normal
-    for (int corner = 0; corner < 3; ++corner, from += 12)
-      corners.push(welder.index({std::bit_cast<float>(word_at(from)), std::bit_cast<float>(word_at(from + 4)),
-                                 std::bit_cast<float>(word_at(from + 8))}));
+    for (const glm::vec3& p : stl->corners(i)) corners.push(welder.index(p));
     corners.push(kFaceEnd);
-    colored += (attribute_of(i) & kColorBit) != 0 ? 1 : 0;
   }
 
   Geometry geometry;
   Look look;
-  const auto object_color = magics_color(bytes.first(kStlHeaderBytes));
-  if (object_color) look.diffuse = *object_color;
-  // Without either sign the two bytes are anything; most programs leave rubbish or nothing there.
-  if (count > 0 && (object_color ? colored < count : colored == count)) {
+  if (stl->object_color()) look.diffuse = *stl->object_color();
+  if (stl->has_colors(count)) {
     Appender<vrml::Color> colors(builder.scene());
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint16_t attribute = attribute_of(i);
-      const auto [low, middle, high] = five_bit_colors(attribute);
-      if (!object_color)
-        colors.push({high, middle, low});
-      else
-        colors.push((attribute & kColorBit) ? *object_color : vrml::Color{low, middle, high});
-    }
+    for (std::size_t i = 0; i < count; ++i) colors.push(stl->color(i));
     geometry.colors = colors.take();
   }
   geometry.positions = welder.take();
@@ -283,10 +239,14 @@ class TextImporter {
   bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;
 };
 
-bool is_text(std::span<const std::byte> bytes) {
-  if (bytes.size() >= kDataStart) {
-    const std::uint64_t announced = word_at(bytes.data() + kStlHeaderBytes);
-    if (bytes.size() == kDataStart + announced * kFacetBytes) return false;
+}  // namespace
+
+bool is_text_stl(std::span<const std::byte> bytes) {
+  if (bytes.size() >= BinaryStl::kDataStart) {
+    std::uint64_t announced = 0;
+    for (std::size_t i = 4; i-- > 0;)
+      announced = announced << 8 | std::to_integer<std::uint64_t>(bytes[BinaryStl::kHeaderBytes + i]);
+    if (bytes.size() == BinaryStl::kDataStart + announced * BinaryStl::kFacetBytes) return false;
   }
   TextCursor cursor(bytes);
   if (word_of(cursor.word()) != Word::solid) return false;
@@ -296,11 +256,9 @@ bool is_text(std::span<const std::byte> bytes) {
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
-}  // namespace
-
 void import_stl(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);
-  if (is_text(bytes))
+  if (is_text_stl(bytes))
     TextImporter(bytes, builder).run();
   else
     import_binary(bytes, builder);

@@ -18,8 +18,8 @@ using app::quoted;
 using app::Run;
 using app::run;
 
-inline nlohmann::json info(const std::string& file) {
-  const Run result = run("info --json " + quoted(file));
+inline nlohmann::json info(const std::string& file, const std::string& options = {}) {
+  const Run result = run("info --json " + options + " " + quoted(file));
   INFO(result.output);
   REQUIRE(result.status == kDone);
   return nlohmann::json::parse(result.output);

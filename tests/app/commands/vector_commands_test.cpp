@@ -90,6 +90,45 @@ TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
             .status == kFailed);
 }
 
+TEST_CASE("encode: a mesh that is larger than memory is read out of its file, and thinned") {
+  const ScratchFolder folder;
+  // A sheet with waves, as binary STL.
+  constexpr int kSide = 160;
+  std::string text(84, ' ');
+  const std::uint32_t facets = 2 * kSide * kSide;
+  std::memcpy(text.data() + 80, &facets, 4);
+  const auto put_facet = [&text](std::array<std::array<int, 2>, 3> corners) {
+    text.append(12, '\0');
+    for (const auto& [i, j] : corners) {
+      const float place[3] = {static_cast<float>(i), static_cast<float>(j), 3 * std::sin(0.1f * static_cast<float>(i))};
+      text.append(reinterpret_cast<const char*>(place), sizeof place);
+    }
+    text.append(2, '\0');
+  };
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      put_facet({{{i, j}, {i + 1, j}, {i, j + 1}}});
+      put_facet({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}});
+    }
+  const std::string mesh = folder.write("waves.stl", text), out = folder.path("waves.qnv");
+  const std::string small = " --memory 16M ";
+  CHECK(info(mesh, small)["faces"] == facets);
+  const Run result = run("encode --displaced" + small + quoted(mesh) + " " + quoted(out));
+  INFO(result.output);
+  REQUIRE(result.status == kDone);
+  CHECK(result.output.find("thinned to 20971") != std::string::npos);
+  nlohmann::json facts = info(out);
+  CHECK(facts["payload"] == "displaced");
+  CHECK(facts["two_sided"] == true);
+  const double area = facts["area"];
+  REQUIRE(run("encode --displaced " + quoted(mesh) + " " + quoted(out)).status == kDone);
+  CHECK(area == Approx(info(out)["area"].get<double>()).epsilon(0.03));
+  REQUIRE(run("encode --packed" + small + quoted(mesh) + " " + quoted(out)).status == kDone);
+  CHECK(info(out)["area"] == Approx(area).epsilon(0.03));
+  CHECK(run("encode --exact" + small + quoted(mesh) + " " + quoted(out)).status == kFailed);
+  CHECK(run("encode --outlines" + small + quoted(mesh) + " " + quoted(folder.path("o.qnv"))).status == kFailed);
+}
+
 TEST_CASE("encode: the same bytes for the same seed, others for another") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall);

@@ -1,0 +1,235 @@
+#include "app/encode/mesh_stream.h"
+
+#include "app/encode/surface_triangles.h"
+#include "app/formats/common/ply_source.h"
+#include "app/formats/common/ply_table.h"
+#include "app/formats/mesh/stl_binary.h"
+#include "qnv/base/cloud.h"
+#include "qnv/base/finite.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kStreamedTogether = 4096;                // triangles that are handed over at once
+constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // bytes of a file that were read
+constexpr std::size_t kColorsLookedAt = 65'536;                // facets, to tell whether they have colours
+const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // Material.diffuseColor (VRML97 6.27)
+
+/// Hands triangles over in batches.
+class TriangleBatches {
+ public:
+  explicit TriangleBatches(const qnv::TriangleSink& sink) : sink_(sink) { batch_.reserve(kStreamedTogether); }
+  /// False: no more are wanted.
+  [[nodiscard]] bool add(const std::array<glm::vec3, 3>& positions, const std::array<qnv::Rgb8, 3>& colors) {
+    qnv::Triangle& triangle = batch_.emplace_back();
+    triangle.positions = positions;
+    triangle.colors = colors;
+    return batch_.size() < kStreamedTogether || flush();
+  }
+  [[nodiscard]] bool flush() {
+    const bool more = batch_.empty() || sink_(batch_);
+    batch_.clear();
+    return more;
+  }
+
+ private:
+  const qnv::TriangleSink& sink_;
+  std::vector<qnv::Triangle> batch_;
+};
+
+std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {
+  const auto stl = BinaryStl::open(bytes);
+  if (!stl) return std::nullopt;
+  MeshStream stream;
+  stream.faces = stl->size();
+  const bool colored = stl->has_colors(kColorsLookedAt);
+  const qnv::Rgb8 plain = stl->object_color()
+                              ? to_rgb8({stl->object_color()->r, stl->object_color()->g, stl->object_color()->b})
+                              : kPlainGrey;
+  stream.source = [put_aside, stl = *stl, colored, plain](const qnv::TriangleSink& sink) {
+    TriangleBatches batches(sink);
+    std::size_t read = BinaryStl::kDataStart, aside = 0;
+    for (std::size_t i = 0; i < stl.size(); ++i, read += BinaryStl::kFacetBytes) {
+      qnv::Rgb8 color = plain;
+      if (colored) {
+        const vrml::Color c = stl.color(i);
+        color = to_rgb8({c.r, c.g, c.b});
+      }
+      if (!batches.add(stl.corners(i), {color, color, color})) return false;
+      if (!put_aside || read - aside < kPutAsideEvery) continue;
+      put_aside(read);
+      aside = read;
+    }
+    return batches.flush();
+  };
+  return stream;
+}
+
+/// A property of a row of fixed size.
+struct RowColumn {
+  std::size_t offset = 0;
+  PlyType type = PlyType::float32;
+};
+
+/// Where properties of these names lie in a row; nothing where one is missing.
+std::optional<std::array<RowColumn, 3>> columns_of(const PlyElement& element,
+                                                   const std::array<std::string_view, 3>& names) {
+  std::array<RowColumn, 3> columns;
+  unsigned found = 0;
+  std::size_t offset = 0;
+  for (const PlyProperty& property : element.properties) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (property.name == names[i]) {
+        columns[i] = {offset, property.type};
+        found |= 1u << i;
+      }
+    offset += size_of(property.type);
+  }
+  return found == 7 ? std::optional(columns) : std::nullopt;
+}
+
+/// A PLY's vertices, in their file.
+template <bool big>
+class VertexRows {
+ public:
+  VertexRows(PlyTable table, const std::array<RowColumn, 3>& places)
+      : table_(std::move(table)), stride_(table_.element.least_row_bytes()), places_(places) {
+    if (auto named = columns_of(table_.element, {"red", "green", "blue"}))
+      colors_ = *named;
+    else if (auto diffuse = columns_of(table_.element, {"diffuse_red", "diffuse_green", "diffuse_blue"}))
+      colors_ = *diffuse;
+  }
+  [[nodiscard]] std::size_t size() const { return table_.rows; }
+  [[nodiscard]] bool has_colors() const { return colors_.has_value(); }
+  [[nodiscard]] glm::dvec3 place(std::size_t row) const {
+    glm::dvec3 p;
+    for (std::size_t i = 0; i < 3; ++i) p[static_cast<int>(i)] = number(row, places_[i]);
+    return p;
+  }
+  [[nodiscard]] qnv::Rgb8 color(std::size_t row) const {
+    std::array<float, 3> parts{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const RowColumn& column = (*colors_)[i];
+      const double most = column.type == PlyType::uint8 ? 255 : column.type == PlyType::uint16 ? 65535 : 1;
+      parts[i] = static_cast<float>(number(row, column) / most);
+    }
+    return to_rgb8({parts[0], parts[1], parts[2]});
+  }
+  /// Whether places have more digits than triangles can hold.
+  [[nodiscard]] bool wide() const { return places_[0].type == PlyType::float64; }
+
+ private:
+  [[nodiscard]] double number(std::size_t row, const RowColumn& column) const {
+    const std::byte* const from = table_.data.data() + row * stride_ + column.offset;
+    return with_type(column.type, [&](auto kind) { return static_cast<double>(load<decltype(kind), big>(from)); });
+  }
+
+  PlyTable table_;
+  std::size_t stride_;
+  std::array<RowColumn, 3> places_;
+  std::optional<std::array<RowColumn, 3>> colors_;
+};
+
+/// The corners of faces, row by row; `each`: false for no more.
+template <bool big, class Each>
+bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, const Each& each) {
+  PlyBinarySource<big> source(bytes);
+  std::vector<std::int32_t> corners;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    for (const PlyProperty& property : element.properties) {
+      std::size_t length = 1;
+      if (property.is_list) {
+        std::int32_t announced = 0;
+        if (!source.read_index(property.count_type, announced) || announced == kBadIndex) return true;
+        length = static_cast<std::size_t>(announced);
+        if (!source.may_hold(property.type, length)) return true;
+      }
+      if (property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index")) {
+        corners.resize(length);
+        if (!source.read_indices(property.type, corners)) return true;
+      } else if (source.may_hold(property.type, length)) {
+        source.advance(length * size_of(property.type));
+      } else {
+        return true;
+      }
+    }
+    if (!each(corners)) return false;
+    corners.clear();
+  }
+  return true;
+}
+
+template <bool big>
+std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable table) {
+  const auto places = columns_of(table.element, {"x", "y", "z"});
+  if (!places) return std::nullopt;
+  std::size_t at = 0;
+  while (at < table.header.elements.size() && table.header.elements[at].name != "vertex") ++at;
+  if (at + 1 >= table.header.elements.size() || table.header.elements[at + 1].name != "face") return std::nullopt;
+  const PlyElement faces = table.header.elements[at + 1];
+  if (std::none_of(faces.properties.begin(), faces.properties.end(), [](const PlyProperty& p) {
+        return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+      }))
+    return std::nullopt;
+  if (table.rows < table.element.count) return std::nullopt;
+  const std::byte* const after = table.data.data() + table.rows * table.element.least_row_bytes();
+  const std::span<const std::byte> data = bytes.subspan(static_cast<std::size_t>(after - bytes.data()));
+  const std::size_t least = std::max<std::size_t>(1, faces.least_row_bytes());
+  MeshStream stream;
+  stream.faces = std::min<std::uint64_t>(faces.count, data.size() / least);
+  const auto rows = std::make_shared<const VertexRows<big>>(std::move(table), *places);
+  qnv::WideBox box;
+  for (std::size_t i = 0; i < rows->size(); ++i)
+    if (const glm::dvec3 p = rows->place(i); qnv::finite(p)) box.add(p);
+  if (!box.empty()) stream.size = glm::vec3(box.upper - box.lower);
+  // What a file has as float32 gains nothing from another origin.
+  if (rows->wide()) stream.origin = qnv::local_origin(box);
+  stream.source = [rows, data, faces, origin = stream.origin](const qnv::TriangleSink& sink) {
+    TriangleBatches batches(sink);
+    std::array<glm::vec3, 3> positions{};
+    std::array<qnv::Rgb8, 3> colors{kPlainGrey, kPlainGrey, kPlainGrey};
+    const bool whole = for_each_face<big>(data, faces, [&](std::span<const std::int32_t> corners) {
+      if (corners.size() < 3) return true;
+      for (const std::int32_t corner : corners)
+        if (corner < 0 || static_cast<std::size_t>(corner) >= rows->size()) return true;
+      const auto take = [&](std::size_t to, std::size_t from) {
+        const auto row = static_cast<std::size_t>(corners[from]);
+        positions[to] = glm::vec3(rows->place(row) - origin);
+        if (rows->has_colors()) colors[to] = rows->color(row);
+      };
+      take(0, 0);
+      for (std::size_t k = 2; k < corners.size(); ++k) {
+        take(1, k - 1);
+        take(2, k);
+        if (!batches.add(positions, colors)) return false;
+      }
+      return true;
+    });
+    return whole && batches.flush();
+  };
+  return stream;
+}
+
+}  // namespace
+
+std::optional<MeshStream> open_mesh_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {
+  constexpr std::string_view kPly = "ply";
+  if (bytes.size() < kPly.size()) return std::nullopt;
+  if (std::string_view(reinterpret_cast<const char*>(bytes.data()), kPly.size()) != kPly)
+    return stl_stream(bytes, put_aside);
+  const auto header = ply_header_of(bytes);
+  if (!header || header->format == PlyFormat::ascii) return std::nullopt;
+  auto opened = open_ply_table(bytes, "vertex");
+  auto* const table = std::get_if<PlyTable>(&opened);
+  if (!table) return std::nullopt;
+  return header->format == PlyFormat::big_endian ? ply_stream<true>(bytes, std::move(*table))
+                                                 : ply_stream<false>(bytes, std::move(*table));
+}
+
+}  // namespace gs::app
