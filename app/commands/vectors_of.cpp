@@ -209,9 +209,9 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   return encoded;
 }
 
-std::variant<qnv::EncodedStream, EncodeError> encode_vectors(const qnv::Cloud& cloud, qnv::EncodeOptions options,
-                                                             ProgressBar& progress) {
-  return qnv::row_of(qnv::Payload::records).encode(std::cref(cloud), std::move(options), &progress.whole());
+std::variant<qnv::EncodedStream, EncodeError> encode_vectors(const qnv::Cloud& cloud, qnv::Payload payload,
+                                                             qnv::EncodeOptions options, ProgressBar& progress) {
+  return qnv::row_of(payload).encode(std::cref(cloud), std::move(options), &progress.whole());
 }
 
 std::variant<qnv::Cloud, EncodeError> gradients(const qnv::VolumeSource& volume, const Options& options,
@@ -275,6 +275,8 @@ std::optional<OpenedInput> open_input(const Options& options, const std::string&
   if (const auto* surface = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content))
     if (const render::WorldBounds& bounds = (*surface)->list.bounds; !bounds.empty()) size = bounds.size();
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) size = mesh->size;
+  if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content); cloud && !cloud->description.box.empty())
+    size = cloud->description.box.size();
   input.upright = upright_of(is_raw(options) ? UpRule::slices : type.up, size);
   return input;
 }
@@ -313,16 +315,17 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
     if (options.fraction > 0) return EncodeError{"--fraction is of a volume's voxels; with --isovalue use --vectors"};
     return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
   }
-  if (options.packed || options.displaced || options.exact_bits > 0)
-    return EncodeError{std::string(options.packed      ? "--packed"
-                                   : options.displaced ? "--displaced"
-                                                       : "--exact") +
+  if (options.displaced || options.exact_bits > 0)
+    return EncodeError{std::string(options.displaced ? "--displaced" : "--exact") +
                        " is for surfaces made of triangles; leave it out"};
+  if (options.packed && std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--packed is for surfaces; leave it out"};
   if (const auto* cloud = std::get_if<qnv::Cloud>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
     encode_options.metadata = metadata_of(options, input, path, cloud->description.metadata);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, cloud->size());
-    return encode_vectors(*cloud, std::move(encode_options), progress);
+    return encode_vectors(*cloud, options.packed ? qnv::Payload::packed : qnv::Payload::records,
+                          std::move(encode_options), progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   auto found = gradients(volume, options, progress);
@@ -330,7 +333,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   const auto& cloud = std::get<qnv::Cloud>(found);
-  if (options.records) return encode_vectors(cloud, std::move(encode_options), progress);
+  if (options.records) return encode_vectors(cloud, qnv::Payload::records, std::move(encode_options), progress);
   return qnv::row_of(qnv::Payload::voxels)
       .encode(qnv::VolumeVectors{cloud, volume.layout}, std::move(encode_options), &progress.whole());
 }

@@ -19,8 +19,10 @@ const TriangleSource* triangles_of(const EncodeSource& source) {
 }
 
 Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  if (const auto* cloud = std::get_if<std::reference_wrapper<const Cloud>>(&source))
+    return encode_points(*cloud, options, progress);
   const TriangleSource* triangles = triangles_of(source);
-  if (!triangles) return EncodeError{"a packed stream is made of a surface; expected triangles"};
+  if (!triangles) return EncodeError{"a packed stream is made of a surface; expected triangles or vectors"};
   options.payload = Payload::packed;
   return encode_surface(*triangles, options, progress);
 }

@@ -2,6 +2,7 @@
 #include "qnv/base/palette.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
+#include "qnv/encode/survey.h"
 #include "qnv/records/records_payload.h"
 
 #include <algorithm>
@@ -17,31 +18,10 @@ constexpr std::size_t kFirstLayer = 160;
 // A record, and its part of the headers of its chunk.
 constexpr double kBytesPerVector = 8.35;
 
-// What the header says of the vectors that can be sent: the stream's total is theirs, because a receiver shares out
-// as much over what arrives.
-Description describe(const Cloud& cloud, const EncodeOptions& options) {
-  Description d = cloud.description;
-  d.total = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float weight = cloud.weights[i];
-    if (!finite(cloud.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
-    d.total += weight;
-    d.box.add(cloud.positions[i]);
-  }
-  if (!std::isfinite(d.spacing)) d.spacing = 0;
-  if (!std::isfinite(d.value_range.first) || !std::isfinite(d.value_range.second)) d.value_range = {0, 1};
-  d.metadata = options.metadata;
-  for (const auto& pair : cloud.description.metadata) {
-    const auto same = [&](const auto& other) { return other.first == pair.first; };
-    if (std::none_of(d.metadata.begin(), d.metadata.end(), same)) d.metadata.push_back(pair);
-  }
-  return d;
-}
-
 StreamHeader header_of(const Cloud& cloud, const EncodeOptions& options) {
   StreamHeader header;
   header.payload = Payload::records;
-  header.description = describe(cloud, options);
+  header.description = describe_vectors(cloud, options.metadata);
   header.color = cloud.color;
   header.cube = Cube::around(header.description.box);
   if (header.description.kind == Kind::surface && cloud.colors.size() == cloud.size())

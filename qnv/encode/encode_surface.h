@@ -62,6 +62,12 @@ struct EncodedStream {
                                                                         const EncodeOptions& options,
                                                                         Progress* progress = nullptr);
 
+/// Encodes vectors that lie on a surface, such as points of a scan, as an octree of the surface that they are: a square
+/// of its area for each, about as many voxels as there are vectors. Its pictures take fewer bytes than those of
+/// records, but for the last one: a voxel does not say where in it its vectors were.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_points(const Cloud& cloud, const EncodeOptions& options,
+                                                                     Progress* progress = nullptr);
+
 /// Encodes vectors that are there already (a volume's gradients, imported splats) as records.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_cloud(const Cloud& cloud, const EncodeOptions& options,
                                                                     Progress* progress = nullptr);

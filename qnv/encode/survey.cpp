@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gs::qnv {
@@ -25,5 +26,24 @@ void SurfaceSurvey::add(std::span<const Triangle> more) {
 bool SurfaceSurvey::closed() const { return glm::length(facing) < 1e-4 * area && volume > 0; }
 
 bool SurfaceSurvey::sound() const { return area > 0 && std::isfinite(area) && finite(box.size()); }
+
+Description describe_vectors(const Cloud& cloud, const std::vector<std::pair<std::string, std::string>>& metadata) {
+  Description d = cloud.description;
+  d.total = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float weight = cloud.weights[i];
+    if (!finite(cloud.positions[i]) || !(weight > 0) || !std::isfinite(weight)) continue;
+    d.total += weight;
+    d.box.add(cloud.positions[i]);
+  }
+  if (!std::isfinite(d.spacing)) d.spacing = 0;
+  if (!std::isfinite(d.value_range.first) || !std::isfinite(d.value_range.second)) d.value_range = {0, 1};
+  d.metadata = metadata;
+  for (const auto& pair : cloud.description.metadata) {
+    const auto same = [&](const auto& other) { return other.first == pair.first; };
+    if (std::none_of(d.metadata.begin(), d.metadata.end(), same)) d.metadata.push_back(pair);
+  }
+  return d;
+}
 
 }  // namespace gs::qnv

@@ -7,6 +7,9 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::qnv {
 
@@ -25,5 +28,10 @@ struct SurfaceSurvey {
   /// Whether there is something to encode.
   [[nodiscard]] bool sound() const;
 };
+
+/// What the header says of the vectors that can be sent: the stream's total is theirs, because a receiver shares out as
+/// much over what arrives. `metadata` comes before what the cloud says of itself.
+[[nodiscard]] Description describe_vectors(const Cloud& cloud,
+                                           const std::vector<std::pair<std::string, std::string>>& metadata);
 
 }  // namespace gs::qnv

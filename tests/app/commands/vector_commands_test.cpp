@@ -129,6 +129,23 @@ TEST_CASE("encode: a mesh that is larger than memory is read out of its file, an
   CHECK(run("encode --outlines" + small + quoted(mesh) + " " + quoted(folder.path("o.qnv"))).status == kFailed);
 }
 
+TEST_CASE("encode: points become records, or an octree in a fraction of the bytes, and stand as their file does") {
+  const ScratchFolder folder;
+  std::string text;
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) text += std::to_string(i) + " 0 " + std::to_string(j) + " 0 -1 0\n";
+  const std::string points = folder.write("wall.xyz", text), out = folder.path("wall.qnv");
+  REQUIRE(run("encode " + quoted(points) + " " + quoted(out)).status == kDone);
+  CHECK(info(out)["payload"] == "records");
+  CHECK(info(out)["metadata"]["up"] == "z");  // metres large, as what is surveyed
+  const std::size_t records = folder.read("wall.qnv").size();
+  REQUIRE(run("encode --packed " + quoted(points) + " " + quoted(out)).status == kDone);
+  CHECK(info(out)["payload"] == "packed");
+  CHECK(info(out)["area"] == Approx(3600).epsilon(0.1));
+  CHECK(folder.read("wall.qnv").size() < records / 4);
+  CHECK(run("encode --displaced " + quoted(points) + " " + quoted(out)).status == kFailed);
+}
+
 TEST_CASE("encode: the same bytes for the same seed, others for another") {
   const ScratchFolder folder;
   const std::string world = folder.write("ball.wrl", kBall);

@@ -75,8 +75,8 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
   few.vectors = 5000;
   // Which of them each payload is made of.
   const std::set<std::pair<Payload, std::size_t>> made = {
-      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0},   {Payload::outlines, 2},
-      {Payload::records, 3}, {Payload::voxels, 3},  {Payload::displaced, 0}};
+      {Payload::records, 0}, {Payload::records, 1}, {Payload::packed, 0},    {Payload::outlines, 2},
+      {Payload::records, 3}, {Payload::voxels, 3},  {Payload::displaced, 0}, {Payload::packed, 1}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);
@@ -94,7 +94,7 @@ TEST_CASE("each payload is encoded from its sources and decoded again by its row
       } else {
         const Cloud& vectors = std::get<Cloud>(decoded.content);
         CHECK(vectors.size() > 0);
-        if (i == 1) CHECK(vectors.size() == cloud.size());
+        if (i == 1 && row.payload == Payload::records) CHECK(vectors.size() == cloud.size());
         CHECK(vectors.description.total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
       }
       // Of other payloads nothing is made.
