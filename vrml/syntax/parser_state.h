@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vrml/syntax/lexer.h"
+#include "vrml/syntax/name_table.h"
 #include "vrml/syntax/parser.h"
 
 #include <array>
@@ -58,7 +59,7 @@ struct Scope {
     std::string from, event_out, to, event_in;
     SourceLocation location;
   };
-  std::unordered_map<std::string_view, NodeId> names;  // a null node: one that was skipped
+  NameTable names;  // a null node: one that was skipped
   std::unordered_map<std::string_view, const NodeType*> types;
   std::vector<UnresolvedRoute> unresolved_routes;
   NodeType* prototype = nullptr;  // whose body this is

@@ -118,11 +118,11 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     }
     check_name(id);
     if (!define) {
-      const auto found = scopes.back().names.find(id.text);
-      if (found == scopes.back().names.end()) {
+      const NodeId* const found = scopes.back().names.find(id.text);
+      if (!found) {
         error(id.location, "USE of " + describe(id) + ", which no DEF before it names");
-      } else if (found->second) {
-        place(found->second, into);
+      } else if (*found) {
+        place(*found, into);
       }
       rubbish = false;
       return Step::done;
@@ -164,7 +164,8 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
     const bool known = unknown_types.contains(std::string(token.text));
     if (!known) error(token.location, "unknown node type " + describe(token) + "; the node is skipped");
     if (!known && unknown_types.size() < kMostTypes) unknown_types.emplace(token.text);
-    if (!name.empty()) scopes.back().names.try_emplace(*scene.keep_name(name), NodeId{});
+    if (!name.empty() && !scopes.back().names.find(name))
+      if (const std::string* const kept = scene.keep_name(name)) scopes.back().names.insert(*kept);
     frame.kind = Frame::Kind::skip;
     frame.depth = 1;
     frames.push_back(std::move(frame));
@@ -199,7 +200,7 @@ Step Parser::State::node_head(Token token, FieldValue* into) {
   }
   if (!name.empty()) {
     scene.set_name(node, name);
-    scopes.back().names[scene.node(node).name] = node;
+    scopes.back().names.insert(scene.node(node).name) = node;
   }
   frame.node = node;
   frame.type = type;
@@ -312,21 +313,21 @@ Step Parser::State::route_statement(SourceLocation location) {
 // when the scope ends.
 void Parser::State::add_route(const Scope::UnresolvedRoute& wanted, bool last_chance) {
   Scope& scope = scopes.back();
-  const auto from = scope.names.find(wanted.from);
-  const auto to = scope.names.find(wanted.to);
-  if (from == scope.names.end() || to == scope.names.end()) {
+  const NodeId* const from = scope.names.find(wanted.from);
+  const NodeId* const to = scope.names.find(wanted.to);
+  if (!from || !to) {
     if (!last_chance) {
       constexpr std::size_t kNames = 64;
       (void)scene.charge(sizeof wanted + kNames);
       scope.unresolved_routes.push_back(wanted);
     } else {
       error(wanted.location,
-            "ROUTE names '" + (from == scope.names.end() ? wanted.from : wanted.to) + "', which no DEF names");
+            "ROUTE names '" + (!from ? wanted.from : wanted.to) + "', which no DEF names");
     }
     return;
   }
-  if (!from->second || !to->second) return;  // a node that was skipped, and complained about
-  Route route{from->second, to->second, nullptr, nullptr};
+  if (!*from || !*to) return;  // a node that was skipped, and complained about
+  Route route{*from, *to, nullptr, nullptr};
   const NodeType& from_type = *scene.node(route.from).type;
   const NodeType& to_type = *scene.node(route.to).type;
   route.event_out = from_type.find_event_out(wanted.event_out);
