@@ -233,6 +233,9 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
     if (document_->living) document_->living->set_script_settings({0, true});
     begin_world(*document_, kSimulatedStart);
+    // Sensors look once at each time: who begins at a Viewpoint has to be there before.
+    if (!actions_.empty() && actions_.front().kind == InputRow::Kind::viewpoint && actions_.front().time <= 0)
+      (void)document_->living->send(*actions_.front().scene, actions_.front().node, "set_bind", vrml::SFBool{true});
     session_.show(document_);
     step(0, false);
     act(0);

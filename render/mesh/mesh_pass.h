@@ -64,6 +64,7 @@ class MeshPass {
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
+    LightUniforms lights;
   };
   /// A texture as some items of this frame use it. Number 0 stands for none.
   struct TextureBinding {
