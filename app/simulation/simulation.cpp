@@ -114,6 +114,7 @@ std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
   Action action;
   if (auto problem = bind_action(viewpoint, action)) return problem;
   actions_.insert(actions_.begin(), std::move(action));
+  begins_elsewhere_ = true;
   return std::nullopt;
 }
 
@@ -233,12 +234,14 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
     if (document_->living) document_->living->set_script_settings({0, true});
     begin_world(*document_, kSimulatedStart);
-    // Sensors look once at each time: who begins at a Viewpoint has to be there before.
-    if (!actions_.empty() && actions_.front().kind == InputRow::Kind::viewpoint && actions_.front().time <= 0)
-      (void)document_->living->send(*actions_.front().scene, actions_.front().node, "set_bind", vrml::SFBool{true});
     session_.show(document_);
     step(0, false);
     act(0);
+    if (begins_elsewhere_) {
+      // Sensors have looked for this time; what is fixed to the viewer has to go with him.
+      execution().begin_update();
+      step(0, false);
+    }
     fetch();
     steps_ = 1;
   }

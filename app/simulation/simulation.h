@@ -105,6 +105,7 @@ class Simulation {
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
+  bool begins_elsewhere_ = false;  // at a Viewpoint that is not the first one
   double time_ = 0;
   std::uint64_t steps_ = 0;  // 1 / kSimulationStep of a second, of which the next one ends; 0: time has not begun
   // As the rows have left them.

@@ -14,13 +14,15 @@ using namespace pairs;
 
 namespace {
 
-render::Image seen(const std::string& text) {
+/// After `seconds`, from the first Viewpoint or the one named.
+render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {}) {
   const ScratchFolder folder;
   OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
   REQUIRE(world.scene);
   CHECK(world.diagnostics.errors() == 0);
   Simulation simulation(std::move(world), {64, 64});
-  simulation.run(0.1);
+  if (!viewpoint.empty()) REQUIRE_FALSE(simulation.begin_at(viewpoint));
+  simulation.run(seconds);
   const render::Camera camera = simulation.camera();
   const render::RenderList& list =
       simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
@@ -77,6 +79,10 @@ TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
     CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{255, 0, 0});
     CHECK(pixel_at(image, 8, 8) == std::array<int, 3>{0, 0, 255});
   }
+  // Wherever he begins, and at once.
+  const std::string other = "Transform { translation 50 0 7 children Viewpoint { orientation 0 1 0 2 description \"other\" } } ";
+  CHECK(pixel_at(seen(viewpoint + wall + sign + other, 0, "other"), 32, 32) == std::array<int, 3>{255, 0, 0});
+  CHECK(pixel_at(seen(viewpoint + wall + other, 0, "other"), 32, 32) == std::array<int, 3>{0, 0, 0});
   // Among themselves the nearer hides the farther.
   const std::string two =
       "HUD { children [ Transform { translation 0 0 -5 children " + shape_of("0 1 0", "Box { size 0.4 0.4 0.1 }") +

@@ -322,4 +322,9 @@ TEST_CASE("no blank is needed between a number and what cannot belong to it (Ann
        "Transform { translation 1 -2 -3 rotation 0 1 0 1.5 scale 1 1 1 }");
   same("TimeSensor { cycleInterval 2loop TRUE }", "TimeSensor { cycleInterval 2 loop TRUE }");
   same("PixelTexture { image 1 1 1 0xFFrepeatS FALSE }", "PixelTexture { image 1 1 1 0xFF repeatS FALSE }");
+  // No name holds a point.
+  same("Viewpoint { fieldOfView.785description \"a\" position.5.25-1 }",
+       "Viewpoint { fieldOfView .785 description \"a\" position .5 .25 -1 }");
+  same("PROTO P [ field SFFloat x 1 ] { Material { shininess IS x } } P { x.5 }",
+       "PROTO P [ field SFFloat x 1 ] { Material { shininess IS x } } P { x .5 }");
 }
