@@ -6,6 +6,8 @@
 #include "app/world/world_loading.h"
 #include "vrml/syntax/parser.h"
 
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -148,6 +150,19 @@ render::Camera Simulation::camera() {
   // The Viewpoint's own place, without what a pose leaves of it.
   if (at_home(seen) && seen.viewpoint && !seen.style.parallel) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
+}
+
+void Simulation::stand_at(const render::Camera& camera) {
+  constexpr double kSame = 1e-9;  // of his distance from the origin
+  vrml::Execution& world = execution();
+  const glm::dmat4 before = world.viewer(), &after = camera.world_from_camera;
+  bool there = true;
+  for (int i = 0; i < 4; ++i)
+    there = there && glm::distance(before[i], after[i]) <= kSame * std::max(glm::length(after[i]), 1.0);
+  if (there || sensors_of(world.root(), false).empty()) return;
+  world.set_viewer(after);
+  world.begin_update();
+  (void)document_->living->step(world.now());
 }
 
 const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const glm::dvec3& up) {

@@ -6,6 +6,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,8 +17,9 @@ using namespace pairs;
 
 namespace {
 
-/// After `seconds`, from the first Viewpoint or the one named.
-render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {}) {
+/// After `seconds`, from the first Viewpoint, the one named or elsewhere.
+render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {},
+                   const std::optional<render::Camera>& from = {}) {
   const ScratchFolder folder;
   OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
   REQUIRE(world.scene);
@@ -23,7 +27,8 @@ render::Image seen(const std::string& text, double seconds = 0.1, const std::str
   Simulation simulation(std::move(world), {64, 64});
   if (!viewpoint.empty()) REQUIRE_FALSE(simulation.begin_at(viewpoint));
   simulation.run(seconds);
-  const render::Camera camera = simulation.camera();
+  const render::Camera camera = from ? *from : simulation.camera();
+  simulation.stand_at(camera);
   const render::RenderList& list =
       simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
   render::testing::Drawing drawing;
@@ -83,6 +88,12 @@ TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
   const std::string other = "Transform { translation 50 0 7 children Viewpoint { orientation 0 1 0 2 description \"other\" } } ";
   CHECK(pixel_at(seen(viewpoint + wall + sign + other, 0, "other"), 32, 32) == std::array<int, 3>{255, 0, 0});
   CHECK(pixel_at(seen(viewpoint + wall + other, 0, "other"), 32, 32) == std::array<int, 3>{0, 0, 0});
+  render::Camera camera;
+  camera.world_from_camera = glm::rotate(glm::translate(glm::dmat4(1), {-8, 30, 4}), 2.5, glm::dvec3(0.3, 1, 0.2));
+  CHECK(pixel_at(seen(viewpoint + wall + sign, 0, {}, camera), 32, 32) == std::array<int, 3>{255, 0, 0});
+  // Without a Viewpoint, too, where all is brought into view.
+  CHECK(pixel_at(seen("NavigationInfo { headlight FALSE } " + wall + sign, 0), 32, 32) ==
+        std::array<int, 3>{255, 0, 0});
   // Among themselves the nearer hides the farther.
   const std::string two =
       "HUD { children [ Transform { translation 0 0 -5 children " + shape_of("0 1 0", "Box { size 0.4 0.4 0.1 }") +
