@@ -148,7 +148,8 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // The Viewpoint's own place, without what a pose leaves of it.
-  if (at_home(seen) && seen.viewpoint && !seen.style.parallel) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
+  if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
+    return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 

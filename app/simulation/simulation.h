@@ -68,8 +68,8 @@ class Simulation {
   [[nodiscard]] const View& look();
   /// What a picture of it is drawn with: of `look`.
   [[nodiscard]] render::Camera camera();
-  /// The viewer is where a picture is taken from: sensors that he meets there, and what is fixed to him, follow at once.
-  /// Where he is there already, nothing happens.
+  /// The viewer is where a picture is taken from: sensors that he meets there, and what is fixed to him, follow at
+  /// once. Where he is there already, nothing happens.
   void stand_at(const render::Camera& camera);
   /// The same world from somewhere else.
   const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});

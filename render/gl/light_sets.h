@@ -25,8 +25,8 @@ struct LightUniforms {
 };
 
 /// Chooses for every item the lights that reach it and keeps each distinct choice once in one
-/// buffer, so that items with the same lights can be drawn together. Sets of up to kMaxOfBlock lights are read as uniform
-/// blocks, larger ones as a buffer texture.
+/// buffer, so that items with the same lights can be drawn together. Sets of up to kMaxOfBlock lights are read as
+/// uniform blocks, larger ones as a buffer texture.
 class LightSets {
  public:
   static constexpr std::size_t kMaxOfBlock = 64;
@@ -102,8 +102,8 @@ class LightSets {
 
   const Gl& gl_;
   Buffer buffer_;
-  Texture texture_;              // its texels
-  std::size_t most_texels_ = 0;  // that a buffer texture may have
+  Texture texture_;                  // its texels
+  std::size_t most_texels_ = 0;      // that a buffer texture may have
   std::vector<ShaderLight> lights_;  // camera space, in the order of the list
   std::vector<bool> directional_;
   LightTree local_;  // point and spot lights

@@ -7,8 +7,8 @@
 
 namespace gs::render {
 
-/// Finds the spheres that meet another among thousands: a bounding volume hierarchy, cut at the middle of its longest side.
-/// Used by one thread at a time.
+/// Finds the spheres that meet another among thousands: a bounding volume hierarchy, cut at the middle of its longest
+/// side. Used by one thread at a time.
 class LightTree {
  public:
   struct Sphere {
@@ -19,7 +19,8 @@ class LightTree {
 
   void build(std::vector<Sphere> spheres);
   [[nodiscard]] bool empty() const { return spheres_.empty(); }
-  /// Calls `found` with each sphere that meets the one given, in no particular order; with all where `radius` is negative.
+  /// Calls `found` with each sphere that meets the one given, in no particular order; with all where `radius` is
+  /// negative.
   template <class Found>
   void each_near(const glm::vec3& center, float radius, Found&& found) const {
     if (!nodes_.empty()) visit(0, center, radius, found);

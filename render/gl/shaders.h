@@ -5,9 +5,9 @@ namespace gs::render {
 
 /// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
 /// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets:
-/// MANY_LIGHTS, or MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set tells
-/// it. A software driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to compile each
-/// of them: a loop over any number of lights compiles as fast as two.
+/// MANY_LIGHTS, or MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set
+/// tells it. A software driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to
+/// compile each of them: a loop over any number of lights compiles as fast as two.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_local;
@@ -186,7 +186,8 @@ void main() {
 )glsl";
 
 /// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first,
-/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out. Colours as in VRML97 Tables 4.5 and 4.6.
+/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out.
+/// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION

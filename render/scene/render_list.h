@@ -40,7 +40,8 @@ struct Light {
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
 };
 
-/// An item is lit by no more than this, so that no world keeps a frame busy for minutes; of more, the strongest ones count.
+/// An item is lit by no more than this, so that no world keeps a frame busy for minutes; of more, the strongest ones
+/// count.
 inline constexpr std::size_t kMaxLightsOfAnItem = 1024;
 /// Indices into RenderList::lights. Items of one group share them.
 using LightList = vrml::Array<std::uint16_t>;

@@ -190,10 +190,10 @@ TEST_CASE("A thousand lights reach an item, the strongest of more", "[optimised]
 }
 
 TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands there (VRML97 4.6.6)", "[optimised]") {
-  constexpr int kRows = 18, kLamps = kRows * kRows;
+  constexpr int kRows = 17, kLamps = kRows * kRows;
   Drawing drawing;
   drawing.options.headlight = false;
-  const auto place = [](int i) { return glm::dvec3(0.3 * (i % kRows - 8.5), 0.3 * (i / kRows - 8.5), 0); };
+  const auto place = [](int i) { return glm::dvec3(0.3 * (i % kRows - 8), 0.3 * (i / kRows - 8), 0); };
   const auto color = [](int i) { return glm::vec3(i % 2, i % 3 == 0 ? 0.5f : 1.0f, i % 5 == 0); };
   RenderList lamps;
   for (int i = 0; i < kLamps; ++i) {
@@ -214,7 +214,7 @@ TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands
     item.world_from_node = translation(place(i));
     add(tiles, item);
   }
-  const int size = drawing.options.width = drawing.options.height = 288;
+  const int size = drawing.options.width = drawing.options.height = 208;
   for (const RenderList* list : {&floor, &tiles}) {
     const Image image = drawing.draw(*list);
     for (int i = 0; i < kLamps; ++i) {
@@ -226,7 +226,8 @@ TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands
   }
 }
 
-TEST_CASE("A light that a Shape is in the dark for costs it nothing: the tree of lights finds what a look at all finds") {
+TEST_CASE(
+    "A light that a Shape is in the dark for costs it nothing: the tree of lights finds what a look at all finds") {
   std::uint32_t state = 7;
   const auto random = [&] { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24); };
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{9}, std::size_t{500}}) {
@@ -244,7 +245,8 @@ TEST_CASE("A light that a Shape is in the dark for costs it nothing: the tree of
       std::vector<std::uint16_t> found, wanted;
       tree.each_near(center, radius, [&](const LightTree::Sphere& sphere) { found.push_back(sphere.number); });
       for (const LightTree::Sphere& sphere : spheres)
-        if (radius < 0 || glm::length(sphere.center - center) <= sphere.radius + radius) wanted.push_back(sphere.number);
+        if (radius < 0 || glm::length(sphere.center - center) <= sphere.radius + radius)
+          wanted.push_back(sphere.number);
       std::sort(found.begin(), found.end());
       CHECK(found == wanted);
     }

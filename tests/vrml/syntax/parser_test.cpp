@@ -314,7 +314,8 @@ TEST_CASE("no blank is needed between a number and what cannot belong to it (Ann
   };
   same("LOD { range 80level [ Group { } ] }", "LOD { range 80 level [ Group { } ] }");
   same("Transform { translation 1 2 3children [ ] }", "Transform { translation 1 2 3 children [ ] }");
-  same("Coordinate { point [ 0 0 0-1 0 10-1, -.5.75+1 0 0 ] }", "Coordinate { point [ 0 0 0 -1 0 10 -1, -.5 .75 +1 0 0 ] }");
+  same("Coordinate { point [ 0 0 0-1 0 10-1, -.5.75+1 0 0 ] }",
+       "Coordinate { point [ 0 0 0 -1 0 10 -1, -.5 .75 +1 0 0 ] }");
   same("IndexedFaceSet { coordIndex [ 0 1 2-1 0x0F-1 ] }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 15 -1 ] }");
   same("Material { shininess .27diffuseColor 1 0 0transparency 1e-1 }",
        "Material { shininess .27 diffuseColor 1 0 0 transparency 0.1 }");
