@@ -12,6 +12,8 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMaxSets = 60'000;
+// When so many lights were looked at in a frame, further items find the strongest near the camera alone.
+constexpr std::size_t kManyLooks = 4'000'000, kFewLocal = 256;
 // When the sets of a frame are larger than this, further ones have fewer lights.
 constexpr std::size_t kManyBytes = std::size_t{32} << 20, kFewLights = 16;
 
@@ -105,7 +107,17 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
     if (!directional_.back())
       local.push_back({lights_.back().location, lights_.back().radius, static_cast<std::uint16_t>(i)});
   }
-  local_.build(std::move(local));
+  local_.build(local);
+  if (local.size() > kFewLocal) {
+    const auto strength = [&](const LightTree::Sphere& sphere) {
+      return lights_[sphere.number].intensity / (1.0f + std::max(glm::length(sphere.center) - sphere.radius, 0.0f));
+    };
+    std::nth_element(local.begin(), local.begin() + kFewLocal, local.end(),
+                     [&](const auto& a, const auto& b) { return strength(a) > strength(b); });
+    local.resize(kFewLocal);
+  }
+  few_.build(std::move(local));
+  looked_at_ = 0;
   last_choice_.clear();  // the empty set is number 0
   last_number_ = 0;
   numbers_.emplace(last_choice_, 0);
@@ -115,7 +127,7 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
 // To choice_, as many as it has room for, in the order of the file.
 void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t most) {
   reaching_.clear();
-  local_.each_near(center, radius, [&](const LightTree::Sphere& sphere) {
+  (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
     const ShaderLight& light = lights_[sphere.number];
     const float distance = glm::length(light.location - center);
     // A light that ends before most of the item counts for less.
@@ -124,6 +136,7 @@ void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t 
                            attenuation_at(light.attenuation, std::max(distance - std::max(radius, 0.0f), 0.0f));
     reaching_.emplace_back(-strength / (1.0f + distance), sphere.number);
   });
+  looked_at_ += reaching_.size();
   if (const std::size_t room = most - choice_.size(); reaching_.size() > room) {
     std::nth_element(reaching_.begin(), reaching_.begin() + static_cast<std::ptrdiff_t>(room), reaching_.end());
     reaching_.resize(room);

@@ -106,7 +106,8 @@ class LightSets {
   std::size_t most_texels_ = 0;      // that a buffer texture may have
   std::vector<ShaderLight> lights_;  // camera space, in the order of the list
   std::vector<bool> directional_;
-  LightTree local_;  // point and spot lights
+  LightTree local_, few_;      // point and spot lights; the strongest near the camera, where they are many
+  std::size_t looked_at_ = 0;  // local lights, for all items of the frame
   bool headlight_ = true;
   std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
   std::vector<Choice> sets_;
