@@ -134,7 +134,7 @@ TEST_CASE("colours come from where the tables say (VRML97 4.14, Tables 4.5 and 4
   alike("lit, intensity and alpha",
         before_wall(shape(material("diffuseColor 1 1 1 transparency 0.9") + "texture " + two)),
         before_wall(shape(material("diffuseColor " + half + half + half + " transparency " + number(1 - 64.0 / 255)))));
-  alike("lit, RGB and alpha", before_wall(shape(material("diffuseColor 0 1 0 transparency 0.9") + "texture " + four)),
+  alike("lit, RGB and alpha", before_wall(shape(material("diffuseColor 0 1 0 transparency 1") + "texture " + four)),
         before_wall(
             shape(material("diffuseColor " + half + "1 " + quarter + " transparency " + number(1 - 96.0 / 255)))));
   alike("lit, RGB and transparency", before_wall(shape(material("transparency 0.5") + "texture " + three)),
