@@ -190,6 +190,7 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   tell_of_simulation(options, simulation);
   const auto asked = camera_of_options(options, *simulation.look().list);
   const render::Camera camera = asked ? *asked : simulation.camera();
+  simulation.stand_at(camera);
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
   // Levels of detail and billboards follow the viewer, who is only known now.

@@ -26,11 +26,10 @@ vrml::Execution* SensorTour::world() {
   return seen && seen->document->living ? &seen->document->living->execution() : nullptr;
 }
 
-// Pointing-device sensors, or those that sense the viewer.
-std::vector<SensorTour::Found> SensorTour::nodes(bool pointing) {
-  std::vector<Found> result;
+std::vector<vrml::NodePlace> sensors_of(const vrml::SceneGraph& world, bool pointing) {
+  std::vector<vrml::NodePlace> result;
   std::vector<const vrml::SceneGraph*> scenes;
-  add_scenes(world()->root(), scenes);
+  add_scenes(world, scenes);
   for (const vrml::SceneGraph* const scene : scenes)
     for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
       const vrml::Node& node = scene->node_at(i);
@@ -69,11 +68,12 @@ bool SensorTour::press_next() {
 
 void SensorTour::visit_next() {
   if (came_from_) return session_.move_viewer_to(*std::exchange(came_from_, std::nullopt));
-  std::vector<Found> found = nodes(false);
+  std::vector<vrml::NodePlace> found = sensors_of(world()->root(), false);
   if (found.empty()) return;
-  const auto visits = [&](const Found& one) { return visits_[&one.scene->node(one.node)]; };
-  const auto next = std::min_element(found.begin(), found.end(),
-                                     [&](const Found& a, const Found& b) { return visits(a) < visits(b); });
+  const auto visits = [&](const vrml::NodePlace& one) { return visits_[&one.scene->node(one.node)]; };
+  const auto next =
+      std::min_element(found.begin(), found.end(),
+                       [&](const vrml::NodePlace& a, const vrml::NodePlace& b) { return visits(a) < visits(b); });
   ++visits_[&next->scene->node(next->node)];
   vrml::Execution& execution = *world();
   const vrml::EventNode sensor = execution.event_node(*next->scene, next->node);
@@ -110,12 +110,12 @@ void SensorTour::step() {
 SensorTour::Counts SensorTour::counts() {
   Counts result;
   if (!world()) return result;
-  for (const Found& one : nodes(true)) {
+  for (const vrml::NodePlace& one : sensors_of(world()->root(), true)) {
     ++result.sensors;
     const auto found = presses_.find(&one.scene->node(one.node));
     if (found != presses_.end() && found->second > 0) ++result.pressed;
   }
-  for (const Found& one : nodes(false)) {
+  for (const vrml::NodePlace& one : sensors_of(world()->root(), false)) {
     ++result.places;
     const auto found = visits_.find(&one.scene->node(one.node));
     if (found != visits_.end() && found->second > 0) ++result.visited;

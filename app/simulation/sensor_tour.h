@@ -13,6 +13,9 @@
 
 namespace gs::app {
 
+/// The pointing-device sensors and Anchors of a world and its Inlines, or the ProximitySensors (`pointing` false).
+[[nodiscard]] std::vector<vrml::NodePlace> sensors_of(const vrml::SceneGraph& world, bool pointing);
+
 /// Somebody who tries everything in a world: presses each pointing-device sensor (VRML97 4.6.7.3) and each Anchor,
 /// drags and releases it, wherever it is and whatever lies before it, and goes to the middle of each ProximitySensor
 /// (6.38) and back; those first that he has pressed least often, so that what comes late has its turn. Does the same in
@@ -32,12 +35,7 @@ class SensorTour {
   [[nodiscard]] Counts counts();
 
  private:
-  struct Found {
-    const vrml::SceneGraph* scene;
-    vrml::NodeId node;
-  };
   [[nodiscard]] vrml::Execution* world();
-  [[nodiscard]] std::vector<Found> nodes(bool pointing);
   [[nodiscard]] bool press_next();
   void visit_next();
 

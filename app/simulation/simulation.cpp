@@ -6,6 +6,8 @@
 #include "app/world/world_loading.h"
 #include "vrml/syntax/parser.h"
 
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -114,6 +116,7 @@ std::optional<std::string> Simulation::begin_at(const std::string& viewpoint) {
   Action action;
   if (auto problem = bind_action(viewpoint, action)) return problem;
   actions_.insert(actions_.begin(), std::move(action));
+  begins_elsewhere_ = true;
   return std::nullopt;
 }
 
@@ -145,8 +148,22 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // The Viewpoint's own place, without what a pose leaves of it.
-  if (at_home(seen) && seen.viewpoint && !seen.style.parallel) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
+  if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
+    return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
+}
+
+void Simulation::stand_at(const render::Camera& camera) {
+  constexpr double kSame = 1e-9;  // of his distance from the origin
+  vrml::Execution& world = execution();
+  const glm::dmat4 before = world.viewer(), &after = camera.world_from_camera;
+  bool there = true;
+  for (int i = 0; i < 4; ++i)
+    there = there && glm::distance(before[i], after[i]) <= kSame * std::max(glm::length(after[i]), 1.0);
+  if (there || sensors_of(world.root(), false).empty()) return;
+  world.set_viewer(after);
+  world.begin_update();
+  (void)document_->living->step(world.now());
 }
 
 const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const glm::dvec3& up) {
@@ -236,6 +253,11 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     session_.show(document_);
     step(0, false);
     act(0);
+    if (begins_elsewhere_) {
+      // Sensors have looked for this time; what is fixed to the viewer has to go with him.
+      execution().begin_update();
+      step(0, false);
+    }
     fetch();
     steps_ = 1;
   }

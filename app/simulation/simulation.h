@@ -68,6 +68,9 @@ class Simulation {
   [[nodiscard]] const View& look();
   /// What a picture of it is drawn with: of `look`.
   [[nodiscard]] render::Camera camera();
+  /// The viewer is where a picture is taken from: sensors that he meets there, and what is fixed to him, follow at
+  /// once. Where he is there already, nothing happens.
+  void stand_at(const render::Camera& camera);
   /// The same world from somewhere else.
   const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});
 
@@ -105,6 +108,7 @@ class Simulation {
   std::vector<render::ViewpointState> viewpoints_;
   std::vector<Action> actions_;  // in the order of time
   std::size_t next_action_ = 0;
+  bool begins_elsewhere_ = false;  // at a Viewpoint that is not the first one
   double time_ = 0;
   std::uint64_t steps_ = 0;  // 1 / kSimulationStep of a second, of which the next one ends; 0: time has not begun
   // As the rows have left them.

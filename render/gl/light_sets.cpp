@@ -11,11 +11,13 @@
 namespace gs::render {
 namespace {
 
-// Point and spot lights that are looked at for an item; the strongest near the camera if there are more.
-constexpr std::size_t kMaxLocalLights = 256;
 constexpr std::size_t kMaxSets = 60'000;
+// When so many lights were looked at in a frame, further items find the strongest near the camera alone.
+constexpr std::size_t kManyLooks = 4'000'000, kFewLocal = 256;
 // When the sets of a frame are larger than this, further ones have fewer lights.
 constexpr std::size_t kManyBytes = std::size_t{32} << 20, kFewLights = 16;
+
+constexpr std::size_t kTexel = 16;  // bytes
 
 constexpr float kEverywhere = 4;  // radians: no angle is as large
 constexpr float kAtOnce = 1e30f;  // how fast light fades at an edge that is not soft
@@ -28,14 +30,25 @@ float attenuation_at(const glm::vec3& coefficients, float distance) {
 
 std::size_t LightSets::ChoiceHash::operator()(const Choice& choice) const {
   std::size_t hash = 14695981039346656037u;  // FNV-1a
-  for (std::size_t i = 0; i <= choice[0]; ++i) hash = (hash ^ choice[i]) * 1099511628211u;
+  for (const std::uint16_t index : choice) hash = (hash ^ index) * 1099511628211u;
   return hash;
 }
 
-LightSets::LightSets(const Gl& gl) : gl_(gl), buffer_(make_buffer(gl)) {}
+LightUniforms::LightUniforms(const Gl& gl, GLuint program)
+    : many(gl.GetUniformLocation(program, "many_lights")), first(gl.GetUniformLocation(program, "first_light")) {
+  const GLuint block = gl.GetUniformBlockIndex(program, "Lights");
+  if (block != GL_INVALID_INDEX) gl.UniformBlockBinding(program, block, LightSets::kBinding);
+}
+
+LightSets::LightSets(const Gl& gl) : gl_(gl), buffer_(make_buffer(gl)), texture_(make_texture(gl)) {
+  GLint texels = 0;
+  gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+  most_texels_ = static_cast<std::size_t>(std::max(texels, 0));
+}
 
 std::string LightSets::defines(unsigned variant) {
-  std::string text = "#define MOST_LIGHTS " + std::to_string(kMaxLights) + "\n";
+  if (variant == kMany) return "#define MANY_LIGHTS\n";
+  std::string text = "#define MOST_LIGHTS " + std::to_string(kMaxOfBlock) + "\n";
   if (variant == kLoop) return text;
   text += "#define ALL_LIGHTS";
   for (unsigned i = 0; i < variant; ++i) text += " ADD(" + std::to_string(i) + ")";
@@ -80,78 +93,80 @@ LightSets::ShaderLight LightSets::to_camera(const Light& light, const glm::dmat4
 void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight) {
   lights_.clear();
   directional_.clear();
-  local_.clear();
   numbers_.clear();
   sets_.clear();
   directional_only_.assign(1, true);
   offsets_.assign(1, 0);
   bytes_ = stride(0);
   headlight_ = headlight;
+  std::vector<LightTree::Sphere> local;
   const std::size_t count = std::min<std::size_t>(lights.size(), kHeadlight);
   for (std::size_t i = 0; i < count; ++i) {
     lights_.push_back(to_camera(lights[i], camera_from_world));
     directional_.push_back(lights[i].kind == Light::Kind::directional);
-    if (!directional_.back()) local_.push_back(static_cast<std::uint16_t>(i));
+    if (!directional_.back())
+      local.push_back({lights_.back().location, lights_.back().radius, static_cast<std::uint16_t>(i)});
   }
-  if (local_.size() > kMaxLocalLights) {
-    const auto strength = [&](std::uint16_t index) {
-      const ShaderLight& light = lights_[index];
-      const float distance = std::max(glm::length(light.location) - light.radius, 0.0f);
-      return light.intensity / (1.0f + distance);
+  local_.build(local);
+  if (local.size() > kFewLocal) {
+    const auto strength = [&](const LightTree::Sphere& sphere) {
+      return lights_[sphere.number].intensity / (1.0f + std::max(glm::length(sphere.center) - sphere.radius, 0.0f));
     };
-    std::stable_sort(local_.begin(), local_.end(), [&](auto a, auto b) { return strength(a) > strength(b); });
-    local_.resize(kMaxLocalLights);
-    std::sort(local_.begin(), local_.end());
+    std::nth_element(local.begin(), local.begin() + kFewLocal, local.end(),
+                     [&](const auto& a, const auto& b) { return strength(a) > strength(b); });
+    local.resize(kFewLocal);
   }
-  last_choice_ = {};  // the empty set is number 0
+  few_.build(std::move(local));
+  looked_at_ = 0;
+  last_choice_.clear();  // the empty set is number 0
   last_number_ = 0;
   numbers_.emplace(last_choice_, 0);
   sets_.push_back(last_choice_);
 }
 
-void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t most, Choice& choice) {
-  std::array<std::pair<float, std::uint16_t>, kMaxLocalLights> reaching;
-  std::size_t count = 0;
-  for (const std::uint16_t index : local_) {
-    const ShaderLight& light = lights_[index];
+// To choice_, as many as it has room for, in the order of the file.
+void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t most) {
+  reaching_.clear();
+  (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
+    const ShaderLight& light = lights_[sphere.number];
     const float distance = glm::length(light.location - center);
-    if (radius >= 0 && distance > light.radius + radius) continue;
     // A light that ends before most of the item counts for less.
     const float covered = radius > 0 ? std::min((light.radius + radius - distance) / (2 * radius), 1.0f) : 1.0f;
     const float strength = covered * light.intensity * std::max({light.color.r, light.color.g, light.color.b}) *
                            attenuation_at(light.attenuation, std::max(distance - std::max(radius, 0.0f), 0.0f));
-    reaching[count++] = {-strength / (1.0f + distance), index};
+    reaching_.emplace_back(-strength / (1.0f + distance), sphere.number);
+  });
+  looked_at_ += reaching_.size();
+  if (const std::size_t room = most - choice_.size(); reaching_.size() > room) {
+    std::nth_element(reaching_.begin(), reaching_.begin() + static_cast<std::ptrdiff_t>(room), reaching_.end());
+    reaching_.resize(room);
   }
-  const std::size_t room = most - choice[0];
-  if (count > room) {
-    std::nth_element(reaching.begin(), reaching.begin() + static_cast<std::ptrdiff_t>(room),
-                     reaching.begin() + static_cast<std::ptrdiff_t>(count));
-    count = room;
-    std::sort(reaching.begin(), reaching.begin() + static_cast<std::ptrdiff_t>(count),
-              [](const auto& a, const auto& b) { return a.second < b.second; });
-  }
-  for (std::size_t i = 0; i < count; ++i) choice[++choice[0]] = reaching[i].second;
+  const auto first = static_cast<std::ptrdiff_t>(choice_.size());
+  for (const auto& [strength, index] : reaching_) choice_.push_back(index);
+  std::sort(choice_.begin() + first, choice_.end());
 }
 
-std::uint32_t LightSets::choose(const std::vector<std::uint16_t>& directional, const glm::vec3& center, float radius) {
-  Choice choice{};
-  const std::size_t most = bytes_ < kManyBytes ? kMaxLights : kFewLights;
-  if (headlight_) choice[++choice[0]] = kHeadlight;
+std::uint32_t LightSets::choose(const LightList& directional, const glm::vec3& center, float radius) {
+  std::size_t most = kMaxLightsOfAnItem;
+  if ((bytes_ + stride(most)) / kTexel > most_texels_) most = kMaxOfBlock;
+  if (bytes_ >= kManyBytes) most = kFewLights;
+  choice_.clear();
+  if (headlight_) choice_.push_back(kHeadlight);
   for (const std::uint16_t index : directional)
-    if (choice[0] < most && index < lights_.size() && directional_[index]) choice[++choice[0]] = index;
-  if (!local_.empty() && choice[0] < most) choose_local(center, radius, most, choice);
-  if (choice == last_choice_) return last_number_;
+    if (choice_.size() < most && index < lights_.size() && directional_[index]) choice_.push_back(index);
+  if (!local_.empty() && choice_.size() < most) choose_local(center, radius, most);
+  if (choice_ == last_choice_) return last_number_;
   if (sets_.size() >= kMaxSets) return 0;
-  const auto [found, fresh] = numbers_.emplace(choice, static_cast<std::uint32_t>(sets_.size()));
+  const auto [found, fresh] = numbers_.emplace(choice_, static_cast<std::uint32_t>(sets_.size()));
   if (fresh) {
-    sets_.push_back(choice);
+    sets_.push_back(choice_);
     offsets_.push_back(bytes_);
-    bytes_ += stride(choice[0]);
-    directional_only_.push_back(
-        std::all_of(choice.begin() + 1, choice.begin() + 1 + choice[0],
-                    [&](std::uint16_t index) { return index == kHeadlight || directional_[index]; }));
+    bytes_ += stride(choice_.size());
+    directional_only_.push_back(std::all_of(choice_.begin(), choice_.end(), [&](std::uint16_t index) {
+      return index == kHeadlight || directional_[index];
+    }));
   }
-  last_choice_ = choice;
+  std::swap(last_choice_, choice_);
   last_number_ = found->second;
   return last_number_;
 }
@@ -167,9 +182,8 @@ LightSets::ShaderLight LightSets::headlight() {
 glm::vec3 LightSets::color_of(std::uint32_t set, const glm::vec3& normal, const glm::vec3& diffuse,
                               const glm::vec3& emissive, float ambient_intensity) const {
   glm::vec3 sum = emissive;
-  const Choice& choice = sets_[set];
-  for (std::size_t k = 0; k < choice[0]; ++k) {
-    const ShaderLight light = choice[k + 1] == kHeadlight ? headlight() : lights_[choice[k + 1]];
+  for (const std::uint16_t index : sets_[set]) {
+    const ShaderLight light = index == kHeadlight ? headlight() : lights_[index];
     sum += light.color * (light.ambient_intensity * ambient_intensity * diffuse +
                           light.intensity * std::max(glm::dot(normal, light.location), 0.0f) * diffuse);
   }
@@ -183,10 +197,12 @@ void LightSets::upload() {
   std::vector<std::byte> bytes(bytes_ + sizeof(ShaderSet));
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     std::byte* const to = bytes.data() + offsets_[i];
-    const std::int32_t count = sets_[i][0];
+    const auto count = static_cast<std::int32_t>(sets_[i].size());
+    const auto number = static_cast<float>(count);
     std::memcpy(to, &count, sizeof count);
-    for (std::size_t k = 0; k < sets_[i][0]; ++k) {
-      const std::uint16_t index = sets_[i][k + 1];
+    std::memcpy(to + offsetof(ShaderSet, number), &number, sizeof number);
+    for (std::size_t k = 0; k < sets_[i].size(); ++k) {
+      const std::uint16_t index = sets_[i][k];
       const ShaderLight& light = index == kHeadlight ? ahead : lights_[index];
       std::memcpy(to + offsetof(ShaderSet, lights) + k * sizeof light, &light, sizeof light);
     }
@@ -195,10 +211,21 @@ void LightSets::upload() {
   gl_.BufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(bytes.size()), bytes.data(), GL_STREAM_DRAW);
 }
 
-void LightSets::bind(std::uint32_t set) {
+void LightSets::bind(std::uint32_t set, const LightUniforms& uniforms) {
+  const std::size_t count = sets_[set].size();
+  if (uniforms.many >= 0) {
+    gl_.ActiveTexture(GL_TEXTURE0 + kUnit);
+    gl_.BindSampler(kUnit, 0);
+    gl_.BindTexture(GL_TEXTURE_BUFFER, texture_.name());
+    gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, buffer_.name());
+    gl_.ActiveTexture(GL_TEXTURE0);
+    gl_.Uniform1i(uniforms.many, kUnit);
+    gl_.Uniform1i(uniforms.first, static_cast<GLint>(offsets_[set] / kTexel));
+    return;
+  }
   // OpenGL wants the whole block to be bound. Mesa's software drivers copy what is bound each time, and they do without
   // what the shader never reads.
-  const std::size_t size = gl_.software ? stride(sets_[set][0]) : sizeof(ShaderSet);
+  const std::size_t size = gl_.software ? stride(count) : sizeof(ShaderSet);
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kBinding, buffer_.name(), static_cast<GLintptr>(offsets_[set]),
                       static_cast<GLsizeiptr>(size));
 }

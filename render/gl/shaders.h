@@ -5,9 +5,9 @@ namespace gs::render {
 
 /// For the fragment stage of lit variants: the lighting equation of VRML97 4.14.4, in camera space. Defines:
 /// LOCAL_LIGHTS (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets:
-/// MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set tells it. A software
-/// driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to compile each of them: a
-/// loop over any number of lights compiles as fast as two.
+/// MANY_LIGHTS, or MOST_LIGHTS, and ALL_LIGHTS ("ADD(0) ADD(1)") where the number of lights is fixed; else the set
+/// tells it. A software driver draws one or two lights faster when they have constant numbers, but takes 0.1 s to
+/// compile each of them: a loop over any number of lights compiles as fast as two.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_local;
@@ -16,10 +16,21 @@ struct Light {
   vec4 attenuation_radius;
   vec4 cone;
 };
+#ifdef MANY_LIGHTS
+uniform samplerBuffer many_lights;  // the same, in texels
+uniform int first_light;
+Light light_at(int i) {
+  int at = first_light + 1 + 5 * i;
+  return Light(texelFetch(many_lights, at), texelFetch(many_lights, at + 1), texelFetch(many_lights, at + 2),
+               texelFetch(many_lights, at + 3), texelFetch(many_lights, at + 4));
+}
+#else
 layout(std140) uniform Lights {
   int light_count;
   Light lights[MOST_LIGHTS];
 };
+#define light_at(i) lights[i]
+#endif
 
 // What one light adds.
 vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
@@ -54,10 +65,13 @@ uniform float eye_back;  // how far behind the viewer his eye is: far away where
 vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
   vec3 ambient = diffuse * emissive_ambient.w;
   vec3 sum = emissive_ambient.rgb, to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // once: drivers leave it in the loop
-#define ADD(i) sum += reflected(lights[i], n, place, to_viewer, diffuse, ambient, specular_exponent);
+#define ADD(i) sum += reflected(light_at(i), n, place, to_viewer, diffuse, ambient, specular_exponent);
 #ifdef ALL_LIGHTS
   ALL_LIGHTS
 #else
+#ifdef MANY_LIGHTS
+  int light_count = int(texelFetch(many_lights, first_light).y);
+#endif
   // At least one light, and the test behind it: llvmpipe would go through a loop of n lights n + 1 times.
   int i = 0;
   do {
@@ -172,7 +186,8 @@ void main() {
 )glsl";
 
 /// Defines: those of the vertex shader, and with TEXTURE: CUT_OUT, which keeps drivers from testing the depth first,
-/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out. Colours as in VRML97 Tables 4.5 and 4.6.
+/// SMOOTH_EDGES, where alpha becomes samples, and MASK, where a face has one colour and the texture cuts it out.
+/// Colours as in VRML97 Tables 4.5 and 4.6.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION

@@ -115,8 +115,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.replaces = gl_.GetUniformLocation(name, "replaces");
       entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
       entry.fog = FogUniforms(gl_, name);
-      const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
-      if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
+      entry.lights = LightUniforms(gl_, name);
     }
   }
   if (!entry.program) return nullptr;
@@ -204,7 +203,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     const unsigned lights = LightSets::variant(lights_.count(state.lights));
     state.variant |= kFirstLightBit * lights;
     // Few sets of many lights have no local ones: one program less.
-    if (lights == LightSets::kLoop || !lights_.directional_only(state.lights)) state.variant |= kLocalLights;
+    if (lights >= LightSets::kLoop || !lights_.directional_only(state.lights)) state.variant |= kLocalLights;
     instance.shininess = material.shininess * kShininessScale;
   }
   bool transparent = instance.alpha < 1;
@@ -351,8 +350,9 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
       shader.frame = frame_;
     }
   }
-  if ((state.variant & kLit) && (all || state.lights != applied_.lights || !(applied_.variant & kLit)))
-    lights_.bind(state.lights);
+  if ((state.variant & kLit) &&
+      (all || state.lights != applied_.lights || !(applied_.variant & kLit) || (switched && shader.lights.many >= 0)))
+    lights_.bind(state.lights, shader.lights);
   if ((state.variant & kTexture) && (switched || state.texture != applied_.texture)) {
     const TextureBinding& binding = texture_bindings_[state.texture];
     if (binding.entry->mask)

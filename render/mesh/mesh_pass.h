@@ -64,6 +64,7 @@ class MeshPass {
     std::uint64_t frame = 0;  // for which the projection was set last
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
+    LightUniforms lights;
   };
   /// A texture as some items of this frame use it. Number 0 stands for none.
   struct TextureBinding {
@@ -110,7 +111,7 @@ class MeshPass {
   struct View {
     glm::dmat4 camera_from_world;  // of the viewer, who is `back` before the camera
     float back;
-    bool open;  // faces are not filled, and those of the far side are seen
+    bool open;                   // faces are not filled, and those of the far side are seen
     glm::vec2 tangents, center;  // of half the angles of view; of what is in the middle
     glm::vec2 low, high;         // 1 / lengths of the normals of the planes at the left and below, right and above
     float near_plane, far_plane;

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
 
 namespace gs::render {
 namespace {
@@ -131,6 +133,7 @@ void Collector::enter(Frame frame) {
 void Collector::leave() {
   const Frame& top = path_.back();
   if (top.opened) (*top.on_path)[top.node] = false;
+  lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
   active_lights_.resize(top.lights_outside);
   if (content() == top.content_before) {
     // Nothing here is drawn; hostile worlds have millions of such groups.
@@ -330,9 +333,21 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
 
 void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
   if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
-  if (directional) active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
+  if (directional) {
+    active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
+    lights_changed_ = true;
+  }
   list_.lights.push_back(world_light(light, world_from_local));
   if (sources_) sources_->lights.push_back({light.node, frame});
+}
+
+// Of too many the innermost ones.
+const LightList& Collector::directional_lights() {
+  if (std::exchange(lights_changed_, false)) {
+    const std::size_t count = std::min(active_lights_.size(), kMaxLightsOfAnItem);
+    directional_lights_ = LightList(std::span<const std::uint16_t>(active_lights_).last(count));
+  }
+  return directional_lights_;
 }
 
 void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
@@ -411,8 +426,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
   }
   item.world_from_node = world_from_node;
-  const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
-  item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
+  item.directional_lights = directional_lights();
   item.place = add_place(parent, id);
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   if (item.mesh->font_size > 0) {
@@ -452,8 +466,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
-  const std::size_t lights = std::min(active_lights_.size(), kMaxLightsOfAnItem);
-  item.directional_lights.assign(active_lights_.end() - static_cast<std::ptrdiff_t>(lights), active_lights_.end());
+  item.directional_lights = directional_lights();
   item.place = add_place(parent, id);
   const qnv::Box& box = cloud->description.box;
   RenderSources::Item kept = source;

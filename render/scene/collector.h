@@ -111,6 +111,7 @@ class Collector {
   void enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision);
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
+  const LightList& directional_lights();
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
@@ -137,6 +138,8 @@ class Collector {
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;
+  LightList directional_lights_;  // the last ones of them, for the items of a group
+  bool lights_changed_ = false;   // since it was made
   std::size_t visits_ = 0;
   std::shared_ptr<vrml::Budget> budget_;
   float pixels_per_radian_;

@@ -6,6 +6,7 @@
 #include "render/scene/mesh_cache.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
+#include "vrml/scene/array.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat3x3.hpp>
@@ -39,8 +40,11 @@ struct Light {
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
 };
 
-/// An item is lit by no more than this; of more, the strongest ones count.
-inline constexpr std::size_t kMaxLightsOfAnItem = 64;
+/// An item is lit by no more than this, so that no world keeps a frame busy for minutes; of more, the strongest ones
+/// count.
+inline constexpr std::size_t kMaxLightsOfAnItem = 1024;
+/// Indices into RenderList::lights. Items of one group share them.
+using LightList = vrml::Array<std::uint16_t>;
 
 /// A texture as a Shape uses it.
 struct TextureUse {
@@ -65,13 +69,13 @@ struct DrawItem {
   glm::dmat4 world_from_node{1.0};
   Material material;
   TextureUse texture;
-  std::vector<std::uint16_t> directional_lights;  // indices into lights: those of the enclosing groups (6.16)
-  std::uint32_t place = kNoPlace;                 // of the Shape
-  bool seen = true;                               // false: the proxy of a Collision (6.8)
-  bool met = true;                                // false: the viewer goes through it
-  bool overlay = false;                           // fixed to the viewer: drawn over everything that is not
-  std::shared_ptr<const qnv::Cloud> surface;      // whose vectors are the mesh's vertices: a QNV node; else null
-  float detail = 1;                               // > 0: of the QNV node; multiplies how finely a surface is shown
+  LightList directional_lights;               // those of the enclosing groups (6.16)
+  std::uint32_t place = kNoPlace;             // of the Shape
+  bool seen = true;                           // false: the proxy of a Collision (6.8)
+  bool met = true;                            // false: the viewer goes through it
+  bool overlay = false;                       // fixed to the viewer: drawn over everything that is not
+  std::shared_ptr<const qnv::Cloud> surface;  // whose vectors are the mesh's vertices: a QNV node; else null
+  float detail = 1;                           // > 0: of the QNV node; multiplies how finely a surface is shown
 };
 
 /// The vectors of the QNV nodes of a world that have arrived, by node.
@@ -84,7 +88,7 @@ struct SplatItem {
   Material material;
   bool own_color = false;  // the cloud's colour, not the material's
   float detail = 1;        // > 0: of the QNV node; multiplies its part of the budget and how finely it is shown
-  std::vector<std::uint16_t> directional_lights;
+  LightList directional_lights;
   std::uint32_t place = kNoPlace;  // of the Shape
 };
 

@@ -110,8 +110,7 @@ const SplatPass::Shader* SplatPass::shader(bool colored, bool closing, bool fog,
       entry.emissive_ambient = at("emissive_ambient");
       entry.specular_exponent = at("specular_exponent");
       entry.fog = FogUniforms(gl_, name);
-      const GLuint block = gl_.GetUniformBlockIndex(name, "Lights");
-      if (block != GL_INVALID_INDEX) gl_.UniformBlockBinding(name, block, LightSets::kBinding);
+      entry.lights = LightUniforms(gl_, name);
     }
   }
   return entry.program ? &entry : nullptr;
@@ -198,7 +197,7 @@ void SplatPass::shade(const Material& m, const SplatTextures& textures, int clos
   gl_.Uniform4fv(s->emissive_ambient, 1, glm::value_ptr(emissive));
   gl_.Uniform4fv(s->specular_exponent, 1, glm::value_ptr(specular));
   if (fog.on) s->fog.set(gl_, fog);
-  lights_.bind(light_set);
+  lights_.bind(light_set, s->lights);
   gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }

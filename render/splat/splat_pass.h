@@ -39,6 +39,7 @@ class SplatPass {
           pixel = -1, tangents = -1, middle = -1, depth_row = -1, base = -1, emissive_ambient = -1,
           specular_exponent = -1;
     FogUniforms fog;
+    LightUniforms lights;
   };
   /// Null when the driver refused it.
   /// `lights`: LightSets::variant.

@@ -134,7 +134,7 @@ TEST_CASE("colours come from where the tables say (VRML97 4.14, Tables 4.5 and 4
   alike("lit, intensity and alpha",
         before_wall(shape(material("diffuseColor 1 1 1 transparency 0.9") + "texture " + two)),
         before_wall(shape(material("diffuseColor " + half + half + half + " transparency " + number(1 - 64.0 / 255)))));
-  alike("lit, RGB and alpha", before_wall(shape(material("diffuseColor 0 1 0 transparency 0.9") + "texture " + four)),
+  alike("lit, RGB and alpha", before_wall(shape(material("diffuseColor 0 1 0 transparency 1") + "texture " + four)),
         before_wall(
             shape(material("diffuseColor " + half + "1 " + quarter + " transparency " + number(1 - 96.0 / 255)))));
   alike("lit, RGB and transparency", before_wall(shape(material("transparency 0.5") + "texture " + three)),
@@ -256,6 +256,14 @@ TEST_CASE("transparent surfaces look alike in any order, of shapes and within a 
     return text;
   }();
   check_alike(studio, "one mesh and three", in_order, three, 0);
+  // What is nearest counts last: half of it, a quarter of the next, an eighth of the third (4.14.4).
+  for (const std::string& world : {view + blue + red + green, in_order}) {
+    const render::Image image = studio.picture(world);
+    const std::uint8_t* middle = image.pixels.data() + (std::size_t{32} * image.width + 32) * image.components;
+    CHECK(middle[0] == Approx(127.5).margin(1.5));
+    CHECK(middle[1] == Approx(63.75).margin(1.5));
+    CHECK(middle[2] == Approx(31.875).margin(1.5));
+  }
   // An alpha of a texture is sorted like one of a Material.
   const auto pane = [&](double z, double x, const std::string& word) {
     return shape(
@@ -264,6 +272,11 @@ TEST_CASE("transparent surfaces look alike in any order, of shapes and within a 
   };
   const std::string a = pane(0.5, -0.3, "0xff000080"), b = pane(-0.5, 0.3, "0x0000ff80");
   check_alike(studio, "textures", view + a + b, view + b + a, 0);
+  // The one before the other, of which 127 / 255 of half are left.
+  const render::Image panes = studio.picture(view + a + b);
+  const std::uint8_t* middle = panes.pixels.data() + (std::size_t{32} * panes.width + 32) * panes.components;
+  CHECK(middle[0] == Approx(128).margin(1.5));
+  CHECK(middle[2] == Approx(128 * 127 / 255.0).margin(1.5));
 }
 
 }  // namespace gs::app::pairs_look_test

@@ -48,6 +48,20 @@ TEST_CASE("groups of all kinds show what is in them (VRML97 4.6.5)") {
   check_alike(studio, "nothing chosen", kView + ball + nothing + kBlock, plain, 0);
 }
 
+TEST_CASE("bounding boxes are hints: wrong ones take nothing away (VRML97 4.6.4)") {
+  Studio studio;
+  const std::string ball = moved("translation 0.5 0 0", kBall);
+  const render::Image plain = studio.picture(kView + ball + kBlock);
+  for (const std::string group : {"Group", "Transform", "Anchor", "Collision", "Inline"})
+    for (const std::string box :
+         {"bboxSize 0.01 0.01 0.01", "bboxSize 1 1 1 bboxCenter 500 0 -90", "bboxSize 0 0 0 bboxCenter 7 7 7"}) {
+      INFO(group << ' ' << box);
+      const std::string inside = group == "Inline" ? " url \"in.wrl\" }" : " children [ " + ball + " ] }";
+      const Files files{{"main.wrl", kView + group + " { " + box + inside + kBlock}, {"in.wrl", ball}};
+      CHECK(compare_pictures(plain, studio.picture(files)).pixels == 0);
+    }
+}
+
 TEST_CASE("transformations look alike, joined and apart (VRML97 6.52)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {

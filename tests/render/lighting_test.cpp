@@ -1,7 +1,9 @@
+#include "render/gl/light_tree.h"
 #include "tests/render/drawing.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace gs;
 using namespace gs::render;
@@ -151,14 +153,14 @@ TEST_CASE("A directional light reaches only the items that name it (VRML97 6.16)
   item.directional_lights = {0};
   add(list, item);
   item.world_from_node = translation({2, 0, 0});
-  item.directional_lights.clear();
+  item.directional_lights = {};
   add(list, item);
   const Image image = drawing.draw(list);
   check_color(pixel(image, 16, 32), glm::vec3(0.5f));
   check_color(pixel(image, 48, 32), glm::vec3(0));
 }
 
-TEST_CASE("Sixty-four lights reach an item, the strongest of more", "[optimised]") {
+TEST_CASE("A thousand lights reach an item, the strongest of more", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
@@ -179,20 +181,111 @@ TEST_CASE("Sixty-four lights reach an item, the strongest of more", "[optimised]
     light.intensity = 0.005f;
   }
   list.lights[99].intensity = 0.6f;
-  // 0.6 and 63 times 0.005, each times diffuse 0.5
-  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.4575f), 2.0f);
+  // 0.6 and 99 times 0.005, each times diffuse 0.5
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.5475f), 1.5f);
+  list.lights.insert(list.lights.begin(), kMaxLightsOfAnItem, list.lights[0]);
+  for (Light& light : list.lights) light.intensity = 1e-4f;
+  list.lights.back().intensity = 0.6f;
+  check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.3f + 0.5e-4f * (kMaxLightsOfAnItem - 1)), 1.5f);
+}
+
+TEST_CASE("Each of hundreds of lamps lights its part of a floor, and what stands there (VRML97 4.6.6)", "[optimised]") {
+  constexpr int kRows = 17, kLamps = kRows * kRows;
+  Drawing drawing;
+  drawing.options.headlight = false;
+  const auto place = [](int i) { return glm::dvec3(0.3 * (i % kRows - 8), 0.3 * (i / kRows - 8), 0); };
+  const auto color = [](int i) { return glm::vec3(i % 2, i % 3 == 0 ? 0.5f : 1.0f, i % 5 == 0); };
+  RenderList lamps;
+  for (int i = 0; i < kLamps; ++i) {
+    Light light;
+    light.kind = Light::Kind::point;
+    light.location = place(i) + glm::dvec3(0, 0, 0.1);
+    light.radius = 0.19f;
+    light.color = color(i);
+    lamps.lights.push_back(light);
+  }
+  RenderList floor = lamps, tiles = lamps;
+  DrawItem item;
+  item.material.diffuse = glm::vec3(1);
+  item.mesh = square(3);
+  add(floor, item);
+  item.mesh = square(0.1f);
+  for (int i = 0; i < kLamps; ++i) {
+    item.world_from_node = translation(place(i));
+    add(tiles, item);
+  }
+  const int size = drawing.options.width = drawing.options.height = 208;
+  for (const RenderList* list : {&floor, &tiles}) {
+    const Image image = drawing.draw(*list);
+    for (int i = 0; i < kLamps; ++i) {
+      const glm::dvec3 at = place(i);
+      const auto pixel_of = [&](double x) { return static_cast<std::uint32_t>((x / 10 / kTangent + 1) * size / 2); };
+      INFO((list == &floor ? "floor" : "tiles") << ", lamp " << i);
+      check_color(pixel(image, pixel_of(at.x), pixel_of(-at.y)), color(i), 12.0f);  // beside the lamp
+    }
+  }
+}
+
+TEST_CASE("Where very many lights reach very many items, looking for them ends, and each has the strongest") {
+  Drawing drawing;
+  drawing.options.headlight = false;
+  RenderList list;
+  for (int i = 0; i < 6000; ++i) {
+    Light light;
+    light.kind = Light::Kind::point;
+    light.location = {0, 0, i % 2 == 0 ? 5 : -5};  // half of them behind all squares
+    light.intensity = i == 5000 ? 0.8f : 1e-9f;
+    list.lights.push_back(light);
+  }
+  DrawItem item;
+  item.mesh = square(0.02f);
+  item.material.diffuse = glm::vec3(1);
+  for (int i = 0; i < 2000; ++i) {
+    item.world_from_node = translation({0.04 * (i % 50) - 1, 0.04 * (i / 50) - 0.8, 0});
+    add(list, item);
+  }
+  const Image image = drawing.draw(list);
+  check_color(pixel(image, 32, 32), glm::vec3(0.8f), 4.0f);
+  check_color(pixel(image, 27, 36), glm::vec3(0.8f), 6.0f);
+  check_color(pixel(image, 36, 27), glm::vec3(0.8f), 6.0f);
+}
+
+TEST_CASE("The tree of lights finds what a look at all of them finds") {
+  std::uint32_t state = 7;
+  const auto random = [&] { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24); };
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{9}, std::size_t{500}}) {
+    std::vector<LightTree::Sphere> spheres;
+    for (std::size_t i = 0; i < count; ++i)
+      spheres.push_back({glm::vec3(random(), random(), random() * 0.2f) * 20.0f,
+                         i % 50 == 49 ? std::numeric_limits<float>::infinity() : random(),
+                         static_cast<std::uint16_t>(i)});
+    LightTree tree;
+    tree.build(spheres);
+    CHECK(tree.empty() == (count == 0));
+    for (int i = 0; i < 40; ++i) {
+      const glm::vec3 center = glm::vec3(random(), random(), random()) * 25.0f - 2.0f;
+      const float radius = i % 8 == 7 ? -1 : 3 * random();
+      std::vector<std::uint16_t> found, wanted;
+      tree.each_near(center, radius, [&](const LightTree::Sphere& sphere) { found.push_back(sphere.number); });
+      for (const LightTree::Sphere& sphere : spheres)
+        if (radius < 0 || glm::length(sphere.center - center) <= sphere.radius + radius)
+          wanted.push_back(sphere.number);
+      std::sort(found.begin(), found.end());
+      CHECK(found == wanted);
+    }
+  }
 }
 
 TEST_CASE("Items of one frame have any number of lights, with and without colours", "[optimised]") {
   Drawing drawing;
   drawing.options.headlight = false;
   RenderList list;
-  for (int i = 0; i < 64; ++i) {
+  for (int i = 0; i < 200; ++i) {
     Light light;
-    light.intensity = 1.0f / 64;
+    light.intensity = 1.0f / 200;
     list.lights.push_back(light);
   }
-  constexpr int kCounts[] = {0, 1, 2, 3, 5, 17, 63, 64};
+  constexpr int kCounts[] = {0, 1, 2, 3, 17, 64, 65, 200};
   const auto colored = std::make_shared<vrml::Mesh>(*square(0.4f));
   for (std::size_t i = 0; i < colored->positions.size(); ++i) colored->colors.push_back({0.2f, 0.4f, 0.8f});
   for (int i = 0; i < 8; ++i)
@@ -208,7 +301,7 @@ TEST_CASE("Items of one frame have any number of lights, with and without colour
   const Image image = drawing.draw(list);
   for (int i = 0; i < 8; ++i) {
     const auto pixel_of = [](double at) { return static_cast<std::uint32_t>((at / 10 / kTangent + 1) * 32); };
-    const float light = static_cast<float>(kCounts[i]) / 64;
+    const float light = static_cast<float>(kCounts[i]) / 200;
     check_color(pixel(image, pixel_of(i - 3.5), pixel_of(1)), light * glm::vec3(0.9f, 0.6f, 0.3f));
     check_color(pixel(image, pixel_of(i - 3.5), pixel_of(-1)), light * glm::vec3(0.2f, 0.4f, 0.8f));
   }

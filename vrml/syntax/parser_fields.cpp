@@ -80,8 +80,14 @@ Step Parser::State::node_body_step() {
 }
 
 // `fieldName value`, `fieldName IS name` or `eventName IS name`.
-Step Parser::State::field(const Token& name) {
+Step Parser::State::field(Token name) {
   const NodeType& type = *frames.back().type;
+  // No name holds a point (Annex A.2), so that a number may follow one at once.
+  const std::string_view before_point = name.text.substr(0, name.text.find('.'));
+  if (before_point.size() < name.text.size() && !type.find_field(name.text) && type.find_field(before_point)) {
+    name.text = before_point;
+    lexer.advance(before_point.data() + before_point.size(), 0, nullptr);
+  }
   const char begins = lexer.peek();
   if (begins == 'I' || (begins == '\0' && !lexer.is_last_window())) {
     const Lexer::Position behind_name = lexer.position();

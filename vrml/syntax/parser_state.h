@@ -117,7 +117,7 @@ struct Parser::State {
 
   // parser_fields.cpp: node bodies, interface declarations, IS, recovery
   Step node_body_step();
-  Step field(const Token& name);
+  Step field(Token name);
   Step is_mapping(const Token& name);
   Step interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed);
   void check_role(NodeId node, std::string_view field);

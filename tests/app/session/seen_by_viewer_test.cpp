@@ -6,6 +6,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,20 +17,29 @@ using namespace pairs;
 
 namespace {
 
-render::Image seen(const std::string& text) {
-  const ScratchFolder folder;
-  OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
-  REQUIRE(world.scene);
-  CHECK(world.diagnostics.errors() == 0);
-  Simulation simulation(std::move(world), {64, 64});
-  simulation.run(0.1);
-  const render::Camera camera = simulation.camera();
-  const render::RenderList& list =
-      simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
-  render::testing::Drawing drawing;
-  drawing.options.headlight = list.navigation.headlight;
-  return drawing.draw(list, camera);
-}
+/// Pictures from the first Viewpoint, the one named or elsewhere.
+class Eye {
+ public:
+  render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {},
+                     const std::optional<render::Camera>& from = {}) {
+    const ScratchFolder folder;
+    OpenedWorld world = load_world(folder.write("main.wrl", "#VRML V2.0 utf8\n" + text));
+    REQUIRE(world.scene);
+    CHECK(world.diagnostics.errors() == 0);
+    Simulation simulation(std::move(world), {64, 64});
+    if (!viewpoint.empty()) REQUIRE_FALSE(simulation.begin_at(viewpoint));
+    simulation.run(seconds);
+    const render::Camera camera = from ? *from : simulation.camera();
+    simulation.stand_at(camera);
+    const render::RenderList& list =
+        simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
+    drawing_.options.headlight = list.navigation.headlight;
+    return drawing_.draw(list, camera);
+  }
+
+ private:
+  render::testing::Drawing drawing_;
+};
 
 std::array<int, 3> pixel_at(const render::Image& image, std::size_t x, std::size_t y) {
   const std::uint8_t* pixel = image.pixels.data() + (y * image.width + x) * image.components;
@@ -45,43 +57,57 @@ std::string shape_of(const std::string& color, const std::string& geometry) {
 }
 
 TEST_CASE("a Billboard that faces the screen rolls with the viewer (VRML97 6.6)") {
+  Eye eye;
   // "the local Y-axis of the Billboard node is parallel to the Y-axis of the viewer"
   for (const char* roll : {"0.6", "-1.9"}) {
     const std::string turn = std::string("rotation 0 0 1 ") + roll;
     const std::string viewpoint = std::string("Viewpoint { position 0 0 5 orientation 0 0 1 ") + roll + " } ";
-    const render::Image billboard = seen(viewpoint + "Billboard { axisOfRotation 0 0 0 children " + kFlag + " }");
-    const render::Image by_hand = seen(viewpoint + "Transform { " + turn + " children " + kFlag + " }");
-    const render::Image unrolled = seen(viewpoint + kFlag);
+    const render::Image billboard = eye.seen(viewpoint + "Billboard { axisOfRotation 0 0 0 children " + kFlag + " }");
+    const render::Image by_hand = eye.seen(viewpoint + "Transform { " + turn + " children " + kFlag + " }");
+    const render::Image unrolled = eye.seen(viewpoint + kFlag);
     CHECK(compare_pictures(billboard, by_hand).pixels == 0);
     CHECK(compare_pictures(unrolled, by_hand).pixels > 100);
     // Below groups that turn it is the same.
-    const render::Image below = seen(viewpoint + "Transform { rotation 0.3 0.5 0.2 1.1 children " +
-                                     "Billboard { axisOfRotation 0 0 0 children " + kFlag + " } }");
+    const render::Image below = eye.seen(viewpoint + "Transform { rotation 0.3 0.5 0.2 1.1 children " +
+                                         "Billboard { axisOfRotation 0 0 0 children " + kFlag + " } }");
     CHECK(compare_pictures(below, by_hand).pixels < 8);
   }
 }
 
 TEST_CASE("about any other axis a Billboard does not roll (VRML97 6.6)") {
+  Eye eye;
   const std::string viewpoint = "Viewpoint { position 0 0 5 orientation 0 0 1 0.6 } ";
-  CHECK(compare_pictures(seen(viewpoint + "Billboard { children " + kFlag + " }"), seen(viewpoint + kFlag)).pixels ==
-        0);
+  CHECK(compare_pictures(eye.seen(viewpoint + "Billboard { children " + kFlag + " }"), eye.seen(viewpoint + kFlag))
+            .pixels == 0);
 }
 
 TEST_CASE("a HUD is seen over what is nearer, and goes with the viewer") {
+  Eye eye;
   const std::string wall = "Transform { translation 3 0 3 children " + shape_of("0 0 1", "Box { size 40 40 1 }") + "} ";
   const std::string sign =
       "HUD { children Transform { translation 0 0 -20 children " + shape_of("1 0 0", "Box { size 4 4 1 }") + "} } ";
   const std::string viewpoint = "NavigationInfo { headlight FALSE } Viewpoint { position 3 0 10 } ";
   for (const std::string& both : {wall + sign, sign + wall}) {
-    const render::Image image = seen(viewpoint + both);
+    const render::Image image = eye.seen(viewpoint + both);
     CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{255, 0, 0});
     CHECK(pixel_at(image, 8, 8) == std::array<int, 3>{0, 0, 255});
   }
+  // Wherever he begins, and at once.
+  const std::string other =
+      "Transform { translation 50 0 7 children Viewpoint { orientation 0 1 0 2 description \"other\" } } ";
+  CHECK(pixel_at(eye.seen(viewpoint + wall + sign + other, 0, "other"), 32, 32) == std::array<int, 3>{255, 0, 0});
+  CHECK(pixel_at(eye.seen(viewpoint + wall + other, 0, "other"), 32, 32) == std::array<int, 3>{0, 0, 0});
+  render::Camera camera;
+  camera.world_from_camera = glm::rotate(glm::translate(glm::dmat4(1), {-8, 30, 4}), 2.5, glm::dvec3(0.3, 1, 0.2));
+  CHECK(pixel_at(eye.seen(viewpoint + wall + sign, 0, {}, camera), 32, 32) == std::array<int, 3>{255, 0, 0});
+  // Without a Viewpoint, too, where all is brought into view.
+  CHECK(pixel_at(eye.seen("NavigationInfo { headlight FALSE } " + wall + sign, 0), 32, 32) ==
+        std::array<int, 3>{255, 0, 0});
   // Among themselves the nearer hides the farther.
   const std::string two =
       "HUD { children [ Transform { translation 0 0 -5 children " + shape_of("0 1 0", "Box { size 0.4 0.4 0.1 }") +
       "} Transform { translation 0 0 -20 children " + shape_of("1 0 0", "Box { size 4 4 1 }") + "} ] } ";
-  const render::Image image = seen(viewpoint + wall + two);
+  const render::Image image = eye.seen(viewpoint + wall + two);
   CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{0, 255, 0});
   CHECK(pixel_at(image, 27, 32) == std::array<int, 3>{255, 0, 0});
 }

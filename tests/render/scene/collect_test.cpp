@@ -230,8 +230,8 @@ TEST_CASE("DirectionalLights light their siblings and what is below them, in any
   const RenderList list = world.collect();
   REQUIRE(list.items.size() == 3);
   REQUIRE(list.lights.size() == 2);
-  CHECK(list.items[0].directional_lights == std::vector<std::uint16_t>{0});
-  CHECK(list.items[1].directional_lights == std::vector<std::uint16_t>{0});
+  CHECK(list.items[0].directional_lights == LightList{0});
+  CHECK(list.items[1].directional_lights == LightList{0});
   CHECK(list.items[2].directional_lights.empty());
   CHECK(list.lights[0].kind == Light::Kind::directional);
   check_vector(list.lights[0].direction, {0, -1, 0});

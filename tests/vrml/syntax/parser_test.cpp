@@ -314,7 +314,8 @@ TEST_CASE("no blank is needed between a number and what cannot belong to it (Ann
   };
   same("LOD { range 80level [ Group { } ] }", "LOD { range 80 level [ Group { } ] }");
   same("Transform { translation 1 2 3children [ ] }", "Transform { translation 1 2 3 children [ ] }");
-  same("Coordinate { point [ 0 0 0-1 0 10-1, -.5.75+1 0 0 ] }", "Coordinate { point [ 0 0 0 -1 0 10 -1, -.5 .75 +1 0 0 ] }");
+  same("Coordinate { point [ 0 0 0-1 0 10-1, -.5.75+1 0 0 ] }",
+       "Coordinate { point [ 0 0 0 -1 0 10 -1, -.5 .75 +1 0 0 ] }");
   same("IndexedFaceSet { coordIndex [ 0 1 2-1 0x0F-1 ] }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 15 -1 ] }");
   same("Material { shininess .27diffuseColor 1 0 0transparency 1e-1 }",
        "Material { shininess .27 diffuseColor 1 0 0 transparency 0.1 }");
@@ -322,4 +323,9 @@ TEST_CASE("no blank is needed between a number and what cannot belong to it (Ann
        "Transform { translation 1 -2 -3 rotation 0 1 0 1.5 scale 1 1 1 }");
   same("TimeSensor { cycleInterval 2loop TRUE }", "TimeSensor { cycleInterval 2 loop TRUE }");
   same("PixelTexture { image 1 1 1 0xFFrepeatS FALSE }", "PixelTexture { image 1 1 1 0xFF repeatS FALSE }");
+  // No name holds a point.
+  same("Viewpoint { fieldOfView.785description \"a\" position.5.25-1 }",
+       "Viewpoint { fieldOfView .785 description \"a\" position .5 .25 -1 }");
+  same("PROTO P [ field SFFloat x 1 ] { Material { shininess IS x } } P { x.5 }",
+       "PROTO P [ field SFFloat x 1 ] { Material { shininess IS x } } P { x .5 }");
 }
