@@ -21,22 +21,22 @@ using namespace gs::app;
 
 namespace {
 
-using Triangles = std::vector<qnv::Triangle>;
+using MeshTriangles = std::vector<qnv::Triangle>;
 
 template <class T>
-void put(std::string& to, T value, bool big = false) {
+void put_number(std::string& to, T value, bool big = false) {
   char bytes[sizeof(T)];
   std::memcpy(bytes, &value, sizeof(T));
   if (big) std::reverse(bytes, bytes + sizeof(T));
   to.append(bytes, sizeof(T));
 }
 
-std::span<const std::byte> bytes_of_text(const std::string& text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> mesh_bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-Triangles streamed(const std::string& text) {
-  const auto stream = open_mesh_stream(bytes_of_text(text));
+MeshTriangles triangles_of_stream(const std::string& text) {
+  const auto stream = open_mesh_stream(mesh_bytes(text));
   REQUIRE(stream);
-  Triangles all;
+  MeshTriangles all;
   REQUIRE(stream->source([&](std::span<const qnv::Triangle> some) {
     all.insert(all.end(), some.begin(), some.end());
     return true;
@@ -46,13 +46,13 @@ Triangles streamed(const std::string& text) {
 
 /// What is encoded of the file as a world.
 template <class Import>
-Triangles imported(const std::string& text, Import import) {
+MeshTriangles triangles_of_world(const std::string& text, Import import) {
   vrml::SceneGraph scene("test");
   vrml::Diagnostics diagnostics;
-  import(bytes_of_text(text), scene, diagnostics);
+  import(mesh_bytes(text), scene, diagnostics);
   render::MeshCache meshes;
   const render::RenderList list = render::collect(scene, {}, meshes);
-  Triangles all;
+  MeshTriangles all;
   (void)for_each_triangle(list, [&](std::span<const qnv::Triangle> some) {
     all.insert(all.end(), some.begin(), some.end());
     return true;
@@ -60,7 +60,7 @@ Triangles imported(const std::string& text, Import import) {
   return all;
 }
 
-void check_same(const Triangles& one, const Triangles& other) {
+void check_same_triangles(const MeshTriangles& one, const MeshTriangles& other) {
   REQUIRE(one.size() == other.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
     REQUIRE_EACH(one[i].positions == other[i].positions);
@@ -73,10 +73,10 @@ std::string binary_stl(std::size_t facets, int colors) {
   std::string text(80, ' ');
   if (colors == 2) text.replace(10, 10, std::string("COLOR=\x80\x40\xff\xff", 10));
   std::mt19937 random(7);
-  put(text, static_cast<std::uint32_t>(facets));
+  put_number(text, static_cast<std::uint32_t>(facets));
   for (std::size_t i = 0; i < facets; ++i) {
-    for (int k = 0; k < 12; ++k) put(text, static_cast<float>(random() % 1000) / 8);
-    put(text, static_cast<std::uint16_t>(colors == 0 ? 0 : colors == 1 ? 0x8000 | random() : random()));
+    for (int k = 0; k < 12; ++k) put_number(text, static_cast<float>(random() % 1000) / 8);
+    put_number(text, static_cast<std::uint16_t>(colors == 0 ? 0 : colors == 1 ? 0x8000 | random() : random()));
   }
   return text;
 }
@@ -93,18 +93,18 @@ std::string binary_ply(bool big, bool wide, const std::string& more = {}) {
   for (const auto& place : places)
     for (const double axis : place) {
       if (wide)
-        put(text, axis, big);
+        put_number(text, axis, big);
       else
-        put(text, static_cast<float>(axis), big);
-      put(text, shade += 13);
+        put_number(text, static_cast<float>(axis), big);
+      put_number(text, shade += 13);
     }
   const auto face = [&](const std::vector<std::int32_t>& corners) {
-    put(text, std::uint8_t{1});
-    put(text, static_cast<std::uint8_t>(corners.size()));
-    for (const std::int32_t corner : corners) put(text, corner, big);
-    put(text, std::uint8_t{2});
-    put(text, 1.5f, big);
-    put(text, 2.5f, big);
+    put_number(text, std::uint8_t{1});
+    put_number(text, static_cast<std::uint8_t>(corners.size()));
+    for (const std::int32_t corner : corners) put_number(text, corner, big);
+    put_number(text, std::uint8_t{2});
+    put_number(text, 1.5f, big);
+    put_number(text, 2.5f, big);
   };
   face({0, 1, 2, 3});
   face({0, 4, 1});
@@ -119,16 +119,16 @@ TEST_CASE("Triangles of a binary STL are those of its world") {
   for (const int colors : {0, 1, 2}) {
     INFO(colors);
     const std::string text = binary_stl(9000, colors);
-    check_same(streamed(text), imported(text, import_stl));
+    check_same_triangles(triangles_of_stream(text), triangles_of_world(text, import_stl));
   }
   const std::string text = binary_stl(200, 0);
-  CHECK(open_mesh_stream(bytes_of_text(text))->faces == 200);
+  CHECK(open_mesh_stream(mesh_bytes(text))->faces == 200);
   // Of a file that was cut those are read that are there.
   const std::string cut = text.substr(0, 84 + 50 * 70 + 49);
-  CHECK(open_mesh_stream(bytes_of_text(cut))->faces == 70);
-  CHECK(streamed(cut).size() == 70);
+  CHECK(open_mesh_stream(mesh_bytes(cut))->faces == 70);
+  CHECK(triangles_of_stream(cut).size() == 70);
   std::size_t given = 0;
-  CHECK_FALSE(open_mesh_stream(bytes_of_text(text))->source([&](std::span<const qnv::Triangle> some) {
+  CHECK_FALSE(open_mesh_stream(mesh_bytes(text))->source([&](std::span<const qnv::Triangle> some) {
     given += some.size();
     return false;
   }));
@@ -138,30 +138,30 @@ TEST_CASE("Triangles of a binary STL are those of its world") {
 TEST_CASE("Triangles of a binary PLY are those of its world") {
   for (const bool big : {false, true}) {
     const std::string text = binary_ply(big, false);
-    const Triangles triangles = streamed(text);
+    const MeshTriangles triangles = triangles_of_stream(text);
     REQUIRE(triangles.size() == 4);
-    const Triangles world =
-        imported(text, [](auto bytes, auto& scene, auto& diagnostics) { import_ply(bytes, scene, diagnostics); });
-    check_same(triangles, world);
+    const MeshTriangles world = triangles_of_world(
+        text, [](auto bytes, auto& scene, auto& diagnostics) { import_ply(bytes, scene, diagnostics); });
+    check_same_triangles(triangles, world);
     // From a place nearby where the file has more digits than float32.
     const std::string wide = binary_ply(big, true);
-    const auto stream = open_mesh_stream(bytes_of_text(wide));
+    const auto stream = open_mesh_stream(mesh_bytes(wide));
     REQUIRE(stream);
     CHECK(stream->origin == glm::dvec3(6e6 + 0.5, 0, 0));
     CHECK(stream->size == glm::vec3(1, 1, 1));
-    CHECK(streamed(wide)[2].positions[1] == glm::vec3(0, 0.5, 1));
-    CHECK(streamed(wide)[2].colors[1].r == 10 + 13 * 13);
+    CHECK(triangles_of_stream(wide)[2].positions[1] == glm::vec3(0, 0.5, 1));
+    CHECK(triangles_of_stream(wide)[2].colors[1].r == 10 + 13 * 13);
     for (std::size_t length = 0; length <= text.size(); ++length) {
       const std::string prefix = text.substr(0, length);
-      if (open_mesh_stream(bytes_of_text(prefix))) CHECK(streamed(prefix).size() <= 4);
+      if (open_mesh_stream(mesh_bytes(prefix))) CHECK(triangles_of_stream(prefix).size() <= 4);
     }
   }
 }
 
 TEST_CASE("What is no mesh of triangles in order is no stream of them") {
   CHECK_FALSE(open_mesh_stream({}));
-  CHECK_FALSE(open_mesh_stream(bytes_of_text("solid a\nfacet normal 0 0 1\nendsolid")));
-  CHECK_FALSE(open_mesh_stream(bytes_of_text("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")));
+  CHECK_FALSE(open_mesh_stream(mesh_bytes("solid a\nfacet normal 0 0 1\nendsolid")));
+  CHECK_FALSE(open_mesh_stream(mesh_bytes("ply\nformat ascii 1.0\nelement vertex 0\nend_header\n")));
   CHECK_FALSE(open_mesh_stream(
-      bytes_of_text("ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nend_header\n")));
+      mesh_bytes("ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nend_header\n")));
 }
