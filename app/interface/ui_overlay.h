@@ -81,8 +81,10 @@ class UiOverlay {
   void clear_notices();
   /// What was chosen in the Open panel shows, or `problem` says why it does not: then the panel stays, for another try.
   void open_ended(const std::string& problem);
-  /// Closes the topmost dialog, list or notice; panels of the dock stay. False when there was none.
-  bool close_one();
+  /// Closes what is open over the picture: a menu, a list, a dialog; false: nothing is. Or what stands beside it: a
+  /// panel, a notice.
+  bool close_over();
+  bool close_beside();
 
  private:
   struct State;

@@ -19,6 +19,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -153,6 +154,10 @@ class Session {
   [[nodiscard]] std::vector<SplitDivider> dividers() const { return dividers_of(panes_.split(), area_); }
   /// What a viewport gets of what is read over the network for all in sight, 0 to 1; 0: nothing is, for it.
   [[nodiscard]] double reading_share(std::size_t pane) const;
+  /// Bits a second that may be read for it at most, of all that it waits for; 0: any.
+  [[nodiscard]] std::uint64_t rate_of(std::size_t pane) const;
+  /// Bytes that have come for it so far.
+  [[nodiscard]] std::uint64_t received(std::size_t pane) const;
   /// How the window is split from now on.
   void change_split(SplitTree split);
   /// Moves a divider of the split to a column or row of framebuffer pixels; viewports keep `least` pixels. `ended`: it
@@ -306,6 +311,7 @@ class Session {
   void forget(std::size_t pane);
   [[nodiscard]] bool reads(std::size_t pane) const;
   void weigh_streams();
+  void limit_reading();
 
   void note_visits();
   void travel(int direction);

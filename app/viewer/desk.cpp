@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace gs::app {
@@ -111,8 +113,8 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
       if (inspection_.takes_arrows() && is_arrow(event.key)) continue;
     }
     if (picks(event)) continue;
-    result.push_back({event, ui_.wants_pointer()});
-    window_.note(result.back());
+    const SessionInput::Event one{event, ui_.wants_pointer()};
+    if (!window_.take(one)) result.push_back(one);
   }
   return result;
 }
@@ -134,7 +136,7 @@ bool Desk::run(Action action) {
   UserSettings settings = keeper_.settings();
   switch (action) {
     case Action::open_file:
-      if (!settings.system_dialog || !dialog_.show()) ui_.show_open_dialog();
+      if (!settings.system_dialog || !dialog_.show(folder_of_file())) ui_.show_open_dialog();
       return true;
     case Action::full_screen:
       window_.toggle_full_screen();
@@ -148,9 +150,13 @@ bool Desk::run(Action action) {
       return true;
     case Action::close:
       if (session_.seeking()) return false;  // the session ends that
-      if (!inspection_.picking()) return ui_.run(action) || window_.run_tool(action);
-      inspection_.set_picking(false);
-      return true;
+      if (inspection_.picking()) {
+        inspection_.set_picking(false);
+        return true;
+      }
+      if (ui_.close_over() || window_.run_tool(action)) return true;
+      if (session_.panes().loading(session_.panes().active())) return false;  // the session stops it
+      return ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;
       break;
@@ -184,6 +190,15 @@ bool Desk::run(Action action) {
   settings.text_size = std::clamp(std::round(settings.text_size * 10) / 10, row.least, row.most);
   change(settings);
   return true;
+}
+
+// Where others of the kind that is shown may be.
+std::string Desk::folder_of_file() const {
+  const Pane& pane = session_.panes().at(session_.panes().active());
+  std::error_code error;
+  if (pane.shown.empty() || pane.shown == not_kept_ || !std::filesystem::is_regular_file(pane.shown, error)) return ".";
+  const std::filesystem::path folder = std::filesystem::path(pane.shown).parent_path();
+  return folder.empty() ? "." : folder.string();
 }
 
 // Over the clipboard.

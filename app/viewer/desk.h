@@ -28,8 +28,8 @@ class DeskWindow {
 
   /// False: the action is none of that kind, or there was nothing to be closed.
   virtual bool run_tool(Action) { return false; }
-  /// What the session sees, too.
-  virtual void note(const SessionInput::Event&) {}
+  /// What is about to be the session's. True: it was its own, and the session does not see it.
+  virtual bool take(const SessionInput::Event&) { return false; }
   virtual void describe_tools(UiTools&) {}
   virtual void apply_tools(const UiToolActions&) {}
 };
@@ -89,6 +89,7 @@ class Desk {
   bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
   void exchange_camera(Action action);
+  [[nodiscard]] std::string folder_of_file() const;
   [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
   [[nodiscard]] std::optional<std::size_t> find_bookmark();
   void toggle_bookmark();
@@ -96,7 +97,7 @@ class Desk {
   void remember(const std::vector<std::string>& arrived);
   void note_session();
   void restore();
-  void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const;
+  void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget);
   void describe_user(UiModel& model, const Pane& pane);
   [[nodiscard]] std::string progress_of(const std::string& path) const;
 
@@ -107,6 +108,7 @@ class Desk {
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // a guest of the session
+  std::array<RateHistory, kMostViewports> readings_;
   FileDialog dialog_;
   SessionMemory lost_;   // of windows that ended by themselves, until the user has answered
   std::string opening_;  // what was chosen in the Open dialog last

@@ -39,7 +39,7 @@ std::string Desk::progress_of(const std::string& path) const {
   return text;
 }
 
-void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const {
+void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) {
   const Panes& panes = session_.panes();
   const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
   const double drawn = static_cast<double>(std::accumulate(budgets.begin(), budgets.end(), std::size_t{0}));
@@ -59,6 +59,14 @@ void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t bu
     viewport.budget = budgets[model.viewports.size()];
     if (drawn > 0) viewport.vectors = static_cast<double>(viewport.budget) / drawn;
     viewport.reading = session_.reading_share(picture.pane);
+    viewport.rate = session_.rate_of(picture.pane);
+    RateHistory& history = readings_[picture.pane];
+    if (viewport.reading > 0) {
+      (void)history.note(session_.received(picture.pane), world_time());
+      viewport.arriving = history.rate();
+    } else {
+      history = {};
+    }
     if (pane.failure) {
       viewport.failed = file_label(pane.failure->path);
       viewport.reason = pane.failure->error;

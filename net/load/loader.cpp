@@ -176,7 +176,8 @@ struct Loader::Parts {
 
   void open_lanes() {
     auto http = make_http_transport(options);
-    Transport& transport = *http;
+    HttpTransport& transport = *http;
+    network = &transport;
     lanes[static_cast<std::size_t>(Lane::network)] =
         std::make_unique<LaneThread>(std::move(http), [this, &transport] { return make_network_engine(transport); });
     lanes[static_cast<std::size_t>(Lane::local)] =
@@ -195,6 +196,7 @@ struct Loader::Parts {
   std::unique_ptr<HttpCache> cache;  // the network thread's
   mutable std::mutex problem_mutex;
   std::string problem;
+  HttpTransport* network = nullptr;  // of the network thread, of which only what any thread may call is called
   std::uint64_t last_id = 0;
   std::unordered_map<std::uint64_t, Lane> open;      // where to send what concerns a request
   std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last: their threads use the others
@@ -241,6 +243,11 @@ void Loader::set_priority(RequestId id, int priority) {
   if (found == parts_->open.end()) return;
   parts_->queue.set_priority(id, priority);
   parts_->lane(found->second).send({LaneCommand::Kind::priority, id, priority, {}});
+}
+
+void Loader::set_rate(std::uint64_t bytes_per_second) {
+  parts_->network->set_rate(bytes_per_second);
+  parts_->lane(Lane::network).wake();
 }
 
 std::vector<LoadEvent> Loader::poll(std::size_t max_bytes) {

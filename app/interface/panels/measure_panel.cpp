@@ -55,7 +55,7 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
     ImGui::PushID(static_cast<int>(axis));
     tool_label(axis == 0 ? "Slices" : "", frame.scale);
     if (switch_button(kAxes[axis], slices.shown[axis])) slices.shown[axis] = !slices.shown[axis];
-    frame.tooltips.show("Show the plane of voxels across this axis");
+    frame.tooltips.show("Show the plane of voxels across this axis; drag an edge of it in the picture to move it");
     ImGui::SameLine();
     const std::uint32_t voxels = tools.dimensions[axis];
     ImGui::BeginDisabled(!slices.shown[axis] || voxels == 0);
@@ -129,13 +129,13 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     ImGui::Separator();
     series_rows(frame, tools, actions);
   }
-  if (!model.has_volumes) return;
+  if (!tools.bar) return;
   ImGui::Separator();
   tool_label("Colour bar", frame.scale);
   bool bar = tools.color_bar;
   if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
   frame.tooltips.show("Beside the picture, with the values that its colours stand for");
-  slice_rows(frame, tools, actions);
+  if (model.has_volumes) slice_rows(frame, tools, actions);
 }
 
 void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& all) {
@@ -162,7 +162,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::Checkbox("Transparent background", &wish.request.transparent);
   tool_label("", frame.scale);
-  ImGui::BeginDisabled(!model.has_volumes);
+  ImGui::BeginDisabled(!tools.bar);
   ImGui::Checkbox("Colour bar", &wish.request.color_bar);
   ImGui::EndDisabled();
   static constexpr std::array<const char*, 3> kEyes{"One eye", "Side by side", "Red and cyan"};

@@ -1,3 +1,4 @@
+#include "app/interface/base/rate_choice.h"
 #include "app/interface/panels/inspect_panels.h"
 
 #include <imgui.h>
@@ -46,8 +47,20 @@ void plot(const StreamList::Row& row, const char* id, const ImVec2& size) {
 
 }  // namespace
 
-void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
+void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   if (!model.inspection) return;
+  const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
+                                   [](const UiViewport& viewport) { return viewport.active; });
+  if (active != model.viewports.end()) {
+    ImGui::AlignTextToFramePadding();
+    colored_text(UiColors::kQuiet, model.panes > 1 ? "This viewport reads at most" : "Reads at most");
+    ImGui::SameLine();
+    if (const auto rate = rate_choice("##most", active->rate, 130 * frame.scale)) {
+      actions.pane = PaneRequest{PaneRequest::Kind::limit, active->pane};
+      actions.pane->rate = *rate;
+    }
+    frame.tooltips.show("What may come over the network for the active viewport (--rate)");
+  }
   Inspection& inspection = *model.inspection;
   inspection.drawn().streams = true;
   const auto& rows = inspection.streams().rows();

@@ -1,4 +1,6 @@
+#include "app/streams/load_ledger.h"
 #include "tests/app/interface/driver.h"
+#include "tests/app/late_worlds.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -185,6 +187,51 @@ TEST_CASE("The weight of a viewport changes its share of the vectors, and of wha
   CHECK(user.sees("75 %"));
   user.session().serve(PaneRequest{PaneRequest::Kind::weigh, 1, 0, 1e9});
   CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
+}
+
+TEST_CASE("What may come for a viewport is shown, and chosen in its menu and in the panel of streams") {
+  late_worlds::Site site;
+  site.never("a.wrl");
+  site.never("b.wrl");
+  site.options.rate = 200'000;
+  Driver user({}, {1000, 700}, site.options);
+  user.press(Key::right, true, true);
+  user.session().open_in(0, "memory://a/a.wrl");
+  user.session().open_in(1, "memory://a/b.wrl");
+  user.settle();
+  const auto rate = [&](const std::string& path) {
+    for (const Session::Loads& one : user.session().loads())
+      if (one.path == path) return one.ledger->rate();
+    return std::optional<std::uint64_t>();
+  };
+  CHECK(rate("memory://a/a.wrl") == 200'000U);
+  CHECK(rate("memory://a/b.wrl") == 200'000U);
+  CHECK(user.sees("0 bit/s of 200 kbit/s"));
+  // In the menu of the second, which is active.
+  user.click("2 empty", MouseButton::right);
+  CHECK(user.sees("Reading: 50 %, 0 bit/s"));
+  CHECK(user.sees("Reading at most"));
+  const auto list = user.find("200 kbit/s");
+  REQUIRE(list);
+  user.click(*list);
+  user.click("2.0 Mbit/s");
+  CHECK(user.session().rate_of(1) == 2'000'000);
+  CHECK(user.session().rate_of(0) == 200'000);
+  CHECK(rate("memory://a/a.wrl") == 200'000U);
+  CHECK(rate("memory://a/b.wrl") == 2'000'000U);
+  user.press(Key::escape);
+  CHECK(user.sees("0 bit/s of 2.0 Mbit/s"));
+  // The same in the panel, of the active one.
+  user.press(letter_key('E'), true, true);
+  CHECK(user.sees("This viewport reads at most"));
+  user.session().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
+  user.settle();
+  CHECK(user.sees("no limit"));
+  CHECK(rate("memory://a/b.wrl") == 0U);
+  // What both show comes as fast as it may for one of them.
+  user.session().open_in(1, "memory://a/a.wrl");
+  user.settle();
+  CHECK(rate("memory://a/a.wrl") == 0U);
 }
 
 TEST_CASE("A file that is dropped on a viewport opens there") {
