@@ -149,7 +149,7 @@ picture_streams() {
   done
   show 1000x560 "$address/boat.qnv"
   key ctrl+shift+e
-  click 200 438 # its row, which shows a plot
+  click 200 470 # its row, which shows a plot
   xdotool mousemove 200 300
   sleep 2
   take streams

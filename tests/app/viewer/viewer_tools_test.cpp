@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -220,19 +221,17 @@ TEST_CASE("The value under the pointer is told of surfaces whose colours stand f
 TEST_CASE("The value under the pointer is told of a stream by its nearest vector") {
   Workshop shop;
   if (!shop.tools) return;
-  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 12 12 12\nsample units: \"K\"\nencoding: ascii\n\n";
-  for (int z = 0; z < 12; ++z)
-    for (int y = 0; y < 12; ++y)
-      for (int x = 0; x < 12; ++x)
-        volume += std::to_string(
-                      std::clamp(250 - 40 * std::max({std::abs(x - 6), std::abs(y - 6), std::abs(z - 6)}), 0, 250)) +
-                  " ";
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
+  for (int z = 0; z < 24; ++z)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
   shop.open(shop.scratch.write("a.nrrd", volume));
   // The same vectors, without the voxels that they were made of.
   shop.view().document->world.path = shop.scratch.path("gone.qnv");
   const auto world = world_from_volume(*shop.view().list);
   REQUIRE(world);
-  shop.view().navigation.pose.position = glm::dvec3(*world * glm::dvec4(6, 6, 40, 1));
+  shop.view().navigation.pose.position = glm::dvec3(*world * glm::dvec4(12, 12, 60, 1));
   shop.view().navigation.pose.orientation = glm::quat(1, 0, 0, 0);
   shop.view().navigation.transition.reset();
   UiToolActions actions;
