@@ -173,10 +173,10 @@ picture_measure() {
 picture_prefixes() {
   "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
   local look=(--size 220x200 --orbit 20,40 --headlight on --background 0.16,0.18,0.22)
-  for bytes in 1k 3k 8k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes surface.qnv; done
+  for bytes in 1200 3k 8k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes surface.qnv; done
   draw part.all.png "${look[@]}" surface.qnv
   draw part.lost.png "${look[@]}" --loss 0.1 surface.qnv
-  convert part.1k.png part.3k.png part.8k.png part.all.png part.lost.png +append parts.png
+  convert part.1200.png part.3k.png part.8k.png part.all.png part.lost.png +append parts.png
   small parts.png prefixes
 }
 
