@@ -201,8 +201,8 @@ void UiOverlay::show_panel(Action toggle) {
   if (const auto panel = panel_of(toggle)) state_->dock.dock().open(*panel);
 }
 
-void UiOverlay::show_notice(std::string text, bool is_error) {
-  state_->notices.show(shortened(text, 400), is_error, state_->now);
+void UiOverlay::show_notice(std::string text, bool is_error, std::string_view about) {
+  state_->notices.show(shortened(text, 400), is_error, state_->now, about);
 }
 
 void UiOverlay::clear_notices() { state_->notices.clear(); }

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::app {
@@ -77,7 +78,7 @@ class UiOverlay {
   [[nodiscard]] std::string clipboard() const;
   void set_clipboard(const std::string& text);
   /// A line that goes away by itself; `is_error` lines stay longer.
-  void show_notice(std::string text, bool is_error);
+  void show_notice(std::string text, bool is_error, std::string_view about = {});
   void clear_notices();
   /// What was chosen in the Open panel shows, or `problem` says why it does not: then the panel stays, for another try.
   void open_ended(const std::string& problem);

@@ -110,7 +110,7 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
     colored_text(UiColors::kQuiet, percent(viewport.vectors));
     tooltip("Its share of the vectors that are drawn: " + thousands(viewport.budget));
   }
-  if (viewport.reading > 0 && (viewport.rate > 0 || viewport.arriving > 0)) {
+  if ((viewport.reading > 0 && viewport.rate > 0) || viewport.arriving > 0) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, arriving_text(viewport));
     tooltip("How much comes for it a second; its menu says how much may");
@@ -186,8 +186,9 @@ void UiOverlay::State::pane_shares(const UiViewport& viewport, UiActions& action
   tooltip("How much of the vectors, and of what is read, this viewport gets beside others.  Ctrl + click: type it");
   text("Vectors: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
-  text("Reading: " + (viewport.reading > 0 ? percent(viewport.reading) + ", " + readable_rate(viewport.arriving)
-                                           : std::string("nothing")));
+  const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";
+  text("Reading: " + (viewport.reading > 0 || viewport.arriving > 0 ? share + readable_rate(viewport.arriving)
+                                                                    : std::string("nothing")));
   colored_text(UiColors::kQuiet, "Reading at most");
   if (const auto rate = rate_choice("##rate", viewport.rate, 180 * scale)) {
     actions.pane = wish(PaneRequest::Kind::limit, viewport);
@@ -219,6 +220,11 @@ void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& m
   ImGui::SameLine();
   if (ImGui::Button("Problems") && !is_on(Action::log, model)) actions.run = Action::log;
   tooltip(tooltip_of(Action::log));
+  if (viewport.reason.find("--memory") != std::string::npos) {
+    ImGui::SameLine();
+    if (ImGui::Button("More memory")) actions.run = Action::preferences;
+    tooltip("The preferences say how much one file may take");
+  }
   ImGui::SameLine();
   const bool goes = viewport.label.empty() && model.panes > 1;
   if (ImGui::Button("Close"))

@@ -48,9 +48,10 @@ void LoadLedger::seek(std::uint64_t number, std::string url, std::string kind) {
 
 void LoadLedger::receive(std::uint64_t number, std::uint64_t bytes, std::optional<std::uint64_t> total) {
   const std::lock_guard lock(mutex_);
-  received_ += bytes;
   LoadRow* const row = find(number);
-  if (!row || row->ended) return;
+  if (!row) return;
+  if (row->kind != "file" && row->kind != "data") received_ += bytes;
+  if (row->ended) return;
   row->stage = LoadStage::arriving;
   row->received += bytes;
   if (total) row->total = total;

@@ -77,7 +77,7 @@ class LoadLedger {
   /// In the order in which they began.
   [[nodiscard]] std::vector<LoadRow> rows() const;
   void cancel(std::uint64_t number);
-  /// Bytes of all rows that there ever were.
+  /// Bytes that have come over the network, for all rows that there ever were.
   [[nodiscard]] std::uint64_t received() const;
   /// How fast all of it together may come over the network from now on, bits a second; 0: as fast as it can.
   void set_rate(std::uint64_t bits_a_second);

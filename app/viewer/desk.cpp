@@ -66,6 +66,8 @@ SessionOptions with_settings(SessionOptions options, const UserSettings& setting
   return options;
 }
 
+std::size_t memory_of(double gibibytes) { return static_cast<std::size_t>(gibibytes * (1 << 30)); }
+
 bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
 
 }  // namespace
@@ -76,9 +78,11 @@ Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBacke
       window_(window),
       not_kept_(options.not_kept),
       up_given_(options.up_given),
+      memory_given_(load.limits.memory != vrml::Limits{}.memory),
       ui_(std::move(backend), options.scale, keeper_.settings()),
       session_(with_settings(options.session, keeper_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {
+  if (!memory_given_) session_.set_memory(memory_of(keeper_.settings().memory));
   session_.add_guest(inspection_);
   const UserMemory& memory = keeper_.memory();
   ui_.arrange(memory.panels, memory.areas);
@@ -218,6 +222,7 @@ void Desk::exchange_camera(Action action) {
 
 void Desk::change(const UserSettings& settings) {
   if (settings.speed != keeper_.settings().speed) session_.set_speed(settings.speed);
+  if (!memory_given_) session_.set_memory(memory_of(settings.memory));
   ViewStyle style = session_.panes().style();
   if (!up_given_) style.up = settings.up;
   style.backdrop = settings.backdrop;
@@ -336,7 +341,7 @@ bool Desk::tell(const Frame& frame) {
     complain("%s", line.c_str());
     keeper_.log(line);
   }
-  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem);
+  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem, notice.about);
   for (const std::string& page : frame.web_pages) {
     const bool opened = open_in_browser(page);
     ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);

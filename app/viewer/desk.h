@@ -75,6 +75,8 @@ class Desk {
   bool tell(const Frame& frame);
   /// What the interface is to show of it.
   [[nodiscard]] UiModel model(const Frame& frame, const DeskMeasures& measures);
+  /// It tells how much comes a second, and will tell something else soon.
+  [[nodiscard]] bool shows_rates() const;
   /// Does what the user asked for with it.
   void apply(const UiActions& actions);
   /// Opens what was chosen in the desktop's dialog. True: that has ended.
@@ -104,7 +106,7 @@ class Desk {
   UserKeeper keeper_;
   DeskWindow& window_;
   std::string not_kept_;
-  bool up_given_;
+  bool up_given_, memory_given_;
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // a guest of the session

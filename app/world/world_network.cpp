@@ -21,7 +21,7 @@ std::string without_fragment(net::Url url) {
 }
 
 // Of a rate in bits; what is limited is not without limit because it is little.
-std::uint64_t bytes_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
+std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
 
 }  // namespace
 
@@ -31,7 +31,7 @@ net::Loader* WorldLoading::State::network() {
   settings.cache_folder = options.cache_folder;
   settings.memory = options.memory;
   settings.policy = policy;
-  settings.bytes_per_second = bytes_of(options.rate);
+  settings.bytes_per_second = byte_rate_of(options.rate);
   settings.wake = [waker = waker] { waker->wake(); };
   loader = net::Loader::create(std::move(settings));
   return loader.get();
@@ -42,7 +42,7 @@ void WorldLoading::State::follow_rate() {
   const std::optional<std::uint64_t> asked = ledger->rate();
   if (!asked || *asked == options.rate) return;
   options.rate = *asked;
-  if (loader) loader->set_rate(bytes_of(options.rate));
+  if (loader) loader->set_rate(byte_rate_of(options.rate));
   set_cell_rate();
 }
 

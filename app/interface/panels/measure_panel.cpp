@@ -148,7 +148,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   if (wish.of_window) {
-    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times as large");
+    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d x as large");
   } else {
     ImGui::InputInt2("##size", &wish.size.x);
     wish.size.x = std::clamp(wish.size.x, 1, kMostPictureSide);
@@ -179,7 +179,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Turntable", frame.scale);
   auto seconds = static_cast<float>(wish.seconds);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g seconds")) wish.seconds = static_cast<double>(seconds);
+  if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g s")) wish.seconds = static_cast<double>(seconds);
   tool_label("", frame.scale);
   static constexpr std::array<const char*, 3> kFiles{"PNG pictures", "Movie (MP4)", "Movie (WebM)"};
   auto file = static_cast<int>(wish.animation);
@@ -191,7 +191,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Tour", frame.scale);
   auto leg = static_cast<float>(wish.leg);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g seconds a view")) wish.leg = static_cast<double>(leg);
+  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g s a view")) wish.leg = static_cast<double>(leg);
   tool_label("", frame.scale);
   if (ImGui::Button("Add this view")) all.tools.add_to_tour = true;
   ImGui::SameLine();

@@ -72,6 +72,8 @@ TEST_CASE("Who looks says how fast a world may come, and who reads is woken for 
   ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
   ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
   CHECK(ledger.received() == 120);
+  ledger.receive(ledger.begin("c", "file", nullptr), 5, {});  // which is no line's
+  CHECK(ledger.received() == 120);
 }
 
 TEST_CASE("A stream that views choose from is whole when all of it is there") {

@@ -341,6 +341,17 @@ TEST_CASE("What is typed from right to left into a field is seen so, and pointed
         "1\u05d1\u05d2z");
 }
 
+TEST_CASE("Who makes his steps longer again and again reads one speed") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  for (int i = 0; i < 4; ++i) user.press(Key::plus);
+  const std::string screen = user.screen();
+  INFO(screen);
+  const std::size_t first = screen.find("m/s");
+  REQUIRE(first != std::string::npos);
+  CHECK(screen.find("m/s", first + 1) == std::string::npos);
+}
+
 TEST_CASE("Esc stops loading before it closes what stands beside the picture") {
   late_worlds::Site site;
   site.never("late.wrl");

@@ -281,6 +281,39 @@ TEST_CASE("A viewport whose file failed says so, with what was wrong first, and 
   CHECK(split(user) == "1|2");
 }
 
+TEST_CASE("A file that takes too much memory leads to the setting, and opens once there is more") {
+  ScratchFolder scratch;
+  std::string points;
+  for (int i = 0; i < 30'000; ++i) points += "0 0 " + std::to_string(i) + ", ";
+  const std::string path = scratch.write(
+      "large.wrl", "#VRML V2.0 utf8\nShape { geometry PointSet { coord Coordinate { point [ " + points + " ] } } }\n");
+  LoadOptions load;
+  load.limits.memory = 256 << 10;
+  Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
+  given.session().open_files({path});
+  REQUIRE(given.wait_for([&] { return given.sees("More memory"); }));
+  given.click("More memory");
+  CHECK(given.sees("Memory of a world"));
+
+  Driver user;
+  UserSettings settings;
+  settings.memory = 0.0002;
+  UiActions actions;
+  actions.settings = settings;
+  user.desk().apply(actions);
+  user.session().open_files({path});
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
+  settings.memory = 1;
+  actions.settings = settings;
+  user.desk().apply(actions);
+  user.settle();
+  user.click("Open again");
+  CHECK(user.wait_for([&] {
+    const Pane& pane = user.session().panes().at(0);
+    return !pane.failure && pane.view() && !pane.view()->list->items.empty();
+  }));
+}
+
 TEST_CASE("A viewport with nothing but a file that failed is closed with the message") {
   Driver user;
   user.session().open_in(0, "/nowhere/first.wrl");
