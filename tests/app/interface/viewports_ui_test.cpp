@@ -289,12 +289,14 @@ TEST_CASE("A file that takes too much memory leads to the setting, and opens onc
       "large.wrl", "#VRML V2.0 utf8\nShape { geometry PointSet { coord Coordinate { point [ " + points + " ] } } }\n");
   LoadOptions load;
   load.limits.memory = 256 << 10;
-  Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
-  given.session().open_files({path});
-  REQUIRE(given.wait_for([&] { return given.sees("More memory"); }));
-  given.click("More memory");
-  CHECK(given.sees("Memory of a world"));
-
+  {
+    Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
+    given.session().open_files({path});
+    REQUIRE(given.wait_for([&] { return given.sees("More memory"); }));
+    given.settle();
+    given.click("More memory");
+    CHECK(given.sees("Memory of a world"));
+  }
   Driver user;
   UserSettings settings;
   settings.memory = 0.0002;
