@@ -149,7 +149,7 @@ picture_streams() {
   done
   show 1000x560 "$address/boat.qnv"
   key ctrl+shift+e
-  click 200 438 # its row, which shows a plot
+  click 200 470 # its row, which shows a plot
   xdotool mousemove 200 300
   sleep 2
   take streams
@@ -173,10 +173,10 @@ picture_measure() {
 picture_prefixes() {
   "$ghostspace" encode --isovalue 40 --vectors 30000 molecule.nrrd surface.qnv >/dev/null
   local look=(--size 220x200 --orbit 20,40 --headlight on --background 0.16,0.18,0.22)
-  for bytes in 1k 3k 8k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes surface.qnv; done
+  for bytes in 1200 3k 8k; do draw part.$bytes.png "${look[@]}" --max-bytes $bytes surface.qnv; done
   draw part.all.png "${look[@]}" surface.qnv
   draw part.lost.png "${look[@]}" --loss 0.1 surface.qnv
-  convert part.1k.png part.3k.png part.8k.png part.all.png part.lost.png +append parts.png
+  convert part.1200.png part.3k.png part.8k.png part.all.png part.lost.png +append parts.png
   small parts.png prefixes
 }
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window as somebody does, with the mouse and the keyboard under Xvfb, and looks
 through --control at what came of it: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer
-function, save a picture. Prints a line a step; exit status 1 if one failed. -k: pictures of the window are kept there.
+function, draw a slice through a volume, save a picture and a turntable. Prints a line a step; exit status 1 if one failed.
+-k: pictures of the window are kept there.
 
 GHOSTSPACE: the program, in the place of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
 xdotool, imagemagick).
@@ -255,6 +256,33 @@ def run(check):
         if int(size) < 50:
             raise Failed(f"{picture} has {size} colours")
 
+    def slices():
+        check.key("F4", "v", "shift+5")  # the volume from above, beside the panel Measure
+        check.click((627, 203))  # the plane across X
+        time.sleep(2)
+        before, viewer = window_picture(check), check.world.getViewer()["position"]
+        check.drag((260, 309), (330, 309))  # it is seen from its edge
+        time.sleep(1.5)
+        if check.differing(before, window_picture(check)) < 300:
+            raise Failed("the picture is as before")
+        if not near(check.world.getViewer()["position"], viewer, 1e-6):
+            raise Failed("the viewer has moved")
+        check.key("v")
+
+    def turns():
+        check.key("ctrl+shift+p")
+        check.xdotool("type", "--delay", 40, "panel pictures")
+        check.key("Return")
+        time.sleep(1)
+        check.click((618, 325))  # one second of it
+        check.click((599, 383))
+        wait("the pictures of a turntable", lambda: len(list(check.folder.glob("home/**/*.0*.png"))) == 25)
+        check.click((753, 354))  # as a movie
+        check.click((680, 403))
+        check.click((599, 383))
+        wait("a movie of it", lambda: any(movie.read_bytes()[4:8] == b"ftyp" and movie.stat().st_size > 2000
+                                          for movie in check.folder.glob("home/**/*.mp4")))
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
@@ -262,7 +290,9 @@ def run(check):
     check.step("back and forward", goes_back)
     check.step("a file is opened by its path", opens)
     check.step("a transfer function is edited, and saved", edits)
+    check.step("a slice is drawn by its edge", slices)
     check.step("a picture is saved", keeps)
+    check.step("a turntable is saved, as pictures and as a movie", turns)
 
 
 def window_picture(check):

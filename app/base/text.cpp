@@ -44,7 +44,9 @@ std::string readable_size(std::uint64_t bytes) {
 
 std::string readable_part(std::uint64_t bytes, std::uint64_t of) {
   const std::size_t unit = unit_of(of);
-  return in_unit(bytes, unit, of) + " of " + in_unit(of, unit, of) + " " + kSizeUnits[unit];
+  const bool alike = bytes == 0 || unit_of(bytes) == unit;  // else what has come would be told as nothing, or nearly
+  return (alike ? in_unit(bytes, unit, of) : readable_size(bytes)) + " of " + in_unit(of, unit, of) + " " +
+         kSizeUnits[unit];
 }
 
 }  // namespace gs::app

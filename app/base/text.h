@@ -30,7 +30,7 @@ namespace gs::app {
 
 /// "1.5 MB".
 [[nodiscard]] std::string readable_size(std::uint64_t bytes);
-/// "0.4 of 2.3 MB", in the unit of the whole.
+/// "1.4 of 2.3 MB", "45.2 kB of 2.3 MB".
 [[nodiscard]] std::string readable_part(std::uint64_t bytes, std::uint64_t of);
 
 }  // namespace gs::app

@@ -66,8 +66,8 @@ class AnimatedWorld {
     scene.list = &shown;
     if (!show_) {
       show_ = std::make_unique<VolumeShow>();
-      if (auto problem =
-              show_->prepare(volume_wishes(options_), file_, shown, std::make_shared<vrml::Budget>(options_.limits)))
+      if (auto problem = show_->prepare(volume_wishes(options_), file_, shown, simulation_->world().color_key,
+                                        std::make_shared<vrml::Budget>(options_.limits)))
         return std::move(*problem);
     }
     show_->apply(scene);

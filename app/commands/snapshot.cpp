@@ -218,8 +218,8 @@ int run_snapshot(const Options& given_options, const std::string& named) {
   PictureScene scene{&list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
-  if (const auto problem =
-          volume.prepare(volume_wishes(options), file, list, std::make_shared<vrml::Budget>(options.limits)))
+  if (const auto problem = volume.prepare(volume_wishes(options), file, list, simulation.world().color_key,
+                                          std::make_shared<vrml::Budget>(options.limits)))
     return fail(*problem);
   volume.apply(scene);
   auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {

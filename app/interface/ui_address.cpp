@@ -59,9 +59,10 @@ std::optional<std::size_t> UiOverlay::State::suggestion_rows(const std::vector<S
 
 void UiOverlay::State::address_bar(const UiModel& model, UiActions& actions, float width) {
   Address& bar = address;
-  if (!bar.active) bar.text = without_home(model.address);
+  if (bar.active || (text_waits == 0 && !bar.wanted)) bar.retried.clear();
+  if (!bar.active) bar.text = bar.retried.empty() ? without_home(model.address) : bar.retried;
   if (std::exchange(bar.wanted, false)) ImGui::SetKeyboardFocusHere();
-  const FieldEvents events = text_field("##address", "Path or URL", bar.text, width, true,
+  const FieldEvents events = text_field("##address", "Path or URL", bar.text, width, bar.retried.empty(),
                                         [this](const std::string& typed) { return completed_path(typed, listing); });
   if (!bar.active) tooltip("Path or URL of what is shown (" + keys_of(row_of(Action::address)) + ")");
   const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
@@ -97,6 +98,7 @@ void UiOverlay::State::address_bar(const UiModel& model, UiActions& actions, flo
   }
   if (!place) return;
   bar = {};
+  bar.opening = *place;
   if (const std::string path = opened_path(*place); !path.empty()) actions.open = path;
 }
 

@@ -46,6 +46,12 @@ void draw_ruler(ImDrawList& draw, const UiTools& tools, float scale) {
   }
 }
 
+void draw_slice_edge(ImDrawList& draw, const UiTools& tools, float scale) {
+  for (std::size_t i = 0; i < tools.slice_edge.size(); ++i)
+    draw.AddLine(units_of(tools.slice_edge[i]), units_of(tools.slice_edge[(i + 1) % tools.slice_edge.size()]),
+                 kMarkColor, 2.5f * scale);
+}
+
 void draw_bar(ImDrawList& draw, const ColorBar& bar, const MarkArea& area, float scale) {
   const float em = ImGui::GetFontSize(), width = 1.1f * em;
   const float height = std::min((area.to.y - area.from.y) * 0.5f, 20 * em);
@@ -89,6 +95,7 @@ void UiOverlay::State::tool_marks(const UiModel& model) const {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.PushClipRect(area.from, area.to, true);
   if (model.tools.color_bar && model.tools.bar) draw_bar(draw, *model.tools.bar, area, scale);
+  draw_slice_edge(draw, model.tools, scale);
   draw_ruler(draw, model.tools, scale);
   if (model.tools.measuring)
     draw_label(draw, {area.from.x + 12 * scale, area.to.y - 2 * ImGui::GetFontSize()}, model.tools.measured, scale);

@@ -65,6 +65,9 @@ void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) 
   state_->apply_appearance(false);
   state_->backend->begin_frame();
   state_->input.add(events);
+  for (const WindowEvent& event : events)
+    if (event.kind == WindowEvent::Kind::button_down || event.kind == WindowEvent::Kind::key_down)
+      state_->address.opening.clear();
   if (ImGui::GetIO().WantTextInput) state_->text_waits = 0;
   if (state_->text_waits > 0) --state_->text_waits;
   state_->input.apply(ImGui::GetIO(), state_->text_waits > 0);
@@ -106,6 +109,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   }
   state.notice_lines();
   if (model.travel_anchor) state.travel_mark(model);
+  if (!model.tools.slice_edge.empty() && !ImGui::GetIO().WantCaptureMouse) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
   if (model.over_sensor && !ImGui::GetIO().WantCaptureMouse) {
     ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     if (!model.link.empty()) ImGui::SetTooltip("%s", shown(model.link).c_str());
@@ -180,8 +184,6 @@ bool UiOverlay::run(Action action) {
     case Action::statistics:
       state.statistics = !state.statistics;
       return true;
-    case Action::close:
-      return close_one();
     default:
       return state.toggle_panel(action);
   }
@@ -199,13 +201,19 @@ void UiOverlay::show_panel(Action toggle) {
   if (const auto panel = panel_of(toggle)) state_->dock.dock().open(*panel);
 }
 
-void UiOverlay::show_notice(std::string text, bool is_error) {
-  state_->notices.show(shortened(text, 400), is_error, state_->now);
+void UiOverlay::show_notice(std::string text, bool is_error, std::string_view about) {
+  state_->notices.show(shortened(text, 400), is_error, state_->now, about);
 }
 
 void UiOverlay::clear_notices() { state_->notices.clear(); }
 
 void UiOverlay::open_ended(const std::string& problem) {
+  State::Address& bar = state_->address;
+  if (const std::string opened = std::exchange(bar.opening, {}); !opened.empty() && !problem.empty()) {
+    bar.retried = opened;
+    bar.wanted = true;
+    state_->text_waits = kFramesToFocus;
+  }
   State::OpenDialog& dialog = state_->dialog;
   if (!std::exchange(dialog.opening, false)) return;
   dialog.problem = problem;
@@ -219,7 +227,7 @@ void UiOverlay::open_ended(const std::string& problem) {
   }
 }
 
-bool UiOverlay::close_one() {
+bool UiOverlay::close_over() {
   State& state = *state_;
   if (state.question) return state.question_refused = true;
   if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a menu or a list
@@ -232,9 +240,10 @@ bool UiOverlay::close_one() {
   }
   for (bool* open : {&state.dialog.open, &state.preferences, &state.help})
     if (std::exchange(*open, false)) return true;
-  if (state.address.active) return true;  // the field leaves the keys by itself
-  return state.dock.close_one() || state.notices.close_one();
+  return state.address.active;  // the field leaves the keys by itself
 }
+
+bool UiOverlay::close_beside() { return state_->dock.close_one() || state_->notices.close_one(); }
 
 std::vector<PanelMemory> UiOverlay::panels() const {
   std::vector<PanelMemory> result;

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::app {
@@ -77,12 +78,14 @@ class UiOverlay {
   [[nodiscard]] std::string clipboard() const;
   void set_clipboard(const std::string& text);
   /// A line that goes away by itself; `is_error` lines stay longer.
-  void show_notice(std::string text, bool is_error);
+  void show_notice(std::string text, bool is_error, std::string_view about = {});
   void clear_notices();
   /// What was chosen in the Open panel shows, or `problem` says why it does not: then the panel stays, for another try.
   void open_ended(const std::string& problem);
-  /// Closes the topmost dialog, list or notice; panels of the dock stay. False when there was none.
-  bool close_one();
+  /// Closes what is open over the picture: a menu, a list, a dialog; false: nothing is. Or what stands beside it: a
+  /// panel, a notice.
+  bool close_over();
+  bool close_beside();
 
  private:
   struct State;

@@ -1,3 +1,5 @@
+#include "app/inspect/stream_list.h"
+#include "app/interface/base/rate_choice.h"
 #include "app/interface/base/viewport_area.h"
 #include "app/interface/ui_state.h"
 
@@ -32,8 +34,14 @@ std::string thousands(std::size_t count) {
   return digits;
 }
 
+// "180 kbit/s of 200 kbit/s"
+std::string arriving_text(const UiViewport& viewport) {
+  const std::string arriving = readable_rate(viewport.arriving);
+  return viewport.rate > 0 ? arriving + " of " + readable_rate(static_cast<double>(viewport.rate)) : arriving;
+}
+
 PaneRequest wish(PaneRequest::Kind kind, const UiViewport& viewport, std::size_t other = 0) {
-  return {kind, viewport.pane, other, viewport.weight};
+  return {kind, viewport.pane, other, viewport.weight, viewport.rate};
 }
 
 }  // namespace
@@ -101,6 +109,11 @@ void UiOverlay::State::pane_bar(const UiViewport& viewport, const UiModel& model
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, percent(viewport.vectors));
     tooltip("Its share of the vectors that are drawn: " + thousands(viewport.budget));
+  }
+  if ((viewport.reading > 0 && viewport.rate > 0) || viewport.arriving > 0) {
+    ImGui::SameLine();
+    colored_text(UiColors::kQuiet, arriving_text(viewport));
+    tooltip("How much comes for it a second; its menu says how much may");
   }
   // Where the user is; elsewhere they would only hide the picture.
   const bool wanted = viewport.active || area.contains(ImGui::GetIO().MousePos);
@@ -173,7 +186,15 @@ void UiOverlay::State::pane_shares(const UiViewport& viewport, UiActions& action
   tooltip("How much of the vectors, and of what is read, this viewport gets beside others.  Ctrl + click: type it");
   text("Vectors: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
-  text("Reading: " + (viewport.reading > 0 ? percent(viewport.reading) : std::string("nothing")));
+  const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";
+  text("Reading: " + (viewport.reading > 0 || viewport.arriving > 0 ? share + readable_rate(viewport.arriving)
+                                                                    : std::string("nothing")));
+  colored_text(UiColors::kQuiet, "Reading at most");
+  if (const auto rate = rate_choice("##rate", viewport.rate, 180 * scale)) {
+    actions.pane = wish(PaneRequest::Kind::limit, viewport);
+    actions.pane->rate = *rate;
+  }
+  tooltip("What may come over the network for this viewport (--rate)");
 }
 
 void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
@@ -199,6 +220,11 @@ void UiOverlay::State::failure_card(const UiViewport& viewport, const UiModel& m
   ImGui::SameLine();
   if (ImGui::Button("Problems") && !is_on(Action::log, model)) actions.run = Action::log;
   tooltip(tooltip_of(Action::log));
+  if (viewport.reason.find("--memory") != std::string::npos) {
+    ImGui::SameLine();
+    if (ImGui::Button("More memory")) actions.run = Action::preferences;
+    tooltip("The preferences say how much one file may take");
+  }
   ImGui::SameLine();
   const bool goes = viewport.label.empty() && model.panes > 1;
   if (ImGui::Button("Close"))

@@ -73,7 +73,9 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
       text(row.label);
       ImGui::TableNextColumn();
       changed |= setting_control(chosen, row);
-      ImGui::SameLine(0, 10 * scale);
+      // Beside it where that is no column of single words.
+      const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
+      if (end - ImGui::GetItemRectMax().x > 12 * ImGui::GetFontSize()) ImGui::SameLine(0, 10 * scale);
       ImGui::PushTextWrapPos(0);
       colored_text(UiColors::kQuiet, row.help);
       ImGui::PopTextWrapPos();

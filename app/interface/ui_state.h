@@ -45,6 +45,8 @@ struct UiOverlay::State {
     std::string text;
     bool wanted = false, active = false, list_hovered = false;
     bool typed = false;                 // its text is not what it was when it got the keys
+    std::string opening;                // what was entered last, as long as the user does nothing else
+    std::string retried;                // this could not be opened: it is there for another try
     std::optional<std::size_t> chosen;  // of the suggestions
   } address;
 

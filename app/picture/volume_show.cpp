@@ -37,11 +37,19 @@ ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfe
 }
 
 std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const std::string& path,
-                                               const render::RenderList& list, const WorldBudget& budget) {
+                                               const render::RenderList& list, const std::optional<ColorKey>& key,
+                                               const WorldBudget& budget) {
   wishes_ = wishes;
   if (!wishes.any()) return std::nullopt;
   const qnv::Description* const volume = first_volume(list);
-  if (!volume) return path + ": has no volume; expected one with --transfer, --slice and --color-bar";
+  if (!volume && key && wishes.transfer.empty() && wishes.slices.empty()) {
+    surface_bar_ = color_bar_of(*key);
+    return std::nullopt;
+  }
+  if (!volume)
+    return path +
+           ": has no volume; expected one with --transfer and --slice, and one or colours that stand for values "
+           "with --color-bar";
   if (!wishes.transfer.empty()) {
     auto transfer = named_transfer(wishes.transfer, *volume);
     if (auto* problem = std::get_if<std::string>(&transfer)) return std::move(*problem);
@@ -59,8 +67,9 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
 void VolumeShow::apply(PictureScene& scene) {
   if (!transfer_.empty()) scene.draw.clouds.transfer = transfer_;
   const qnv::Description* const volume = first_volume(*scene.list);
-  if (wishes_.color_bar && volume) {
-    scene.over = [before = std::move(scene.over), bar = shown_color_bar(*volume, transfer_, slices_)](
+  if (wishes_.color_bar && (volume || surface_bar_)) {
+    scene.over = [before = std::move(scene.over),
+                  bar = volume ? shown_color_bar(*volume, transfer_, slices_) : *surface_bar_](
                      render::Image& band, int top, const glm::ivec2& size) {
       if (before) before(band, top, size);
       draw_color_bar({band, top}, size, bar);

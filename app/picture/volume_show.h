@@ -27,14 +27,17 @@ struct VolumeWishes {
 /// What of a picture follows from that.
 class VolumeShow {
  public:
-  /// `path`: of the world, where a volume's values are read for slices. What is wrong, if anything.
+  /// `path`: of the world, where a volume's values are read for slices; `key`: what the colours of its surfaces stand
+  /// for. What is wrong, if anything.
   [[nodiscard]] std::optional<std::string> prepare(const VolumeWishes& wishes, const std::string& path,
-                                                   const render::RenderList& list, const WorldBudget& budget);
+                                                   const render::RenderList& list, const std::optional<ColorKey>& key,
+                                                   const WorldBudget& budget);
   /// Changes what the picture shows: its list, the look of clouds, what is drawn over it. This must outlive it.
   void apply(PictureScene& scene);
 
  private:
   VolumeWishes wishes_;
+  std::optional<ColorBar> surface_bar_;
   Transfer transfer_;  // empty: their own
   VolumeSlices slices_;
   std::shared_ptr<const VolumeGrid> grid_;

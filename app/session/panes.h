@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -37,6 +38,7 @@ struct Pane {
   InputTracker input;
   render::FrameStatistics statistics;
   double weight = 1;                   // of its share of what the viewports divide: vectors, and what is read for them
+  std::optional<std::uint64_t> rate;   // bits a second at most of what is read for it; 0: any; nothing: as for all
   std::optional<PaneFailure> failure;  // until it shows another file, or somebody has read it
 
   /// What is on the screen; null: nothing.

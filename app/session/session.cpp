@@ -37,6 +37,7 @@ Session::~Session() {
 Frame Session::step(double now, const SessionInput& input) {
   const double before = std::exchange(now_, now);
   load_next();
+  limit_reading();
   if (take_news()) frame_.news = true;
   if (take_meshes()) frame_.changed = true;
   if (feed_streams()) frame_.changed = true;

@@ -19,12 +19,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::render {
@@ -68,6 +70,7 @@ struct SessionInput {
 struct Notice {
   std::string text;
   bool is_problem = false;
+  std::string_view about = {};  // the next one about the same takes its place; empty: none does
 };
 
 /// What a step has led to.
@@ -153,6 +156,12 @@ class Session {
   [[nodiscard]] std::vector<SplitDivider> dividers() const { return dividers_of(panes_.split(), area_); }
   /// What a viewport gets of what is read over the network for all in sight, 0 to 1; 0: nothing is, for it.
   [[nodiscard]] double reading_share(std::size_t pane) const;
+  /// Bits a second that may be read for it at most, of all that it waits for; 0: any.
+  [[nodiscard]] std::uint64_t rate_of(std::size_t pane) const;
+  /// Bytes that have come for it over the network so far.
+  [[nodiscard]] std::uint64_t received(std::size_t pane) const;
+  /// What a world may take that is opened from now on, bytes.
+  void set_memory(std::size_t bytes) { load_.limits.memory = bytes; }
   /// How the window is split from now on.
   void change_split(SplitTree split);
   /// Moves a divider of the split to a column or row of framebuffer pixels; viewports keep `least` pixels. `ended`: it
@@ -306,6 +315,7 @@ class Session {
   void forget(std::size_t pane);
   [[nodiscard]] bool reads(std::size_t pane) const;
   void weigh_streams();
+  void limit_reading();
 
   void note_visits();
   void travel(int direction);
@@ -321,7 +331,9 @@ class Session {
   void enter_by_link(Pane& pane);
   void follow_link(std::size_t pane, const Link& link);
 
-  void tell(std::string text, bool is_problem) { frame_.notices.push_back({std::move(text), is_problem}); }
+  void tell(std::string text, bool is_problem, std::string_view about = {}) {
+    frame_.notices.push_back({std::move(text), is_problem, about});
+  }
 
   SessionOptions options_;
   LoadOptions load_;  // with what the user has allowed since

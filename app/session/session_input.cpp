@@ -143,7 +143,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::ghost:
       seen.navigation.ghost = !seen.navigation.ghost;
-      tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false);
+      tell(seen.navigation.ghost ? "Ghost: through walls, without falling" : "No ghost any more", false, "ghost");
       return true;
     case Action::straighten:
       if (seen.navigation.mode != NavigationMode::none)
@@ -159,7 +159,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::orthographic:
       choose_parallel(seen, !seen.style.parallel);
-      tell(seen.style.parallel ? "Orthographic: parallel rays" : "Perspective", false);
+      tell(seen.style.parallel ? "Orthographic: parallel rays" : "Perspective", false, "rays");
       return true;
     case Action::next_display:
       seen.style.display = static_cast<render::DisplayMode>((static_cast<int>(seen.style.display) + 1) % 4);
@@ -269,7 +269,7 @@ void Session::step_viewpoint(int direction) {
   const std::size_t count = listed.size();
   const std::size_t next = listed[(index + (direction > 0 ? 1 : count - 1)) % count];
   bind_viewpoint(next);
-  tell(viewpoint_label(seen->list->viewpoints[next], next), false);
+  tell(viewpoint_label(seen->list->viewpoints[next], next), false, "viewpoint");
 }
 
 void Session::fit() {
@@ -347,7 +347,7 @@ void Session::change_speed(float factor) {
   navigation.speed = std::clamp(navigation.speed * factor, kLeastSpeed, kMostSpeed);
   std::string number = std::to_string(navigation.speed);
   number.resize(std::min<std::size_t>(number.size(), 6));
-  tell("Speed " + number + " m/s", false);
+  tell("Speed " + number + " m/s", false, "speed");
 }
 
 void Session::open_files(const std::vector<std::string>& paths) {

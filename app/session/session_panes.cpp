@@ -1,4 +1,5 @@
 #include "app/session/session.h"
+#include "app/streams/load_ledger.h"
 #include "app/streams/stream_feed.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ void Session::serve(const PaneRequest& request) {
   if (request.pane >= kMostViewports || !has_pane(panes_.split(), request.pane)) return;
   Pane& pane = panes_.at(request.pane);
   frame_.changed = true;
-  frame_.news = frame_.news || request.kind != Kind::weigh;
+  frame_.news = frame_.news || (request.kind != Kind::weigh && request.kind != Kind::limit);
   switch (request.kind) {
     case Kind::split_right:
     case Kind::split_below:
@@ -46,6 +47,9 @@ void Session::serve(const PaneRequest& request) {
       return close_viewport(request.pane);
     case Kind::weigh:
       pane.weight = std::clamp(request.weight, Pane::kLeastWeight, Pane::kMostWeight);
+      return;
+    case Kind::limit:
+      pane.rate = request.rate;
       return;
     case Kind::open_again:
       if (pane.failure) open_in(request.pane, std::string(pane.failure->path));
@@ -107,6 +111,30 @@ double Session::reading_share(std::size_t pane) const {
     if (i == pane) own = panes_.at(i).weight;
   }
   return all > 0 ? own / all : 0;
+}
+
+std::uint64_t Session::rate_of(std::size_t pane) const { return panes_.at(pane).rate.value_or(load_.rate); }
+
+// What several viewports show comes as fast as it may for the one of them with the highest rate.
+void Session::limit_reading() {
+  for (const Loads& one : loads()) {
+    std::optional<std::uint64_t> rate;
+    for (const std::size_t i : panes_.visible()) {
+      const Pane& pane = panes_.at(i);
+      if (pane.wanted != one.path && pane.shown != one.path) continue;
+      const std::uint64_t own = rate_of(i);
+      rate = own == 0 || rate == 0 ? 0 : std::max(rate.value_or(0), own);
+    }
+    if (rate) one.ledger->set_rate(*rate);
+  }
+}
+
+std::uint64_t Session::received(std::size_t pane) const {
+  const std::string& path = panes_.at(pane).wanted;
+  std::uint64_t bytes = 0;
+  for (const Loads& one : loads())
+    if (one.path == path) bytes += one.ledger->received();
+  return bytes;
 }
 
 // Streams that are read for viewports of less weight get less of the line.

@@ -122,9 +122,8 @@ void follow_growth(View& view) {
     if (const float growth = whole.upper[axis] - before.upper[axis]; growth > 0)
       view.framed.upper[axis] += growth / 2 + air;
   }
-  view.home =
-      usable(before) ? pose_that_fits(view.home, view.framed, view.home_size, view.navigation.up)
-                     : seen_as_chosen(view, first_pose(view.framed, view.home_size, upright_of(view)));
+  view.home = usable(before) ? pose_that_fits(view.home, view.framed, view.home_size, view.navigation.up)
+                             : seen_as_chosen(view, first_pose(view.framed, view.home_size, upright_of(view)));
   const Navigation measured = start_navigation(view.rules, whole, view.home);
   view.navigation = travel_to(view.navigation, view.home);
   view.navigation.center = measured.center;
@@ -187,6 +186,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   View view;
   view.document = document;
   view.style = style;
+  view.color_bar = document->world.color_key.has_value();  // without it such colours say nothing
   view.list = document->list;
   if (document->living) {
     note_bound(view);
@@ -226,7 +226,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   view.history = before.history;
   view.look = before.look;
   view.slices = before.slices;
-  view.color_bar = before.color_bar;
+  if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
   // Who reads a file again has changed something and wants to see it, from where he is.
@@ -243,7 +243,7 @@ View grown(const View& before, std::shared_ptr<Document> document, const glm::ve
   view.history = before.history;
   view.look = before.look;
   view.slices = before.slices;
-  view.color_bar = before.color_bar;
+  if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
   if (view.document == before.document) view.left = before.left;

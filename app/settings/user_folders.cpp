@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
-constexpr char kName[] = "/ghostspace";
+constexpr char kFolderOfOurs[] = "/ghostspace";
 
 // Relative paths are to be ignored (XDG Base Directory Specification).
 std::string folder_in(const char* variable) {
@@ -35,10 +35,10 @@ UserFolders user_folders(const std::string& settings_file) {
   const std::string config = base_folder("XDG_CONFIG_HOME", "/.config"),
                     state = base_folder("XDG_STATE_HOME", "/.local/state");
   if (!config.empty()) {
-    folders.settings_file = config + kName + "/settings.conf";
-    folders.bookmarks_file = config + kName + "/bookmarks.json";
+    folders.settings_file = config + kFolderOfOurs + "/settings.conf";
+    folders.bookmarks_file = config + kFolderOfOurs + "/bookmarks.json";
   }
-  if (!state.empty()) folders.state = state + kName;
+  if (!state.empty()) folders.state = state + kFolderOfOurs;
   if (!settings_file.empty()) folders.settings_file = settings_file;
   return folders;
 }

@@ -80,6 +80,12 @@ constexpr SettingRow kSettings[] = {
     {"first-steps", "First steps", kFlag, kOnOff, 0, 0, false, "what to do first, in three lines over the demo world",
      [](const UserSettings& s) { return on_off(s.first_steps); },
      [](UserSettings& s, std::string_view v) { s.first_steps = v == "on"; }},
+    {"memory", "Memory of a world", kNumber, "", 0.25, 1024, false,
+     "about so many GiB may be taken for a file that is opened; what would take more is left out; --memory counts "
+     "before "
+     "it",
+     [](const UserSettings& s) { return text_of_number(s.memory); },
+     [](UserSettings& s, std::string_view v) { s.memory = number_in(v); }},
     {"budget", "Detail of clouds", kNumber, "", 0, kMostVectors, true,
      "most vectors that a window draws; 0: what suits most machines; --budget counts before it",
      [](const UserSettings& s) { return std::to_string(s.budget); },

@@ -27,6 +27,7 @@ struct UserSettings {
   bool backdrop = true;           // a gradient behind what no author has given a background
   bool axes = true;               // in a corner of the picture
   bool first_steps = true;        // three lines over the demo world, until they are closed
+  double memory = 2;              // GiB, about, for one world that is opened
   std::size_t budget = 0;         // vectors of all viewports together; 0: as many as suit a window
 
   bool operator==(const UserSettings&) const = default;

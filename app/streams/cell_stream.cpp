@@ -70,6 +70,12 @@ void CellStream::follow_weight() {
   driver_->set_rate(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(rate_) * weight_)));
 }
 
+void CellStream::set_rate(std::uint64_t rate) {
+  rate_ = rate > 0 ? rate : kAnyRate;
+  if (driver_)
+    driver_->set_rate(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(rate_) * weight_)));
+}
+
 void CellStream::take(net::CellEvent& event) {
   using Kind = net::CellEvent::Kind;
   if (event.kind == Kind::granted) {

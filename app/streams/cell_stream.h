@@ -42,7 +42,8 @@ class CellStream {
   bool step();
   /// From now on the views of this feed say what comes first.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
-  /// Nothing more comes.
+  /// How many bits a second the server is asked for from now on; 0: as many as it grants.
+  void set_rate(std::uint64_t rate);
   /// The server has said anything.
   [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }

@@ -49,7 +49,9 @@ void LoadLedger::seek(std::uint64_t number, std::string url, std::string kind) {
 void LoadLedger::receive(std::uint64_t number, std::uint64_t bytes, std::optional<std::uint64_t> total) {
   const std::lock_guard lock(mutex_);
   LoadRow* const row = find(number);
-  if (!row || row->ended) return;
+  if (!row) return;
+  if (row->kind != "file" && row->kind != "data") received_ += bytes;
+  if (row->ended) return;
   row->stage = LoadStage::arriving;
   row->received += bytes;
   if (total) row->total = total;
@@ -110,6 +112,23 @@ void LoadLedger::cancel(std::uint64_t number) {
   if (!row || row->ended || cancelled_.size() >= kMost) return;
   cancelled_.push_back(number);
   if (wake_) wake_();
+}
+
+std::uint64_t LoadLedger::received() const {
+  const std::lock_guard lock(mutex_);
+  return received_;
+}
+
+void LoadLedger::set_rate(std::uint64_t bits_a_second) {
+  const std::lock_guard lock(mutex_);
+  if (rate_ == bits_a_second) return;
+  rate_ = bits_a_second;
+  if (wake_) wake_();
+}
+
+std::optional<std::uint64_t> LoadLedger::rate() const {
+  const std::lock_guard lock(mutex_);
+  return rate_;
 }
 
 }  // namespace gs::app

@@ -68,13 +68,19 @@ class LoadLedger {
   void end(std::uint64_t number, LoadStage stage, std::string why = {});
   /// What somebody does not want any more, since the last call.
   [[nodiscard]] std::vector<std::uint64_t> take_cancelled();
-  /// `wake` is called when there is some.
+  /// What `set_rate` said last; nothing: it was never called.
+  [[nodiscard]] std::optional<std::uint64_t> rate() const;
+  /// `wake` is called when there is some, or another rate.
   void set_wake(std::function<void()> wake);
 
   // Who asks.
   /// In the order in which they began.
   [[nodiscard]] std::vector<LoadRow> rows() const;
   void cancel(std::uint64_t number);
+  /// Bytes that have come over the network, for all rows that there ever were.
+  [[nodiscard]] std::uint64_t received() const;
+  /// How fast all of it together may come over the network from now on, bits a second; 0: as fast as it can.
+  void set_rate(std::uint64_t bits_a_second);
 
  private:
   LoadRow* find(std::uint64_t number);
@@ -84,6 +90,8 @@ class LoadLedger {
   mutable std::mutex mutex_;  // guards all below
   std::deque<LoadRow> rows_;  // by number
   std::uint64_t numbers_ = 0;
+  std::uint64_t received_ = 0;
+  std::optional<std::uint64_t> rate_;
   std::vector<std::uint64_t> cancelled_;
   std::function<void()> wake_;
 };

@@ -38,7 +38,8 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
                std::nullopt,
                hit.point,
                hit.normal,
-               hit.texture_coordinate};
+               hit.texture_coordinate,
+               hit.triangle};
   };
   // What is seen over everything else is pointed at before it, too.
   if (list.overlays)
@@ -47,7 +48,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::seen, options.pixel))
     nearest = surface_hit(*hit);
   const auto splat_hit = [&](float distance, std::size_t splat) {
-    return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}};
+    return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}, {}};
   };
   render::PickRay looking;
   looking.origin = line.origin;

@@ -23,6 +23,7 @@ struct Hit {
   // World space; see render::SurfaceHit. The normal of what has none is towards where the ray comes from.
   glm::dvec3 point{0}, normal{0};
   glm::vec2 texture_coordinate{0};
+  render::TriangleHit triangle;  // where `splat` is empty; see render::SurfaceHit
 };
 
 struct PickOptions {

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace gs::app {
@@ -64,6 +66,8 @@ SessionOptions with_settings(SessionOptions options, const UserSettings& setting
   return options;
 }
 
+std::size_t memory_of(double gibibytes) { return static_cast<std::size_t>(gibibytes * (1 << 30)); }
+
 bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
 
 }  // namespace
@@ -74,9 +78,11 @@ Desk::Desk(DeskOptions options, LoadOptions load, std::unique_ptr<InterfaceBacke
       window_(window),
       not_kept_(options.not_kept),
       up_given_(options.up_given),
+      memory_given_(load.limits.memory != vrml::Limits{}.memory),
       ui_(std::move(backend), options.scale, keeper_.settings()),
       session_(with_settings(options.session, keeper_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs) {
+  if (!memory_given_) session_.set_memory(memory_of(keeper_.settings().memory));
   session_.add_guest(inspection_);
   const UserMemory& memory = keeper_.memory();
   ui_.arrange(memory.panels, memory.areas);
@@ -111,8 +117,8 @@ std::vector<SessionInput::Event> Desk::take(const std::vector<WindowEvent>& even
       if (inspection_.takes_arrows() && is_arrow(event.key)) continue;
     }
     if (picks(event)) continue;
-    result.push_back({event, ui_.wants_pointer()});
-    window_.note(result.back());
+    const SessionInput::Event one{event, ui_.wants_pointer()};
+    if (!window_.take(one)) result.push_back(one);
   }
   return result;
 }
@@ -134,7 +140,7 @@ bool Desk::run(Action action) {
   UserSettings settings = keeper_.settings();
   switch (action) {
     case Action::open_file:
-      if (!settings.system_dialog || !dialog_.show()) ui_.show_open_dialog();
+      if (!settings.system_dialog || !dialog_.show(folder_of_file())) ui_.show_open_dialog();
       return true;
     case Action::full_screen:
       window_.toggle_full_screen();
@@ -148,9 +154,13 @@ bool Desk::run(Action action) {
       return true;
     case Action::close:
       if (session_.seeking()) return false;  // the session ends that
-      if (!inspection_.picking()) return ui_.run(action) || window_.run_tool(action);
-      inspection_.set_picking(false);
-      return true;
+      if (inspection_.picking()) {
+        inspection_.set_picking(false);
+        return true;
+      }
+      if (ui_.close_over() || window_.run_tool(action)) return true;
+      if (session_.panes().loading(session_.panes().active())) return false;  // the session stops it
+      return ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;
       break;
@@ -186,6 +196,15 @@ bool Desk::run(Action action) {
   return true;
 }
 
+// Where others of the kind that is shown may be.
+std::string Desk::folder_of_file() const {
+  const Pane& pane = session_.panes().at(session_.panes().active());
+  std::error_code error;
+  if (pane.shown.empty() || pane.shown == not_kept_ || !std::filesystem::is_regular_file(pane.shown, error)) return ".";
+  const std::filesystem::path folder = std::filesystem::path(pane.shown).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
 // Over the clipboard.
 void Desk::exchange_camera(Action action) {
   const View* seen = session_.view();
@@ -203,6 +222,7 @@ void Desk::exchange_camera(Action action) {
 
 void Desk::change(const UserSettings& settings) {
   if (settings.speed != keeper_.settings().speed) session_.set_speed(settings.speed);
+  if (!memory_given_) session_.set_memory(memory_of(settings.memory));
   ViewStyle style = session_.panes().style();
   if (!up_given_) style.up = settings.up;
   style.backdrop = settings.backdrop;
@@ -321,7 +341,7 @@ bool Desk::tell(const Frame& frame) {
     complain("%s", line.c_str());
     keeper_.log(line);
   }
-  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem);
+  for (const Notice& notice : frame.notices) ui_.show_notice(notice.text, notice.is_problem, notice.about);
   for (const std::string& page : frame.web_pages) {
     const bool opened = open_in_browser(page);
     ui_.show_notice((opened ? "Opened in the web browser: " : "No web browser can be started for ") + page, false);

@@ -28,8 +28,8 @@ class DeskWindow {
 
   /// False: the action is none of that kind, or there was nothing to be closed.
   virtual bool run_tool(Action) { return false; }
-  /// What the session sees, too.
-  virtual void note(const SessionInput::Event&) {}
+  /// What is about to be the session's. True: it was its own, and the session does not see it.
+  virtual bool take(const SessionInput::Event&) { return false; }
   virtual void describe_tools(UiTools&) {}
   virtual void apply_tools(const UiToolActions&) {}
 };
@@ -75,6 +75,8 @@ class Desk {
   bool tell(const Frame& frame);
   /// What the interface is to show of it.
   [[nodiscard]] UiModel model(const Frame& frame, const DeskMeasures& measures);
+  /// It tells how much comes a second, and will tell something else soon.
+  [[nodiscard]] bool shows_rates() const;
   /// Does what the user asked for with it.
   void apply(const UiActions& actions);
   /// Opens what was chosen in the desktop's dialog. True: that has ended.
@@ -89,6 +91,7 @@ class Desk {
   bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
   void exchange_camera(Action action);
+  [[nodiscard]] std::string folder_of_file() const;
   [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
   [[nodiscard]] std::optional<std::size_t> find_bookmark();
   void toggle_bookmark();
@@ -96,17 +99,18 @@ class Desk {
   void remember(const std::vector<std::string>& arrived);
   void note_session();
   void restore();
-  void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const;
+  void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget);
   void describe_user(UiModel& model, const Pane& pane);
   [[nodiscard]] std::string progress_of(const std::string& path) const;
 
   UserKeeper keeper_;
   DeskWindow& window_;
   std::string not_kept_;
-  bool up_given_;
+  bool up_given_, memory_given_;
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // a guest of the session
+  std::array<RateHistory, kMostViewports> readings_;
   FileDialog dialog_;
   SessionMemory lost_;   // of windows that ended by themselves, until the user has answered
   std::string opening_;  // what was chosen in the Open dialog last

@@ -3,6 +3,7 @@
 #include "app/view/values/color_bar.h"
 #include "app/viewer/desk.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -39,10 +40,17 @@ std::string Desk::progress_of(const std::string& path) const {
   return text;
 }
 
-void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) const {
+bool Desk::shows_rates() const {
+  return std::any_of(readings_.begin(), readings_.end(), [](const RateHistory& one) { return one.rate() > 0; });
+}
+
+void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t budget) {
   const Panes& panes = session_.panes();
   const std::vector<std::size_t> budgets = budgets_of(frame, panes, budget);
   const double drawn = static_cast<double>(std::accumulate(budgets.begin(), budgets.end(), std::size_t{0}));
+  for (std::size_t i = 0; i < readings_.size(); ++i)
+    if (std::none_of(frame.pictures.begin(), frame.pictures.end(), [i](const auto& one) { return one.pane == i; }))
+      readings_[i] = {};
   for (const Frame::Picture& picture : frame.pictures) {
     const Pane& pane = panes.at(picture.pane);
     UiViewport viewport;
@@ -59,6 +67,10 @@ void Desk::describe_viewports(UiModel& model, const Frame& frame, std::size_t bu
     viewport.budget = budgets[model.viewports.size()];
     if (drawn > 0) viewport.vectors = static_cast<double>(viewport.budget) / drawn;
     viewport.reading = session_.reading_share(picture.pane);
+    viewport.rate = session_.rate_of(picture.pane);
+    RateHistory& history = readings_[picture.pane];
+    (void)history.note(session_.received(picture.pane), world_time());
+    viewport.arriving = history.rate();
     if (pane.failure) {
       viewport.failed = file_label(pane.failure->path);
       viewport.reason = pane.failure->error;

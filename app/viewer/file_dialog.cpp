@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <iterator>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -43,9 +44,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 std::span<const DialogProgram> dialog_programs() {
   static const std::vector<DialogProgram> kPrograms = {
-      {"zenity", {"--file-selection", "--multiple", "--separator=\n", "--title=Open"}},
-      {"kdialog", {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "."}},
-      {"qarma", {"--file-selection", "--multiple", "--separator=\n", "--title=Open"}},
+      {"zenity", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"}},
+      {"kdialog", {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "{folder}"}},
+      {"qarma", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"}},
   };
   return kPrograms;
 }
@@ -70,7 +71,7 @@ FileDialog::~FileDialog() {
   running_->reader.join();
 }
 
-bool FileDialog::show() {
+bool FileDialog::show(const std::string& folder) {
   if (running_) return true;
   if (!has_desktop()) return false;
   int ends[2];
@@ -81,10 +82,16 @@ bool FileDialog::show() {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input.get(), STDOUT_FILENO);
+  // What toolkits have to say of the desktop is nothing of ours.
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   bool started = false;
   for (const DialogProgram& program : programs_) {
+    std::vector<std::string> arguments = program.arguments;
+    for (std::string& argument : arguments)
+      if (const std::size_t at = argument.find(kFolderArgument); at != std::string::npos)
+        argument.replace(at, std::size(kFolderArgument) - 1, folder);
     std::vector<char*> words{const_cast<char*>(program.name.c_str())};
-    for (const std::string& argument : program.arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
     started = ::posix_spawnp(&running->child, program.name.c_str(), &actions, nullptr, words.data(), environ) == 0;
     if (started) break;

@@ -12,8 +12,10 @@ namespace gs::app {
 /// A program of a desktop that asks the user for files.
 struct DialogProgram {
   std::string name;                    // looked for in $PATH, unless it has a /
-  std::vector<std::string> arguments;  // so that it prints the chosen ones, a line each
+  std::vector<std::string> arguments;  // so that it prints the chosen ones, a line each; see kFolderArgument
 };
+/// Stands in an argument for the folder where the dialog begins.
+inline constexpr const char kFolderArgument[] = "{folder}";
 /// Those that are known, best first.
 [[nodiscard]] std::span<const DialogProgram> dialog_programs();
 
@@ -26,8 +28,8 @@ class FileDialog {
   FileDialog(const FileDialog&) = delete;
   FileDialog& operator=(const FileDialog&) = delete;
 
-  /// False: no desktop is there, or none of the programs. True: it is shown, or was already.
-  [[nodiscard]] bool show();
+  /// `folder`: where it begins. False: no desktop is there, or none of the programs. True: it is shown, or was already.
+  [[nodiscard]] bool show(const std::string& folder = ".");
   [[nodiscard]] bool is_shown() const { return running_ != nullptr; }
   /// How it ended.
   struct Answer {

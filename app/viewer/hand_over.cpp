@@ -23,7 +23,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{5000};  // of who hands over; then it opens a window of its own
-constexpr std::size_t kMostFilesHanded = 1000;              // of one message
+constexpr std::size_t kMostFilesHanded = 1000;        // of one message
 constexpr char kSocketName[] = "/window.sock", kTokenName[] = "/window.token";
 
 bool is_ours_alone(const std::string& folder) {
@@ -94,7 +94,8 @@ HandOver::Taken HandOver::take() {
     if (news->left) continue;
     const auto message = nlohmann::json::parse(news->message, nullptr, false);
     const auto open = message.is_object() ? message.find("open") : message.end();
-    const bool good = message.is_object() && open != message.end() && open->is_array() && open->size() <= kMostFilesHanded;
+    const bool good =
+        message.is_object() && open != message.end() && open->is_array() && open->size() <= kMostFilesHanded;
     (void)server_->send(news->client, good ? "taken" : "refused");
     if (!good) continue;
     taken.asked = true;

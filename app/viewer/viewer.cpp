@@ -160,7 +160,11 @@ void Viewer::wait_for_something() {
 
 void Viewer::wait_idle() {
   const std::optional<double> change = ui_.next_change();
-  double wait = frame_.loading ? kLoadingWait : kIdleWait;
+  double wait = frame_.loading || tools_.reads_values() ? kLoadingWait : kIdleWait;
+  if (desk_.shows_rates()) {
+    wait = std::min(wait, kLoadingWait);
+    frames_wanted_ = std::max(frames_wanted_, 2);  // what appears or goes is measured first
+  }
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
   if (const auto next = desk_.inspection().next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
@@ -172,7 +176,7 @@ void Viewer::wait_idle() {
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
-  if (desk_.tell(frame)) frames_wanted_ = kSettlingFrames;
+  if (desk_.tell(frame) || tools_.take_values()) frames_wanted_ = kSettlingFrames;
   show_title();
 }
 

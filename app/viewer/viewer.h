@@ -34,9 +34,9 @@ struct ViewerOptions {
   std::optional<UpAxis> up;             // none: as the settings say
   bool orthographic = false;
   render::DisplayMode display = render::DisplayMode::surface;
-  std::optional<Pose> camera;           // where the first file is first seen from
-  VolumeWishes volume;                  // how volumes are first shown
-  bool muted = false;                   // no sound, until it is asked for
+  std::optional<Pose> camera;  // where the first file is first seen from
+  VolumeWishes volume;         // how volumes are first shown
+  bool muted = false;          // no sound, until it is asked for
   render::SplatPath splats = render::SplatPath::automatic;
   ControlPlaces control;  // where others may control it
   UserFolders folders;    // of what is kept of the user's; empty: nothing is

@@ -128,7 +128,7 @@ bool Viewer::run_tool(Action action) {
   return true;
 }
 
-void Viewer::note(const SessionInput::Event& event) { tools_.take(event, session_.view(), active_place()); }
+bool Viewer::take(const SessionInput::Event& event) { return tools_.take(event, session_.view(), active_place()); }
 
 void Viewer::describe_tools(UiTools& tools) { tools_.describe(tools, session_.view(), active_place()); }
 

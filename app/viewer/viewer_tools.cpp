@@ -5,6 +5,7 @@
 #include "app/picture/picture_marks.h"
 #include "app/picture/screenshot.h"
 #include "app/picture/volume_show.h"
+#include "app/view/values/picked_values.h"
 #include "app/view/values/transfer_file.h"
 #include "net/files/file.h"
 
@@ -21,7 +22,8 @@
 namespace gs::app {
 namespace {
 
-constexpr float kClick = 4;  // pixels that the pointer may move between press and release of a click
+constexpr float kClick = 4;      // pixels that the pointer may move between press and release of a click
+constexpr float kSliceEdge = 6;  // pixels from the edge of a slice where it can be taken
 
 double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -59,17 +61,32 @@ ViewerTools::Values& ViewerTools::values_of(const View& view) {
     const std::string path = view.document->world.path;
     values.coming = std::async(std::launch::async, [path, this] { return VolumeGrid::read(path, &stop_); });
   }
-  if (values.coming.valid() && values.coming.wait_for(kNow) == std::future_status::ready) {
-    auto read = values.coming.get();
-    if (auto* problem = std::get_if<std::string>(&read))
-      values.problem = std::move(*problem);
-    else
-      values.grid = std::move(std::get<std::shared_ptr<const VolumeGrid>>(read));
-  }
+  (void)take(values);
   return values;
 }
 
-void ViewerTools::take(const SessionInput::Event& given, const View* seen, const Viewport& place) {
+bool ViewerTools::take(Values& values) {
+  if (!values.coming.valid() || values.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return false;
+  auto read = values.coming.get();
+  if (auto* problem = std::get_if<std::string>(&read))
+    values.problem = std::move(*problem);
+  else
+    values.grid = std::move(std::get<std::shared_ptr<const VolumeGrid>>(read));
+  return probe_due_ = true;
+}
+
+bool ViewerTools::reads_values() const {
+  return std::any_of(values_.begin(), values_.end(), [](const auto& entry) { return entry.second.coming.valid(); });
+}
+
+bool ViewerTools::take_values() {
+  bool any = false;
+  for (auto& [document, values] : values_) any = take(values) || any;
+  return any;
+}
+
+bool ViewerTools::take(const SessionInput::Event& given, const View* seen, const Viewport& place) {
   const WindowEvent& event = given.event;
   using Kind = WindowEvent::Kind;
   if (event.kind == Kind::pointer) {
@@ -77,15 +94,55 @@ void ViewerTools::take(const SessionInput::Event& given, const View* seen, const
     probe_due_ = true;
   }
   if (event.kind == Kind::button_down) pressed_ = event.pointer;
+  if (event.kind == Kind::focus_lost) grip_.reset();
+  if (event.kind == Kind::button_up && event.button == MouseButton::left && std::exchange(grip_, std::nullopt))
+    return true;
+  if (event.kind == Kind::button_down && event.button == MouseButton::left && !given.over_interface && !measuring_ &&
+      seen) {
+    pointer_ = event.pointer;
+    grip_ = slice_under_pointer(*seen, place);
+    if (grip_) return true;
+  }
   const bool click = event.kind == Kind::button_up && event.button == MouseButton::left && !given.over_interface &&
                      glm::length(event.pointer - pressed_) < kClick;
-  if (!click || !measuring_ || !seen) return;
+  if (!click || !measuring_ || !seen) return false;
   if (ruled_.lock() != seen->document) ruler_.clear();
   ruled_ = seen->document;
   const glm::vec2 at = event.pointer - glm::vec2(place.left, place.top), size(place.size());
   const Ray ray = ray_through(seen->navigation.pose, at, size);
   if (const auto hit = picker_.pick(shown(kMostViewports, *seen), ray, pick_options(*seen, size)))
     (void)ruler_.add(hit->point);
+  return false;
+}
+
+std::optional<SliceGrip> ViewerTools::slice_under_pointer(const View& seen, const Viewport& place) {
+  const auto world_from_node = world_from_volume(*seen.list);
+  if (!seen.slices.any() || !world_from_node) return std::nullopt;
+  const Values& values = values_of(seen);
+  if (!values.grid) return std::nullopt;
+  return slice_at_edge(*values.grid, seen.slices, *world_from_node, seen.navigation.pose, glm::vec2(place.size()),
+                       pointer_ - glm::vec2(place.left, place.top), kSliceEdge);
+}
+
+// The one whose edge is under the pointer, so that it shows what can be drawn.
+void ViewerTools::describe_slices(UiTools& tools, const View& seen, const Viewport& place) {
+  tools.slices = seen.slices;
+  const std::optional<SliceGrip> grip = grip_ ? grip_ : slice_under_pointer(seen, place);
+  const auto world_from_node = world_from_volume(*seen.list);
+  if (!grip || !world_from_node) return;
+  for (const glm::dvec3& corner : slice_corners(*values_of(seen).grid, seen.slices, grip->axis)) {
+    const glm::dvec3 world(*world_from_node * glm::dvec4(corner, 1));
+    const auto pixel = pixel_that_sees(seen.navigation.pose, world, glm::vec2(place.size()));
+    if (!pixel) return tools.slice_edge.clear();
+    tools.slice_edge.push_back(*pixel + glm::vec2(place.left, place.top));
+  }
+}
+
+std::optional<ColorBar> ViewerTools::bar_of(const View& seen) {
+  if (const qnv::Description* const volume = first_volume(*seen.list))
+    return shown_color_bar(*volume, seen.look.transfer, seen.slices);
+  const auto& key = seen.document->world.color_key;
+  return key ? std::optional(color_bar_of(*key)) : std::nullopt;
 }
 
 const render::RenderList& ViewerTools::shown(std::size_t pane, const View& view) {
@@ -127,7 +184,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
 }
 
-// The value of a volume where it is seen, or where a plane or surface in it is.
+// The value of a volume where it is seen, or where a plane or surface in it is; of a stream, that of the nearest
+// vector; of a surface, what its colours stand for.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
   const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());
@@ -138,7 +196,18 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
   if (!hit) return;
   const qnv::Description* const volume = first_volume(*seen.list);
   const auto world_from_node = world_from_volume(*seen.list);
-  if (volume && world_from_node) {
+  const auto& key = seen.document->world.color_key;
+  if (volume && hit->splat && !asked_is_volume_) {
+    const render::SplatItem& item = list.splats[*hit->splat];
+    const glm::dvec3 inside(glm::inverse(item.world_from_node) * glm::dvec4(hit->point, 1));
+    if (const auto near = value_near(*item.cloud, inside))
+      value_ =
+          "about " + readable_value(near->value, value_unit(*volume), 3) + ", by the nearest vector of the stream; ";
+  } else if (!volume && key && !hit->splat && hit->item < list.items.size()) {
+    if (const auto& mesh = list.items[hit->item].mesh)
+      if (const auto value = value_on(*key, *mesh, hit->triangle))
+        value_ = (key->title.empty() ? "" : key->title + ": ") + readable_value(*value, {}, 4) + "; ";
+  } else if (volume && world_from_node) {
     const Values& values = values_of(seen);
     if (values.grid) {
       const glm::dvec3 voxel =
@@ -170,7 +239,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   }
   tools.measured = ruler_.summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
-  tools.slices = seen->slices;
+  describe_slices(tools, *seen, place);
   const qnv::Description* const volume = first_volume(*seen->list);
   if (volume && asked_.lock() != seen->document) {
     asked_ = seen->document;
@@ -189,7 +258,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   if (std::exchange(probe_due_, false) && wants_value_) probe(*seen, place);
   tools.value = value_;
   tools.color_bar = seen->color_bar;
-  if (volume) tools.bar = shown_color_bar(*volume, seen->look.transfer, seen->slices);
+  tools.bar = bar_of(*seen);
 }
 
 bool ViewerTools::is_volume_file(const View& seen) {
@@ -218,10 +287,8 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMostViewports;
-  const qnv::Description* const volume = first_volume(*seen.list);
-  if (request.color_bar && volume)
-    scene.over = [bar = shown_color_bar(*volume, seen.look.transfer, seen.slices)](render::Image& band, int top,
-                                                                                   const glm::ivec2& all) {
+  if (const auto bar = request.color_bar ? bar_of(seen) : std::nullopt)
+    scene.over = [bar = *bar](render::Image& band, int top, const glm::ivec2& all) {
       draw_color_bar({band, top}, all, bar);
     };
   return scene;
@@ -351,6 +418,9 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (!seen) return;
   show_as_wished(*seen, tell);
   if (actions.slices) seen->slices = *actions.slices;
+  if (grip_)
+    seen->slices.places[grip_->axis] = dragged_place(*grip_, seen->navigation.pose, glm::vec2(place.size()),
+                                                     pointer_ - glm::vec2(place.left, place.top));
   if (actions.color_bar) seen->color_bar = *actions.color_bar;
   if (actions.take_picture) take_picture(*seen, place, tell);
   if (actions.take_turntable) start_animation(*seen, place, false, tell);

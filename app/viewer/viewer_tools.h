@@ -8,6 +8,7 @@
 #include "app/view/ground_grid.h"
 #include "app/view/picking.h"
 #include "app/view/ruler.h"
+#include "app/view/values/slice_drag.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"
 
@@ -32,8 +33,8 @@ class ViewerTools {
   ViewerTools(const ViewerTools&) = delete;
   ViewerTools& operator=(const ViewerTools&) = delete;
 
-  /// What a click or movement of the pointer means; the session sees it, too.
-  void take(const SessionInput::Event& event, const View* seen, const Viewport& place);
+  /// What a click or movement of the pointer means. True: it means nothing else, and the session does not see it.
+  bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);
   /// What a view's picture shows: its list, with slices.
   [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
   /// The grid of a view that has one; null: none.
@@ -48,6 +49,9 @@ class ViewerTools {
   void toggle_ruler();
   /// Ends the ruler (Esc). False: there is none.
   bool close();
+  /// Values of volumes are being read; `take_values`: some have come since the last time, so that they show.
+  [[nodiscard]] bool reads_values() const;
+  bool take_values();
   /// Draws the next picture of an animation, if one is being saved: another frame is wanted then.
   bool go_on(const View* seen, const Tell& tell);
 
@@ -71,8 +75,12 @@ class ViewerTools {
     PictureRequest request;
   };
   Values& values_of(const View& view);
+  bool take(Values& values);
   void show_as_wished(View& seen, const Tell& tell);
   [[nodiscard]] static bool is_volume_file(const View& seen);
+  [[nodiscard]] std::optional<SliceGrip> slice_under_pointer(const View& seen, const Viewport& place);
+  void describe_slices(UiTools& tools, const View& seen, const Viewport& place);
+  [[nodiscard]] static std::optional<ColorBar> bar_of(const View& seen);
   void probe(const View& seen, const Viewport& place);
   [[nodiscard]] PictureScene scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
                                       const PictureRequest& request);
@@ -87,6 +95,7 @@ class ViewerTools {
   bool measuring_ = false, wants_value_ = false, probe_due_ = false;
   glm::vec2 pressed_{0}, pointer_{0};
   std::string value_;
+  std::optional<SliceGrip> grip_;  // of the slice that is drawn through the volume
   GroundGrids grids_;
   std::weak_ptr<Document> ruled_;  // whose places the ruler has
   std::atomic<bool> stop_{false};  // of who reads values

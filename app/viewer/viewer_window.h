@@ -45,7 +45,7 @@ class Viewer final : public DeskWindow {
 
   // DeskWindow, of what draws.
   bool run_tool(Action action) override;
-  void note(const SessionInput::Event& event) override;
+  bool take(const SessionInput::Event& event) override;
   void describe_tools(UiTools& tools) override;
   void apply_tools(const UiToolActions& actions) override;
   /// The active one, in framebuffer pixels.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/color_key.h"
 #include "app/formats/common/upright.h"
 #include "render/image/image.h"
 #include "render/scene/render_list.h"
@@ -66,9 +67,10 @@ struct OpenedWorld {
   bool authored = true;               // a world with a look of its own; else a thing that a file has measured or made
   UpRule up = UpRule::y;              // of its format
   std::optional<Upright> stated_up;   // by the file itself
-  bool truncated = false;    // the file ends before the world does
-  std::size_t bytes = 0;     // of the file itself, as it lies on disk
-  double parse_seconds = 0;  // of the file itself, without what it refers to
+  std::optional<ColorKey> color_key;  // what the colours of its surfaces stand for, where it says so
+  bool truncated = false;             // the file ends before the world does
+  std::size_t bytes = 0;              // of the file itself, as it lies on disk
+  double parse_seconds = 0;           // of the file itself, without what it refers to
 
   /// How it stands; `size`: of all that it shows, along the axes.
   [[nodiscard]] Upright upright(const glm::vec3& size) const { return stated_up.value_or(upright_of(up, size)); }

@@ -156,6 +156,10 @@ void WorldLoading::State::stop_cells(const Fetch* fetch) {
 }
 
 // Of one that views see to.
+void WorldLoading::State::set_cell_rate() {
+  for (const auto& one : cells) one->stream->set_rate(options.rate);
+}
+
 void WorldLoading::State::cancel_cells(std::uint64_t row) {
   for (const auto& one : cells)
     if (one->row == row && !one->fetch && one->feed) {

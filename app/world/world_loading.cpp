@@ -298,6 +298,7 @@ void WorldLoading::State::cancel(Fetch& fetch) {
 bool WorldLoading::State::step(std::chrono::milliseconds wait) {
   bool busy = false;
   cancel_rows();
+  follow_rate();
   // First, so that however short the time is, something shows.
   if (!local.empty()) {
     local_step();
@@ -465,8 +466,10 @@ OpenedWorld WorldLoading::take(render::MeshCache* meshes) {
   world.parse_seconds = s.root->seconds();
   world.truncated = s.root->content == SceneHandler::Content::cut_short;
   world.scene = s.root->give_root();
-  if (world.scene)
+  if (world.scene) {
     if (std::string title = title_of(*world.scene); !title.empty()) world.title = std::move(title);
+    world.color_key = color_key_of(*world.scene);
+  }
   if (meshes) {
     s.root->forget_open(s.meshes);
     *meshes = std::move(s.meshes);

@@ -65,6 +65,7 @@ struct WorldLoading::State {
   void finish(Fetch& fetch, const std::optional<std::string>& problem);
   void stop(const std::string& why);
   void cancel_rows();
+  void follow_rate();
   void cancel(Fetch& fetch);
   void fail_candidate(Fetch& fetch, const std::string& why, const std::string& folder = {});
   bool refuse_folder(const std::string& folder, const std::string& reference);
@@ -94,6 +95,7 @@ struct WorldLoading::State {
   bool step_cells();
   void stop_cells(const Fetch* fetch);
   void cancel_cells(std::uint64_t row);
+  void set_cell_rate();
   [[nodiscard]] net::CellClientStatistics cell_statistics() const;
 
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);

@@ -20,6 +20,9 @@ std::string without_fragment(net::Url url) {
   return url.text();
 }
 
+// Of a rate in bits; what is limited is not without limit because it is little.
+std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
+
 }  // namespace
 
 net::Loader* WorldLoading::State::network() {
@@ -28,10 +31,19 @@ net::Loader* WorldLoading::State::network() {
   settings.cache_folder = options.cache_folder;
   settings.memory = options.memory;
   settings.policy = policy;
-  settings.bytes_per_second = options.rate / 8;
+  settings.bytes_per_second = byte_rate_of(options.rate);
   settings.wake = [waker = waker] { waker->wake(); };
   loader = net::Loader::create(std::move(settings));
   return loader.get();
+}
+
+// As somebody who looks has said meanwhile.
+void WorldLoading::State::follow_rate() {
+  const std::optional<std::uint64_t> asked = ledger->rate();
+  if (!asked || *asked == options.rate) return;
+  options.rate = *asked;
+  if (loader) loader->set_rate(byte_rate_of(options.rate));
+  set_cell_rate();
 }
 
 void Waker::wake() {

@@ -180,7 +180,8 @@ struct Loader::Parts {
 
   void open_lanes() {
     auto http = make_http_transport(options);
-    Transport* const transport = http.get();
+    HttpTransport* const transport = http.get();
+    network = transport;
     std::unique_ptr<Waiter> waiter = std::move(http);
     if (!waiter) waiter = std::make_unique<ConditionWaiter>();
     lanes[static_cast<std::size_t>(Lane::network)] =
@@ -201,6 +202,7 @@ struct Loader::Parts {
   std::unique_ptr<HttpCache> cache;  // the network thread's
   mutable std::mutex problem_mutex;
   std::string problem;
+  HttpTransport* network = nullptr;  // of the network thread, of which only what any thread may call is called
   std::uint64_t last_id = 0;
   std::unordered_map<std::uint64_t, Lane> open;      // where to send what concerns a request
   std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last: their threads use the others
@@ -247,6 +249,11 @@ void Loader::set_priority(RequestId id, int priority) {
   if (found == parts_->open.end()) return;
   parts_->queue.set_priority(id, priority);
   parts_->lane(found->second).send({LaneCommand::Kind::priority, id, priority, {}});
+}
+
+void Loader::set_rate(std::uint64_t bytes_per_second) {
+  if (parts_->network) parts_->network->set_rate(bytes_per_second);
+  parts_->lane(Lane::network).wake();
 }
 
 std::vector<LoadEvent> Loader::poll(std::size_t max_bytes) {

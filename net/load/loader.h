@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ class Loader {
   void cancel(RequestId id);
   /// Also while it runs: less urgent transfers are held back where more urgent ones wait.
   void set_priority(RequestId id, int priority);
+  /// From now on, in place of LoaderOptions::bytes_per_second; 0: any.
+  void set_rate(std::uint64_t bytes_per_second);
 
   /// What has happened since: by priority, in order within a request, with at most `max_bytes` bytes of data. What is
   /// left over does not wake again: poll once more while queued_bytes() is not 0.

@@ -82,7 +82,11 @@ class Waiter {
 };
 
 /// http, https and ftp, by libcurl; also waits for its own sockets.
-class HttpTransport : public Transport, public Waiter {};
+class HttpTransport : public Transport, public Waiter {
+ public:
+  /// Of all transfers together from the next step on, bytes a second; 0: any. Any thread.
+  virtual void set_rate(std::uint64_t bytes_per_second) = 0;
+};
 
 /// Null where libcurl cannot be opened; curl().problem says why.
 [[nodiscard]] std::unique_ptr<HttpTransport> make_http_transport(const LoaderOptions& options);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
@@ -50,7 +51,7 @@ std::string environment_variable(const std::string& name) {
 
 class CurlTransport final : public HttpTransport {
  public:
-  explicit CurlTransport(const LoaderOptions& options) : options_(options) {
+  explicit CurlTransport(const LoaderOptions& options) : options_(options), asked_rate_(options.bytes_per_second) {
     // Counted by curl, and safe beside other threads since 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);
     multi_.reset(curl().curl_multi_init());
@@ -69,6 +70,7 @@ class CurlTransport final : public HttpTransport {
                            static_cast<int>(time.count()), nullptr);
   }
   void wake() override { curl().curl_multi_wakeup(multi_.get()); }
+  void set_rate(std::uint64_t bytes_per_second) override { asked_rate_ = bytes_per_second; }
 
   void start(TransferId id, const TransferRequest& request, TimePoint now) override;
   void cancel(TransferId id) override {
@@ -121,7 +123,7 @@ class CurlTransport final : public HttpTransport {
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
     // What the system takes ahead of us has passed the line already.
-    if (const std::uint64_t rate = transfer.transport->options_.bytes_per_second; rate > 0 && socket >= 0) {
+    if (const std::uint64_t rate = transfer.transport->rate_.rate(); rate > 0 && socket >= 0) {
       const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kLeastAhead, kMostAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }
@@ -154,6 +156,7 @@ class CurlTransport final : public HttpTransport {
     return transfer.wants_pause != transfer.paused && (transfer.head_done || !transfer.wants_pause);
   }
   void apply_pauses();
+  void follow_rate();
   void go_on_at_rate();
   void end_refused();
   void collect();
@@ -164,7 +167,7 @@ class CurlTransport final : public HttpTransport {
   }
   void remove_over();
   [[nodiscard]] long block_size(long most) const {
-    const std::uint64_t rate = options_.bytes_per_second;
+    const std::uint64_t rate = asked_rate_;
     if (rate == 0) return most;
     return static_cast<long>(std::clamp<std::uint64_t>(rate / 10, kLeastBlock, static_cast<std::uint64_t>(most)));
   }
@@ -182,7 +185,8 @@ class CurlTransport final : public HttpTransport {
   TimePoint now_{};
   std::chrono::steady_clock::time_point step_began_{};
   mutable TokenBucket rate_;  // of all transfers together, where that is limited; is filled when it is asked
-  bool rate_begun_ = false;
+  std::atomic<std::uint64_t> asked_rate_;
+  std::uint64_t followed_rate_ = 0;
   bool dirty_ = false;  // something is to be done that no socket tells of
 };
 
@@ -345,7 +349,7 @@ std::size_t CurlTransport::on_body(Transfer& transfer, std::string_view bytes) {
     transfer.paused = true;
     return CURL_WRITEFUNC_PAUSE;
   }
-  if (options_.bytes_per_second > 0) {
+  if (rate_.rate() > 0) {
     if (!rate_.has(1, instant(now_))) {
       transfer.slowed = now_;
       return CURL_WRITEFUNC_PAUSE;
@@ -377,9 +381,21 @@ void CurlTransport::apply_pauses() {
   }
 }
 
+void CurlTransport::follow_rate() {
+  const std::uint64_t rate = asked_rate_;
+  if (rate == std::exchange(followed_rate_, rate)) return;
+  const std::uint64_t burst = std::max(rate / 10, kLeastBlock);
+  const bool was_limited = rate_.rate() > 0;
+  rate_.set_rate(rate, burst, instant(now_));
+  if (was_limited) return;
+  // Empty at the start: what was not asked for has not been saved up.
+  rate_ = TokenBucket(rate, burst, instant(now_));
+  rate_.take(burst, instant(now_));
+}
+
 // One block each, who has waited longest first.
 void CurlTransport::go_on_at_rate() {
-  while (rate_.has(1, instant(now_))) {
+  while (rate_.rate() == 0 || rate_.has(1, instant(now_))) {
     Transfer* first = nullptr;
     for (auto& [id, transfer] : transfers_)
       if (!transfer->over && !transfer->paused && transfer->slowed && (!first || transfer->slowed < first->slowed))
@@ -395,15 +411,10 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   sink_ = &sink;
   now_ = now;
   dirty_ = false;
-  // Empty at the start: what was not asked for has not been saved up.
-  if (options_.bytes_per_second > 0 && !std::exchange(rate_begun_, true)) {
-    const std::uint64_t burst = std::max(options_.bytes_per_second / 10, kLeastBlock);
-    rate_ = TokenBucket(options_.bytes_per_second, burst, instant(now));
-    rate_.take(burst, instant(now));
-  }
+  follow_rate();
   remove_over();
   apply_pauses();
-  if (options_.bytes_per_second > 0) go_on_at_rate();
+  go_on_at_rate();
   int running = 0;
   step_began_ = std::chrono::steady_clock::now();
   curl().curl_multi_perform(multi_.get(), &running);

@@ -107,6 +107,9 @@ void MadeFiles::work(std::size_t number, const std::stop_token& stop) {
 }
 
 std::optional<MakeFailure> MadeFiles::make(const Job& job, const std::stop_token& stop) {
+  // Who clears his caches does not stop his servers for it.
+  std::error_code error;
+  if (fs::create_directories(options_.folder, error)) fs::permissions(options_.folder, fs::perms::owner_all, error);
   auto folder = LockedFolder::make(options_.folder, kWorkFolders);
   if (auto* problem = std::get_if<std::string>(&folder)) return MakeFailure{std::move(*problem), false};
   const std::string out = std::get<LockedFolder>(folder).path() + "/made" + job.extension;

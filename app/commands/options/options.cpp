@@ -352,7 +352,7 @@ constexpr OptionRow kOtherOptions[] = {
      "serve ", set_proxies},
     {"--rate", "BIT/S", "",
      "serve: all clients together get no more than this; else: ask servers of cells for this, and take no faster from "
-     "others",
+     "others; in a window for each viewport, where it can be changed",
      "serve open fetch ", set_rate},
     {"--congestion", "NAME", "equation",
      "how cells answer to losses: equation (as TCP would), delay-aware (only losses that came with a queue count: for "

@@ -1,5 +1,6 @@
 #include "app/formats/mesh/ply.h"
 
+#include "app/formats/common/color_key.h"
 #include "app/formats/common/ply_header.h"
 #include "app/formats/common/ply_source.h"
 
@@ -7,6 +8,10 @@
 #include <array>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -98,6 +103,26 @@ void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& 
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
 
+/// The property with numbers to look at, as MeshLab ("quality"), CloudCompare ("scalar_Distance") and others write it.
+std::optional<std::size_t> find_scalar(const PlyElement& element) {
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    const std::string_view name = property.name;
+    if (!property.is_list && (name == "quality" || name == "scalar" || name == "value" || name.starts_with("scalar_")))
+      return i;
+  }
+  return std::nullopt;
+}
+
+/// What programs write before the name of what they have measured, and blanks as they write them.
+std::string scalar_title(std::string_view property) {
+  constexpr std::string_view kBefore = "scalar_";
+  if (property.starts_with(kBefore) && property.size() > kBefore.size()) property.remove_prefix(kBefore.size());
+  std::string title(property.substr(0, 80));
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return title;
+}
+
 /// Some programs write 0..255 as floating-point numbers.
 void scale_large_colors(vrml::MFColor& colors) {
   float most = 0;
@@ -159,16 +184,36 @@ class PlyImporter {
     connect(element, kNormal, rows, normals_, columns, builder_.scene());
     connect(element, kTexture, rows, texture_coordinates_, columns, builder_.scene());
     connect_colors(element, rows, colors_, columns, builder_.scene());
+    // Whoever has given it colours or a picture wants to see these.
+    const bool plain = colors_.empty() && header_.texture_file.empty() && rows > 0;
+    const std::optional<std::size_t> scalar = plain ? find_scalar(element) : std::nullopt;
+    std::vector<float> values;
+    if (scalar) {
+      draw(builder_.scene(), rows * sizeof(float));
+      values.resize(rows);
+      columns[*scalar] = {values.data(), 1};
+    }
     const auto done = static_cast<std::size_t>(read_rows(element, rows, columns));
     positions_.resize(done);
     if (!normals_.empty()) normals_.resize(done);
     if (!texture_coordinates_.empty()) texture_coordinates_.resize(done);
     if (!colors_.empty()) colors_.resize(done);
+    values.resize(std::min(values.size(), done));
+    if (scalar) color_by(values, scalar_title(element.properties[*scalar].name));
     if (find(element, kColor).meaning == &kColor[3])
       builder_.note("3D Gaussian splats are shown as points of their base colour");
     else
       scale_large_colors(colors_);
     return complete(element, done);
+  }
+
+  void color_by(const std::vector<float>& values, std::string title) {
+    ColorKey key = color_key_over(values, viridis_colors(), std::move(title));
+    draw(builder_.scene(), values.size() * sizeof(vrml::Color));
+    colors_.resize(values.size());
+    vrml::Color* const to = colors_.mutable_data();
+    for (std::size_t i = 0; i < values.size(); ++i) to[i] = key.color_of(static_cast<double>(values[i]));
+    key_ = std::move(key);
   }
 
   /// The number of rows that were whole.
@@ -367,6 +412,10 @@ class PlyImporter {
       builder_.warn("no vertices in the file");
       return;
     }
+    if (key_ && !face_colors_.empty()) {
+      key_.reset();
+      colors_ = {};
+    }
     Geometry geometry;
     const bool faces = !coord_index_.empty(), lines = !faces && !edge_index_.empty();
     geometry.kind = faces ? Geometry::Kind::faces : lines ? Geometry::Kind::lines : Geometry::Kind::points;
@@ -384,6 +433,7 @@ class PlyImporter {
     look.texture_url = vrml::String(header_.texture_file);
     const vrml::NodeId node = builder_.geometry(std::move(geometry));
     if (node) builder_.add_root(builder_.shape(node, builder_.appearance(faces ? look : glowing(look))));
+    if (node && key_) add_color_key(builder_, *key_);
   }
 
   const PlyHeader& header_;
@@ -391,6 +441,7 @@ class PlyImporter {
   SceneBuilder& builder_;
   vrml::MFVec3f positions_, normals_;
   vrml::MFColor colors_, face_colors_;
+  std::optional<ColorKey> key_;  // of `colors_`; nothing: they stand for nothing
   vrml::MFVec2f texture_coordinates_;
   Appender<glm::vec2> corner_texture_{builder_.scene()};
   Appender<std::int32_t> coord_index_{builder_.scene()}, texture_index_{builder_.scene()},

@@ -1,5 +1,6 @@
 #include "app/formats/mesh/ucd.h"
 
+#include "app/formats/common/color_key.h"
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/mesh/ucd_mesh.h"
 
@@ -91,31 +92,10 @@ void mark_inner(std::vector<Face>& faces, vrml::SceneGraph& scene) {
     if (faces[order[i]].key == faces[order[i - 1]].key) faces[order[i]].inner = faces[order[i - 1]].inner = true;
 }
 
-/// Blue, cyan, green, yellow, red for 0..1; grey where there is no number.
-vrml::Color color_of(float t) {
-  if (!std::isfinite(t)) return {0.5f, 0.5f, 0.5f};
-  const auto ramp = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
-  return {ramp(4 * t - 2), t < 0.5f ? ramp(4 * t) : ramp(4 - 4 * t), ramp(2 - 4 * t)};
+/// Of cells and nodes whose rows the file lacks as of those without a number.
+vrml::Color color_at(const ColorKey& key, std::span<const float> values, std::size_t i) {
+  return key.color_of(i < values.size() ? static_cast<double>(values[i]) : NAN);
 }
-
-class Coloring {
- public:
-  explicit Coloring(std::span<const float> values) : values_(values) {
-    for (const float v : values)
-      if (std::isfinite(v)) {
-        least_ = std::min(least_, static_cast<double>(v));
-        most_ = std::max(most_, static_cast<double>(v));
-      }
-  }
-  [[nodiscard]] vrml::Color operator[](std::size_t i) const {
-    if (i >= values_.size() || !std::isfinite(values_[i])) return color_of(NAN);
-    return color_of(most_ > least_ ? static_cast<float>((values_[i] - least_) / (most_ - least_)) : 0.5f);
-  }
-
- private:
-  std::span<const float> values_;
-  double least_ = INFINITY, most_ = -INFINITY;
-};
 
 void build(const UcdMesh& mesh, SceneBuilder& builder) {
   constexpr std::uint64_t kMostFaces = 6;
@@ -126,19 +106,20 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   Appender<std::int32_t> index(builder.scene());
   Appender<vrml::Color> colors(builder.scene());
   const bool by_node = !mesh.node_values.empty(), by_cell = !by_node && !mesh.cell_values.empty();
-  const Coloring coloring(by_node ? mesh.node_values : mesh.cell_values);
+  const std::vector<float>& values = by_node ? mesh.node_values : mesh.cell_values;
+  const ColorKey key = color_key_over(values, rainbow_colors(), by_node ? mesh.node_label : mesh.cell_label);
   for (const Face& face : faces) {
     if (face.inner) continue;
     for (const std::int32_t corner : face.corners)
       if (corner != kFaceEnd) index.push(corner);
     index.push(kFaceEnd);
-    if (by_cell) colors.push(coloring[face.cell]);
+    if (by_cell) colors.push(color_at(key, values, face.cell));
   }
   if (index.empty()) {
     builder.warn("no faces in the file");
     return;
   }
-  for (std::size_t i = 0; by_node && i < mesh.nodes.size(); ++i) colors.push(coloring[i]);
+  for (std::size_t i = 0; by_node && i < mesh.nodes.size(); ++i) colors.push(color_at(key, values, i));
   geometry.positions = vrml::MFVec3f(std::span(mesh.nodes));
   geometry.coord_index = index.take();
   geometry.colors = colors.take();
@@ -147,9 +128,22 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   geometry.crease_angle = kUcdCreaseAngle;
   if (const vrml::NodeId node = builder.geometry(std::move(geometry)))
     builder.add_root(builder.shape(node, builder.appearance(Look{})));
+  if (by_node || by_cell) add_color_key(builder, key);
 }
 
 }  // namespace
+
+std::string ucd_label(std::string_view name, std::string_view unit) {
+  const auto tidied = [](std::string_view text) {
+    std::string result;
+    for (const char c : text.substr(0, 80))
+      if (c >= 0x20 && c < 0x7F) result += c;
+    while (result.ends_with(' ')) result.pop_back();
+    return result.substr(std::min(result.find_first_not_of(' '), result.size()));
+  };
+  const std::string of = tidied(name), in = tidied(unit);
+  return in.empty() ? of : of.empty() ? in : of + " (" + in + ")";
+}
 
 void import_ucd(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
   SceneBuilder builder(scene, diagnostics);

@@ -56,8 +56,8 @@ class UcdBinaryReader {
       mesh.cells.push_back(cell);
     }
     const std::uint64_t node_data = mesh_bytes(), cell_data = node_data + block_bytes(counts_[2], nodes());
-    mesh.node_values = values(node_data, counts_[2], nodes());
-    mesh.cell_values = values(cell_data, counts_[3], cells());
+    mesh.node_values = values(node_data, counts_[2], nodes(), mesh.node_label);
+    mesh.cell_values = values(cell_data, counts_[3], cells(), mesh.cell_label);
     return std::nullopt;
   }
 
@@ -70,11 +70,13 @@ class UcdBinaryReader {
 
   /// The first component of one number in a block: labels and units, number of components, their lengths, least
   /// and greatest values, then the values component by component.
-  [[nodiscard]] std::vector<float> values(std::uint64_t start, std::uint64_t width, std::uint64_t rows) const {
+  [[nodiscard]] std::vector<float> values(std::uint64_t start, std::uint64_t width, std::uint64_t rows,
+                                          std::string& label) const {
     if (width == 0 || width > (1u << 24) || start + block_bytes(width, rows) > bytes_.size()) return {};
     const std::uint32_t components = word(start + kLabelBytes);
-    std::uint64_t column = 0, length = 0;
+    std::uint64_t column = 0, length = 0, shown = 0;
     for (std::uint64_t i = 0; i < std::min<std::uint64_t>(components, width); ++i) {
+      shown = i;
       length = word(start + kLabelBytes + 4 + 4 * i);
       if (length == 1 || length > width - column) break;
       column += length;
@@ -82,14 +84,23 @@ class UcdBinaryReader {
     const bool single = length == 1 && column < width;
     if (!single) {
       // No single number: the first one of the first vector.
-      column = 0;
+      column = shown = 0;
       length = word(start + kLabelBytes + 4);
       if (length == 0 || length > width) length = 1;
     }
+    label = ucd_label(part_of(start, shown), part_of(start + kLabelBytes / 2, shown));
     const std::uint64_t data = start + kLabelBytes + 4 + 12 * width + 4 * column * rows;
     std::vector<float> result(rows);
     for (std::uint64_t i = 0; i < rows; ++i) result[i] = number(data + 4 * i * length);
     return result;
+  }
+
+  /// One of the names, or of the units, which are parted by points and end with a zero.
+  [[nodiscard]] std::string_view part_of(std::uint64_t start, std::uint64_t part) const {
+    std::string_view text(reinterpret_cast<const char*>(bytes_.data() + start), kLabelBytes / 2);
+    text = text.substr(0, text.find('\0'));
+    for (; part > 0 && !text.empty(); --part) text.remove_prefix(std::min(text.find('.'), text.size() - 1) + 1);
+    return text.substr(0, text.find('.'));
   }
 
   std::span<const std::byte> bytes_;

@@ -30,6 +30,7 @@ struct UcdMesh {
   std::vector<glm::vec3> nodes;
   std::vector<UcdCell> cells;
   std::vector<float> node_values, cell_values;  // the component that is shown; may be empty or too short
+  std::string node_label, cell_label;           // "temperature (kelvin)"; may be empty
 };
 
 /// Reads a file of either form into `mesh`, as far as it goes; what is wrong with it, and in which line (0: none).
@@ -39,6 +40,9 @@ struct UcdProblem {
 };
 [[nodiscard]] std::optional<UcdProblem> read_ucd_text(std::span<const std::byte> bytes, UcdMesh& mesh);
 [[nodiscard]] std::optional<UcdProblem> read_ucd_binary(std::span<const std::byte> bytes, UcdMesh& mesh);
+
+/// "temperature (kelvin)", without blanks about it and without what is no letter of ASCII.
+[[nodiscard]] std::string ucd_label(std::string_view name, std::string_view unit);
 
 /// The first byte of a binary file.
 inline constexpr std::byte kUcdBinary{7};

@@ -50,8 +50,8 @@ class UcdTextReader {
 
   std::optional<UcdProblem> read() {
     (void)(read_counts() && read_nodes() && read_cells() && read_late_counts() &&
-           read_values(node_width_, node_count_, mesh_.node_values, true) &&
-           read_values(cell_width_, cell_count_, mesh_.cell_values, false));
+           read_values(node_width_, node_count_, mesh_.node_values, mesh_.node_label, true) &&
+           read_values(cell_width_, cell_count_, mesh_.cell_values, mesh_.cell_label, false));
     return problem_;
   }
 
@@ -154,10 +154,11 @@ class UcdTextReader {
   }
 
   /// A block of data: number of components and their lengths, a label for each, a row for each node or cell.
-  bool read_values(std::uint64_t width, std::uint64_t rows, std::vector<float>& values, bool of_nodes) {
+  bool read_values(std::uint64_t width, std::uint64_t rows, std::vector<float>& values, std::string& label,
+                   bool of_nodes) {
     if (width == 0) return true;
     TextCursor words(nullptr, nullptr);
-    std::uint64_t components = 0, column = 0, before = 0;
+    std::uint64_t components = 0, shown = 0, column = 0, before = 0;
     bool single = false;
     if (!next_line(words)) return fail("the file ends too early: expected data");
     if (!count(words, components)) return false;
@@ -166,12 +167,17 @@ class UcdTextReader {
       if (!count(words, length)) return false;
       if (length == 1 && !single) {
         single = true;
+        shown = i;
         column = before;
       }
       before += length;
     }
-    for (std::uint64_t i = 0; i < components; ++i)
+    for (std::uint64_t i = 0; i < components; ++i) {
       if (!next_line(words)) return fail("the file ends too early: expected the label of a component");
+      const std::string_view line = words.line();
+      const std::size_t comma = std::min(line.find(','), line.size());
+      if (i == shown) label = ucd_label(line.substr(0, comma), line.substr(std::min(comma + 1, line.size())));
+    }
     for (std::uint64_t i = 0; i < rows; ++i) {
       if (!next_line(words)) return fail("the file ends too early: expected a row of data");
       std::int64_t id = 0;

@@ -1,10 +1,10 @@
 #include "app/interface/base/fonts.h"
 
+#include "app/interface/base/sight_order.h"
 #include "render/text/font_catalogue.h"
 #include "render/text/utf8.h"
 #include "vrml/mesh/text_shaper.h"
 
-#include <fribidi/fribidi.h>
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
@@ -24,7 +24,6 @@ namespace gs::app {
 namespace {
 
 constexpr char32_t kFirstPrivate = 0xE000, kLastPrivate = 0xF8FF, kLastOfPlane = 0xFFFF;
-constexpr std::size_t kLongestLine = 4096;  // characters that are put in another order
 
 // Where the free desktops keep a font with Latin, Greek and Cyrillic letters.
 constexpr const char* kFonts[] = {
@@ -43,10 +42,6 @@ bool is_drawn_at_first(char32_t character) {
   return false;
 }
 
-bool is_written_from_the_right(char32_t c) {
-  return (c >= 0x0590 && c <= 0x08FF) || (c >= 0xFB1D && c <= 0xFDFF) || (c >= 0xFE70 && c <= 0xFEFF);
-}
-
 void add_character(std::string& text, char32_t c) {
   if (c < 0x80) {
     text += static_cast<char>(c);
@@ -58,20 +53,6 @@ void add_character(std::string& text, char32_t c) {
     text += static_cast<char>(0x80 | ((c >> 6) & 0x3F));
     text += static_cast<char>(0x80 | (c & 0x3F));
   }
-}
-
-// As it is seen from left to right (Unicode Standard Annex 9), Arabic letters joined.
-std::u32string in_order_of_sight(const std::u32string& text) {
-  if (text.size() > kLongestLine || std::none_of(text.begin(), text.end(), is_written_from_the_right)) return text;
-  static_assert(sizeof(FriBidiChar) == sizeof(char32_t));
-  std::vector<FriBidiChar> logical(text.begin(), text.end()), visual(text.size() + 1);
-  FriBidiParType direction = FRIBIDI_PAR_ON;
-  const auto length = static_cast<FriBidiStrIndex>(text.size());
-  if (fribidi_log2vis(logical.data(), length, &direction, visual.data(), nullptr, nullptr, nullptr) == 0) return text;
-  std::u32string result;
-  for (std::size_t i = 0; i < text.size(); ++i)
-    if (visual[i] != FRIBIDI_CHAR_FILL) result += static_cast<char32_t>(visual[i]);
-  return result;
 }
 
 /// A glyph in shades of grey, as large as it is on the screen.
@@ -229,18 +210,21 @@ std::string InterfaceFonts::shown(std::string_view utf8) {
   const bool plain = std::all_of(utf8.begin(), utf8.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; });
   if (plain) return std::string(utf8);
   std::string result;
-  for (char32_t character : in_order_of_sight(render::characters_of(utf8))) {
-    if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // nobody knows what it means
-    if (character > kLastOfPlane) {
-      const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
-      const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));
-      if (is_new) glyphs_->stand_for[place->second] = character;
-      character = place->second;
-    }
-    note(character);
-    add_character(result, character);
-  }
+  for (const char32_t character : sight_order(render::characters_of(utf8)).characters)
+    if (character != SightOrder::kNothing) add_character(result, drawn(character));
   return result;
+}
+
+char32_t InterfaceFonts::drawn(char32_t character) {
+  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // nobody knows what it means
+  if (character > kLastOfPlane) {
+    const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
+    const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));
+    if (is_new) glyphs_->stand_for[place->second] = character;
+    character = place->second;
+  }
+  note(character);
+  return character;
 }
 
 std::string shown(std::string_view utf8) {

@@ -34,6 +34,8 @@ class InterfaceFonts {
   /// its letters joined; characters beyond the first plane of Unicode, which it cannot show, stand for themselves in
   /// the private area. Notes which glyphs that needs.
   [[nodiscard]] std::string shown(std::string_view utf8);
+  /// One character of such a text, as Dear ImGui is to be given it; notes that it is needed.
+  [[nodiscard]] char32_t drawn(char32_t character);
   /// Notes a character that the user types.
   void note(char32_t character);
 

@@ -5,10 +5,10 @@
 
 namespace gs::app {
 
-void Notices::show(std::string text, bool is_problem, double now) {
-  std::erase_if(lines_, [&](const Line& line) { return line.text == text; });
+void Notices::show(std::string text, bool is_problem, double now, std::string_view about) {
+  std::erase_if(lines_, [&](const Line& line) { return line.text == text || (!about.empty() && line.about == about); });
   if (lines_.size() >= kMost) lines_.erase(lines_.begin());
-  lines_.push_back({std::move(text), is_problem, now + (is_problem ? kProblemSeconds : kSeconds)});
+  lines_.push_back({std::move(text), is_problem, now + (is_problem ? kProblemSeconds : kSeconds), std::string(about)});
 }
 
 void Notices::expire(double now) {

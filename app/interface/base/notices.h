@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gs::app {
@@ -18,10 +19,12 @@ class Notices {
     std::string text;
     bool is_problem = false;
     double until = 0;
+    std::string about = {};
   };
 
-  /// What is shown already stays longer, and is not shown twice.
-  void show(std::string text, bool is_problem, double now);
+  /// What is shown already stays longer, and is not shown twice. `about`: of what changes step by step, a speed, only
+  /// the newest line is shown; empty: of nothing like that.
+  void show(std::string text, bool is_problem, double now, std::string_view about = {});
   /// Drops what has been shown long enough.
   void expire(double now);
   void close(std::size_t index);

@@ -17,6 +17,7 @@
 #include <glm/vec2.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,8 @@ struct UiViewport {
   double vectors = 0;          // its share of the budget of vectors, 0 to 1; 0: it shows none
   std::size_t budget = 0;      // that many
   double reading = 0;          // its share of what is read over the network; 0: it waits for nothing there
+  std::uint64_t rate = 0;      // bits a second that may come for it at most; 0: any
+  double arriving = 0;         // that do
   std::string failed, reason;  // label of a file that it could not show, and why; empty: none
   bool axes = false;           // are shown in a corner
   Pose pose;                   // of its viewer

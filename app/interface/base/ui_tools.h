@@ -46,6 +46,7 @@ struct UiTools {
   bool has_file = false;                      // values can be read
   std::string slices_problem;                 // why they cannot
   bool reading = false;
+  std::vector<glm::vec2> slice_edge;  // corners of the one that is held, or could be; framebuffer pixels
   bool color_bar = false;
   std::optional<ColorBar> bar;  // null: nothing has one
   // Series of files.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -48,6 +49,8 @@ void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const vrml::Di
   ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
   ImGui::TableSetupColumn("place", ImGuiTableColumnFlags_WidthFixed, ImGui::GetFontSize() * 13);
   ImGui::TableSetupColumn("message", ImGuiTableColumnFlags_WidthStretch);
+  if (const auto row = std::exchange(goes_to_, std::nullopt))
+    ImGui::SetScrollY(static_cast<float>(*row) * (ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y));
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(rows.size()));
   while (clipper.Step()) {
@@ -82,7 +85,9 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
   std::vector<const vrml::Diagnostic*> rows;
-  for (const SessionLog::File& file : session_log.files())
+  std::pair<std::string, std::size_t> newest;  // of the files with rows, and its first
+  for (const SessionLog::File& file : session_log.files()) {
+    const std::size_t first = rows.size();
     for (const vrml::Diagnostic& diagnostic : file.diagnostics.entries()) {
       const bool shown = diagnostic.severity == vrml::Severity::error     ? show_errors_
                          : diagnostic.severity == vrml::Severity::warning ? show_warnings_
@@ -91,6 +96,11 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
           (searched_.empty() || lower_case(diagnostic.text()).find(lower_case(searched_)) != std::string::npos))
         rows.push_back(&diagnostic);
     }
+    if (rows.size() > first) newest = {file.path, first};
+  }
+  // Where something is wrong with another file, that is what the user wants to read.
+  if (newest.first != newest_) goes_to_ = newest.second;
+  newest_ = std::move(newest.first);
   ImGui::SameLine();
   ImGui::BeginDisabled(rows.empty());
   if (ImGui::Button("Copy")) {

@@ -2,6 +2,8 @@
 
 #include "app/interface/panels/panel.h"
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,9 @@ class LogPanel final : public Panel {
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
-  static void rows_of(const PanelFrame& frame, const std::vector<const vrml::Diagnostic*>& rows);
-  std::string searched_;
+  void rows_of(const PanelFrame& frame, const std::vector<const vrml::Diagnostic*>& rows);
+  std::string searched_, newest_;       // `newest_`: of the files with rows
+  std::optional<std::size_t> goes_to_;  // the row that is first in sight next
   bool show_errors_ = true, show_warnings_ = true, show_notes_ = true;
 };
 

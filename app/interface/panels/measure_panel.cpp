@@ -55,7 +55,7 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
     ImGui::PushID(static_cast<int>(axis));
     tool_label(axis == 0 ? "Slices" : "", frame.scale);
     if (switch_button(kAxes[axis], slices.shown[axis])) slices.shown[axis] = !slices.shown[axis];
-    frame.tooltips.show("Show the plane of voxels across this axis");
+    frame.tooltips.show("Show the plane of voxels across this axis; drag an edge of it in the picture to move it");
     ImGui::SameLine();
     const std::uint32_t voxels = tools.dimensions[axis];
     ImGui::BeginDisabled(!slices.shown[axis] || voxels == 0);
@@ -129,13 +129,13 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
     ImGui::Separator();
     series_rows(frame, tools, actions);
   }
-  if (!model.has_volumes) return;
+  if (!tools.bar) return;
   ImGui::Separator();
   tool_label("Colour bar", frame.scale);
   bool bar = tools.color_bar;
   if (ImGui::Checkbox("##bar", &bar)) actions.color_bar = bar;
   frame.tooltips.show("Beside the picture, with the values that its colours stand for");
-  slice_rows(frame, tools, actions);
+  if (model.has_volumes) slice_rows(frame, tools, actions);
 }
 
 void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& all) {
@@ -148,7 +148,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   if (wish.of_window) {
-    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times as large");
+    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d x as large");
   } else {
     ImGui::InputInt2("##size", &wish.size.x);
     wish.size.x = std::clamp(wish.size.x, 1, kMostPictureSide);
@@ -162,7 +162,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::Checkbox("Transparent background", &wish.request.transparent);
   tool_label("", frame.scale);
-  ImGui::BeginDisabled(!model.has_volumes);
+  ImGui::BeginDisabled(!tools.bar);
   ImGui::Checkbox("Colour bar", &wish.request.color_bar);
   ImGui::EndDisabled();
   static constexpr std::array<const char*, 3> kEyes{"One eye", "Side by side", "Red and cyan"};
@@ -179,7 +179,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Turntable", frame.scale);
   auto seconds = static_cast<float>(wish.seconds);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g seconds")) wish.seconds = static_cast<double>(seconds);
+  if (ImGui::SliderFloat("##seconds", &seconds, 1, 60, "%.3g s")) wish.seconds = static_cast<double>(seconds);
   tool_label("", frame.scale);
   static constexpr std::array<const char*, 3> kFiles{"PNG pictures", "Movie (MP4)", "Movie (WebM)"};
   auto file = static_cast<int>(wish.animation);
@@ -191,7 +191,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("Tour", frame.scale);
   auto leg = static_cast<float>(wish.leg);
   ImGui::SetNextItemWidth(tool_width());
-  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g seconds a view")) wish.leg = static_cast<double>(leg);
+  if (ImGui::SliderFloat("##leg", &leg, 0.5f, 20, "%.3g s a view")) wish.leg = static_cast<double>(leg);
   tool_label("", frame.scale);
   if (ImGui::Button("Add this view")) all.tools.add_to_tour = true;
   ImGui::SameLine();

@@ -1,3 +1,4 @@
+#include "app/interface/base/rate_choice.h"
 #include "app/interface/panels/inspect_panels.h"
 
 #include <imgui.h>
@@ -44,19 +45,41 @@ void plot(const StreamList::Row& row, const char* id, const ImVec2& size) {
                    size);
 }
 
+// How fast the active viewport may read.
+void limit_choice(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
+  const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
+                                   [](const UiViewport& viewport) { return viewport.active; });
+  if (active == model.viewports.end()) return;
+  ImGui::AlignTextToFramePadding();
+  colored_text(UiColors::kQuiet, model.panes > 1 ? "This viewport reads at most" : "Reads at most");
+  ImGui::SameLine();
+  if (const auto rate = rate_choice("##most", active->rate, 130 * frame.scale)) {
+    actions.pane = PaneRequest{PaneRequest::Kind::limit, active->pane};
+    actions.pane->rate = *rate;
+  }
+  frame.tooltips.show("What may come over the network for the active viewport (--rate)");
+}
+
 }  // namespace
 
-void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
+void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   if (!model.inspection) return;
   Inspection& inspection = *model.inspection;
   inspection.drawn().streams = true;
+  limit_choice(frame, model, actions);
   const auto& rows = inspection.streams().rows();
   if (rows.empty()) return colored_text(UiColors::kQuiet, "Nothing is being read.");
   const auto is_chosen = [&](const StreamList::Row& row) {
     return row.ledger.get() == chosen_of_ && row.load.number == chosen_;
   };
   const auto chosen = std::find_if(rows.begin(), rows.end(), is_chosen);
-  const float below = chosen == rows.end() ? 0 : ImGui::GetTextLineHeightWithSpacing() + 60 * frame.scale;
+  if (chosen != rows.end()) {
+    ImGui::SameLine(0, 16 * frame.scale);
+    colored_text(UiColors::kQuiet, label_of_url(chosen->load.url) + ": " + readable_rate(chosen->rate) + ", the last " +
+                                       std::to_string(static_cast<int>(RateHistory::kSamples * RateHistory::kSeconds)) +
+                                       " seconds");
+  }
+  const float below = chosen == rows.end() ? 0 : 54 * frame.scale;
   constexpr ImGuiTableFlags kFlags =
       ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable | ImGuiTableFlags_SizingFixedFit;
   std::optional<std::size_t> cancelled, retried;
@@ -110,12 +133,7 @@ void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
       }
     ImGui::EndTable();
   }
-  if (chosen != rows.end()) {
-    colored_text(UiColors::kQuiet, label_of_url(chosen->load.url) + ": " + readable_rate(chosen->rate) + ", the last " +
-                                       std::to_string(static_cast<int>(RateHistory::kSamples * RateHistory::kSeconds)) +
-                                       " seconds");
-    plot(*chosen, "##rate", {ImGui::GetContentRegionAvail().x, 50 * frame.scale});
-  }
+  if (chosen != rows.end()) plot(*chosen, "##rate", {ImGui::GetContentRegionAvail().x, 46 * frame.scale});
   if (cancelled) inspection.cancel(rows[*cancelled]);
   if (retried) inspection.retry(rows[*retried]);
 }

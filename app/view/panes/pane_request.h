@@ -15,12 +15,14 @@ struct PaneRequest {
     even_out,  // all of them
     close,
     weigh,       // `weight`, of its shares
+    limit,       // what is read for it: to `rate`
     open_again,  // what it failed to show
     dismiss,     // the failure has been read
   };
   Kind kind = Kind::maximise;
   std::size_t pane = 0, other = 0;
   double weight = 1;
+  std::uint64_t rate = 0;  // bits a second; 0: any
 };
 
 }  // namespace gs::app

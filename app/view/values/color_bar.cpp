@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <span>
 #include <string_view>
@@ -71,6 +73,19 @@ ColorBar color_bar_of(const qnv::Description& volume, const Transfer& transfer) 
   bar.title = name.empty() ? unit : unit.empty() ? name : name + " (" + unit + ")";
   bar.range = {static_cast<double>(volume.value_range.first), static_cast<double>(volume.value_range.second)};
   bar.colors = transfer;
+  return bar;
+}
+
+ColorBar color_bar_of(const ColorKey& key) {
+  ColorBar bar{key.title, {key.low, key.high}, {}};
+  for (std::size_t i = 0; i < key.colors.size(); ++i) {
+    const auto byte = [](float part) {
+      return static_cast<std::uint8_t>(std::lround(std::clamp(part, 0.0f, 1.0f) * 255));
+    };
+    const vrml::Color& color = key.colors[i];
+    const float place = static_cast<float>(i) / static_cast<float>(std::max<std::size_t>(key.colors.size(), 2) - 1);
+    bar.colors.push_back({place, {byte(color.r), byte(color.g), byte(color.b)}, 1});
+  }
   return bar;
 }
 

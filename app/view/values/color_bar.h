@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/formats/common/color_key.h"
 #include "app/view/values/transfer_editor.h"
 
 #include <cstddef>
@@ -28,6 +29,8 @@ struct ColorBar {
 
 /// Of a volume: its title and units are those of its metadata. `transfer`: what it is shown with.
 [[nodiscard]] ColorBar color_bar_of(const qnv::Description& volume, const Transfer& transfer);
+/// Of surfaces whose colours stand for values.
+[[nodiscard]] ColorBar color_bar_of(const ColorKey& key);
 /// The unit of a volume's values, as its file has it: NRRD `sample units`, FITS BUNIT, AVS `unit`, `units` of a stream.
 /// Empty: it says nothing of it.
 [[nodiscard]] std::string value_unit(const qnv::Description& volume);

@@ -19,23 +19,6 @@ std::pair<std::size_t, std::size_t> axes_across(std::size_t axis) {
                      : std::pair<std::size_t, std::size_t>{0, 1};
 }
 
-std::array<glm::vec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
-  const auto [across, up] = axes_across(axis);
-  std::array<glm::vec3, 4> corners;
-  for (std::size_t i = 0; i < 4; ++i) {
-    glm::dvec3 voxel(0);
-    voxel[static_cast<int>(axis)] = slice_voxel(grid, slices, axis);
-    // Pixels are voxels, of which the outer ones end half a voxel beyond their centres.
-    const auto edge = [&](std::size_t of, bool upper) {
-      return upper ? (grid.kept(of) - 0.5) * grid.step() : -0.5 * grid.step();
-    };
-    voxel[static_cast<int>(across)] = edge(across, i == 1 || i == 2);
-    voxel[static_cast<int>(up)] = edge(up, i >= 2);
-    corners[i] = glm::vec3(grid.place_of(voxel));
-  }
-  return corners;
-}
-
 std::shared_ptr<const vrml::Mesh> plane_mesh(const std::array<glm::vec3, 4>& corners) {
   auto mesh = std::make_shared<vrml::Mesh>();
   const glm::vec3 cross = glm::cross(corners[1] - corners[0], corners[3] - corners[0]);
@@ -71,6 +54,23 @@ std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, st
   const double place = std::clamp(static_cast<double>(slices.places[axis]), 0.0, 1.0);
   const double voxel = std::round(place * (grid.dimensions()[axis] - 1));
   return static_cast<std::uint32_t>(voxel) / grid.step() * grid.step();
+}
+
+std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const auto [across, up] = axes_across(axis);
+  std::array<glm::dvec3, 4> corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    glm::dvec3 voxel(0);
+    voxel[static_cast<int>(axis)] = slice_voxel(grid, slices, axis);
+    // Pixels are voxels, of which the outer ones end half a voxel beyond their centres.
+    const auto edge = [&](std::size_t of, bool upper) {
+      return upper ? (grid.kept(of) - 0.5) * grid.step() : -0.5 * grid.step();
+    };
+    voxel[static_cast<int>(across)] = edge(across, i == 1 || i == 2);
+    voxel[static_cast<int>(up)] = edge(up, i >= 2);
+    corners[i] = grid.place_of(voxel);
+  }
+  return corners;
 }
 
 render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
@@ -148,7 +148,8 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
       images_[axis].reset();
       continue;
     }
-    const auto corners = slice_corners(*grid, slices, axis);
+    const auto places = slice_corners(*grid, slices, axis);
+    const std::array<glm::vec3, 4> corners{places[0], places[1], places[2], places[3]};
     render::DrawItem plane;
     plane.mesh = plane_mesh(corners);
     plane.world_from_node = *world_from_node;

@@ -12,6 +12,9 @@ namespace gs::app {
 
 /// The plane of voxels that a slice shows, of the file's.
 [[nodiscard]] std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
+/// The corners of that plane, in the volume's space, from one to the next around it.
+[[nodiscard]] std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices,
+                                                      std::size_t axis);
 /// Its picture: a pixel a voxel that is kept, the first axis across it to the right, the second one upwards, of x, y
 /// and z but the slice's own. RGB, RGBA where values are missing, which are transparent.
 [[nodiscard]] render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);

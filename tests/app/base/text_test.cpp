@@ -4,15 +4,17 @@
 
 namespace gs::app::text_test {
 
-TEST_CASE("Sizes are told in the unit that suits them, parts in that of the whole") {
+TEST_CASE("Sizes are told in the unit that suits them, parts in that of the whole if they have any of it") {
   CHECK(readable_size(999) == "999 B");
   CHECK(readable_size(1'000'000) == "1.0 MB");
   CHECK(readable_part(0, 183'000) == "0 of 183 kB");
   CHECK(readable_part(45'200, 183'000) == "45 of 183 kB");
-  CHECK(readable_part(45'200, 2'300'000) == "0.0 of 2.3 MB");
+  CHECK(readable_part(45'200, 2'300'000) == "45.2 kB of 2.3 MB");
+  CHECK(readable_part(1'400'000, 2'300'000) == "1.4 of 2.3 MB");
+  CHECK(readable_part(0, 200'000) == "0 of 200 kB");
   CHECK(readable_part(12'345, 45'678) == "12.3 of 45.7 kB");
   CHECK(readable_part(500, 999) == "500 of 999 B");
-  CHECK(readable_part(999'960'000, 1'000'000'000'000) == "0.0 of 1.0 TB");
+  CHECK(readable_part(999'960'000, 1'000'000'000'000) == "1.0 GB of 1.0 TB");
 }
 
 TEST_CASE("Names are cut between characters, and control nothing") {

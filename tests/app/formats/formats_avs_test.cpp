@@ -1,9 +1,11 @@
+#include "app/formats/common/color_key.h"
 #include "app/formats/mesh/avs_geometry.h"
 #include "app/formats/mesh/ucd.h"
 
 #include "tests/app/formats_helpers.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace {
 
@@ -73,6 +75,15 @@ TEST_CASE("UCD data becomes colours from blue to red") {
   CHECK(cells.messages().empty());
   CHECK(cells.colors() == std::vector<Color>{{0, 0, 1}, {1, 0, 0}});
   CHECK_FALSE(cells.scene->get<bool>(cells.only("IndexedFaceSet"), "colorPerVertex"));
+  // The scene says what they stand for.
+  const auto key = gs::app::color_key_of(*result.scene), of_cells = gs::app::color_key_of(*cells.scene);
+  REQUIRE(key);
+  REQUIRE(of_cells);
+  CHECK(key->title == "heat (K)");
+  CHECK(key->low == 10);
+  CHECK(key->high == 30);
+  CHECK(of_cells->title == "stress (Pa)");
+  CHECK_FALSE(gs::app::color_key_of(*ucd("3 1 0 0 0\n" + nodes + "1 1 tri 10 7 -3\n").scene));
   // The same value everywhere, and none at all.
   CHECK(ucd("3 1 1 0 0\n" + nodes + "1 1 tri 10 7 -3\n1 1\nt, K\n10 5\n7 5\n-3 nan\n").colors() ==
         std::vector<Color>{{0, 1, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.5f}});
@@ -112,7 +123,11 @@ Bytes avs_binary(Put&& put_word) {
   floats({0, 1, 1, 0, 0.5f});
   floats({0, 0, 1, 1, 0.5f});
   floats({0, 0, 0, 0, 1});
-  bytes.resize(bytes.size() + 2048);
+  const std::string names = "flow.heat", units = "m/s.K";
+  const std::size_t labels = bytes.size();
+  bytes.resize(labels + 2048);
+  std::memcpy(bytes.data() + labels, names.data(), names.size());
+  std::memcpy(bytes.data() + labels + 1024, units.data(), units.size());
   words({2, 3, 1, 0, 0});
   floats({0, 0, 0, 0, 9, 9, 9, 4});
   for (int i = 0; i < 15; ++i) floats({7});
@@ -133,6 +148,8 @@ TEST_CASE("binary UCD of both byte orders") {
     CHECK(result.colors()[0] == Color{0, 0, 1});
     CHECK(result.colors()[2] == Color{0, 1, 0});
     CHECK(result.colors()[4] == Color{1, 0, 0});
+    REQUIRE(gs::app::color_key_of(*result.scene));
+    CHECK(gs::app::color_key_of(*result.scene)->title == "heat (K)");
   }
   // Every prefix and every changed byte of the mesh itself.
   check_prefixes_and_flips(import_ucd, Bytes(little.begin(), little.begin() + 25 + 48 + 44 + 60));

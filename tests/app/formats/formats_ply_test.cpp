@@ -1,5 +1,6 @@
 #include "app/formats/mesh/ply.h"
 
+#include "app/formats/common/color_key.h"
 #include "tests/app/formats_helpers.h"
 
 namespace {
@@ -28,6 +29,41 @@ TEST_CASE("an ascii PLY becomes an IndexedFaceSet") {
   CHECK(result.scene->get<SFNode>(result.scene->roots()[0], "geometry") == faces);
   CHECK(result.all("Material").size() == 1);
   CHECK(gs::vrml::tessellate(*result.scene, faces).indices.size() == 9);
+}
+
+TEST_CASE("numbers at the vertices of a PLY become colours, and the scene says what they stand for") {
+  const auto square = [](const std::string& properties, const std::string& rows, const std::string& before = "") {
+    return ply("ply\nformat ascii 1.0\n" + before + "element vertex 3\nproperty float x\nproperty float y\n" +
+               "property float z\n" + properties +
+               "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + rows + "3 0 1 2\n");
+  };
+  const auto viridis = gs::app::viridis_colors();
+  const Imported result = square("property double scalar_Signed_distance\n", "0 0 0 -4\n1 0 0 4\n1 1 0 nan\n");
+  CHECK(result.colors() == std::vector<Color>{viridis.front(), viridis.back(), {0.5f, 0.5f, 0.5f}});
+  const auto key = gs::app::color_key_of(*result.scene);
+  REQUIRE(key);
+  CHECK(key->title == "Signed distance");
+  CHECK(key->low == -4);
+  CHECK(key->high == 4);
+  for (const char* const name : {"quality", "value", "scalar"}) {
+    const Imported one = square("property float " + std::string(name) + "\n", "0 0 0 1\n1 0 0 2\n1 1 0 3\n");
+    REQUIRE(gs::app::color_key_of(*one.scene));
+    CHECK(gs::app::color_key_of(*one.scene)->title == name);
+    CHECK(one.colors()[1] == viridis[2]);
+  }
+  // Colours and pictures of its own come first; what scanners write beside the places is nothing to look at.
+  const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const Imported own =
+      square("property float quality\n" + colors, "0 0 0 1 255 0 0\n1 0 0 2 255 0 0\n1 1 0 3 255 0 0\n");
+  CHECK(own.colors()[0] == Color{1, 0, 0});
+  CHECK_FALSE(gs::app::color_key_of(*own.scene));
+  const Imported textured =
+      square("property float quality\n", "0 0 0 1\n1 0 0 2\n1 1 0 3\n", "comment TextureFile a.png\n");
+  CHECK(textured.all("Color").empty());
+  const Imported scan =
+      square("property float confidence\nproperty float intensity\n", "0 0 0 1 1\n1 0 0 2 1\n1 1 0 3 1\n");
+  CHECK(scan.all("Color").empty());
+  CHECK_FALSE(gs::app::color_key_of(*scan.scene));
 }
 
 TEST_CASE("line ends of all kinds do") {

@@ -56,6 +56,26 @@ TEST_CASE("The ledger of loads tells how far each is, and forgets the oldest tha
   CHECK(rows.front().number == first);  // it has not ended
 }
 
+TEST_CASE("Who looks says how fast a world may come, and who reads is woken for it") {
+  LoadLedger ledger;
+  int woken = 0;
+  ledger.set_wake([&] { ++woken; });
+  CHECK_FALSE(ledger.rate());
+  ledger.set_rate(200'000);
+  CHECK(ledger.rate() == 200'000U);
+  ledger.set_rate(200'000);
+  CHECK(woken == 1);
+  ledger.set_rate(0);
+  CHECK(ledger.rate() == 0U);
+  CHECK(woken == 2);
+  // What has come is counted, of rows that have ended, too.
+  ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
+  ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
+  CHECK(ledger.received() == 120);
+  ledger.receive(ledger.begin("c", "file", nullptr), 5, {});  // which is no line's
+  CHECK(ledger.received() == 120);
+}
+
 TEST_CASE("A stream that views choose from is whole when all of it is there") {
   LoadLedger ledger;
   const std::uint64_t number = ledger.begin("a.qnv", "http", nullptr);

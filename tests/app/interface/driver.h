@@ -275,6 +275,23 @@ class Driver final : public DeskWindow {
     settle();
   }
 
+  /// Letters that no key of this keyboard has.
+  void type_letters(std::u32string_view text) {
+    std::vector<WindowEvent> events;
+    for (const char32_t letter : text) {
+      events.push_back(event(WindowEvent::Kind::character));
+      events.back().code = static_cast<int>(letter);
+    }
+    step(events);
+    settle();
+  }
+  /// Where the first letter of this kind is on the screen, from left to right.
+  std::optional<float> place_of(char32_t letter) const {
+    for (const SeenCharacter& one : seen_characters())
+      if (one.character == static_cast<ImWchar>(letter)) return one.left;
+    return std::nullopt;
+  }
+
   void toggle_full_screen() override { ++full_screens_; }
   void close() override { closed_ = true; }
 

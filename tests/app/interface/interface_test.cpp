@@ -1,12 +1,14 @@
 #include "app/interface/panels/panels.h"
 #include "app/viewer/hand_over.h"
 #include "tests/app/interface/driver.h"
+#include "tests/app/late_worlds.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <thread>
 
@@ -292,6 +294,107 @@ TEST_CASE("The Open dialog stays when a file cannot be opened, and what is typed
   CHECK(user.sees("/nowhere/at/all.wrlx"));
   user.press(Key::escape);
   CHECK_FALSE(user.sees("All files"));
+}
+
+TEST_CASE("What is typed after an address that cannot be opened goes on in it, and not to the world") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  const NavigationMode mode = user.session().view()->navigation.mode;
+  user.press(letter_key('L'), true);
+  user.type("/nowhere/at/all.wrl");
+  user.press(Key::enter);
+  REQUIRE(user.wait_for([&] { return user.sees("could not be opened"); }));
+  user.settle();
+  user.type("13");
+  INFO(user.screen());
+  CHECK(user.sees("/nowhere/at/all.wrl13"));
+  CHECK(user.session().view()->navigation.mode == mode);
+  user.press(Key::escape);
+  CHECK_FALSE(user.sees("/nowhere/at/all.wrl13"));
+  CHECK(user.sees("test.wrl"));
+}
+
+TEST_CASE("What is typed from right to left into a field is seen so, and pointed at where it is seen") {
+  Driver user;
+  user.press(letter_key('L'), true);
+  user.type("a");
+  user.type_letters(U"\u05d0\u05d1\u05d2");  // Alef, Bet, Gimel
+  user.type("z");
+  user.settle();
+  const auto a = user.place_of('a'), alef = user.place_of(0x05D0), bet = user.place_of(0x05D1),
+             gimel = user.place_of(0x05D2);
+  if (!alef || !bet || !gimel) return;  // the system has no font with these letters
+  REQUIRE(a);
+  CHECK(*a < *gimel);
+  CHECK(*gimel < *bet);
+  CHECK(*bet < *alef);
+  // A click between the right two letters is between the first two of the text; a click at the left end of them behind
+  // the third.
+  const float line = user.find("z")->y;
+  user.click(glm::vec2(*alef - 1, line));
+  user.type("1");
+  CHECK(user.desk().ui().clipboard().empty());
+  user.press(letter_key('A'), true);
+  user.press(letter_key('C'), true);
+  CHECK(user.desk().ui().clipboard() ==
+        "a\u05d0"
+        "1\u05d1\u05d2z");
+}
+
+TEST_CASE("Who makes his steps longer again and again reads one speed") {
+  Driver user;
+  user.show_world(kTwoViewpoints);
+  for (int i = 0; i < 4; ++i) user.press(Key::plus);
+  const std::string screen = user.screen();
+  INFO(screen);
+  const std::size_t first = screen.find("m/s");
+  REQUIRE(first != std::string::npos);
+  CHECK(screen.find("m/s", first + 1) == std::string::npos);
+}
+
+TEST_CASE("Esc stops loading before it closes what stands beside the picture") {
+  late_worlds::Site site;
+  site.never("late.wrl");
+  Driver user({}, {1000, 700}, site.options);
+  user.press(Key::f3);
+  user.session().open_files({"memory://a/late.wrl"});
+  user.step();
+  user.desk().ui().show_notice("to be read", false);
+  REQUIRE(user.session().panes().loading(0));
+  user.press(Key::escape);
+  CHECK_FALSE(user.session().panes().loading(0));
+  CHECK(user.sees("to be read"));
+  CHECK(user.sees("0 errors"));
+}
+
+TEST_CASE("The log begins with what is wrong with the newest file, and has the others above") {
+  Driver user;
+  SessionLog log;
+  const auto note = [&](const std::string& path, int errors) {
+    vrml::Diagnostics diagnostics;
+    for (int i = 1; i <= errors; ++i)
+      diagnostics.add({vrml::Severity::error, path, {static_cast<std::uint32_t>(i), 1}, "wrong"});
+    log.note(path, diagnostics);
+  };
+  note("first.wrl", 60);
+  user.set_model([&](UiModel& model) { model.log = &log; });
+  user.press(Key::f3);
+  CHECK(user.sees("60 errors"));
+  CHECK(user.sees("first.wrl:1:1"));
+  note("second.wrl", 1);
+  user.settle();
+  CHECK(user.sees("second.wrl:1:1"));
+  CHECK(user.sees("first.wrl:60:1"));
+  CHECK_FALSE(user.sees("first.wrl:1:1"));
+}
+
+TEST_CASE("What is said where no file is open stands in the picture, not over the log") {
+  Driver user({}, {1000, 320});
+  CHECK(user.sees("Drop a file here"));
+  user.press(Key::f3);
+  const auto place = user.find("Drop a file here");
+  CHECK((!place || place->y < static_cast<float>(user.picture().top + user.picture().height)));
+  CHECK(user.sees("No file has been read yet."));
 }
 
 TEST_CASE("What a window showed that ended by itself is offered once, in one line") {

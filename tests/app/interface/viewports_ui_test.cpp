@@ -1,4 +1,6 @@
+#include "app/streams/load_ledger.h"
 #include "tests/app/interface/driver.h"
+#include "tests/app/late_worlds.h"
 #include "tests/app/scratch_folder.h"
 
 #include <catch2/catch.hpp>
@@ -187,6 +189,51 @@ TEST_CASE("The weight of a viewport changes its share of the vectors, and of wha
   CHECK(user.session().panes().at(1).weight == Pane::kMostWeight);
 }
 
+TEST_CASE("What may come for a viewport is shown, and chosen in its menu and in the panel of streams") {
+  late_worlds::Site site;
+  site.never("a.wrl");
+  site.never("b.wrl");
+  site.options.rate = 200'000;
+  Driver user({}, {1000, 700}, site.options);
+  user.press(Key::right, true, true);
+  user.session().open_in(0, "memory://a/a.wrl");
+  user.session().open_in(1, "memory://a/b.wrl");
+  user.settle();
+  const auto rate = [&](const std::string& path) {
+    for (const Session::Loads& one : user.session().loads())
+      if (one.path == path) return one.ledger->rate();
+    return std::optional<std::uint64_t>();
+  };
+  CHECK(rate("memory://a/a.wrl") == 200'000U);
+  CHECK(rate("memory://a/b.wrl") == 200'000U);
+  CHECK(user.sees("0 bit/s of 200 kbit/s"));
+  // In the menu of the second, which is active.
+  user.click("2 empty", MouseButton::right);
+  CHECK(user.sees("Reading: 50 %, 0 bit/s"));
+  CHECK(user.sees("Reading at most"));
+  const auto list = user.find("200 kbit/s");
+  REQUIRE(list);
+  user.click(*list);
+  user.click("2.0 Mbit/s");
+  CHECK(user.session().rate_of(1) == 2'000'000);
+  CHECK(user.session().rate_of(0) == 200'000);
+  CHECK(rate("memory://a/a.wrl") == 200'000U);
+  CHECK(rate("memory://a/b.wrl") == 2'000'000U);
+  user.press(Key::escape);
+  CHECK(user.sees("0 bit/s of 2.0 Mbit/s"));
+  // The same in the panel, of the active one.
+  user.press(letter_key('E'), true, true);
+  CHECK(user.sees("This viewport reads at most"));
+  user.session().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
+  user.settle();
+  CHECK(user.sees("no limit"));
+  CHECK(rate("memory://a/b.wrl") == 0U);
+  // What both show comes as fast as it may for one of them.
+  user.session().open_in(1, "memory://a/a.wrl");
+  user.settle();
+  CHECK(rate("memory://a/a.wrl") == 0U);
+}
+
 TEST_CASE("A file that is dropped on a viewport opens there") {
   ScratchFolder scratch;
   scratch.write("sphere.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
@@ -232,6 +279,41 @@ TEST_CASE("A viewport whose file failed says so, with what was wrong first, and 
   user.click("Close");  // only the message: something is shown
   CHECK_FALSE(user.session().panes().at(1).failure);
   CHECK(split(user) == "1|2");
+}
+
+TEST_CASE("A file that takes too much memory leads to the setting, and opens once there is more") {
+  ScratchFolder scratch;
+  std::string points;
+  for (int i = 0; i < 30'000; ++i) points += "0 0 " + std::to_string(i) + ", ";
+  const std::string path = scratch.write(
+      "large.wrl", "#VRML V2.0 utf8\nShape { geometry PointSet { coord Coordinate { point [ " + points + " ] } } }\n");
+  LoadOptions load;
+  load.limits.memory = 256 << 10;
+  {
+    Driver given({}, {1000, 700}, load);  // as --memory has it, whatever the setting says
+    given.session().open_files({path});
+    REQUIRE(given.wait_for([&] { return given.sees("More memory"); }));
+    given.settle();
+    given.click("More memory");
+    CHECK(given.sees("Memory of a world"));
+  }
+  Driver user;
+  UserSettings settings;
+  settings.memory = 0.0002;
+  UiActions actions;
+  actions.settings = settings;
+  user.desk().apply(actions);
+  user.session().open_files({path});
+  REQUIRE(user.wait_for([&] { return user.session().panes().at(0).failure.has_value(); }));
+  settings.memory = 1;
+  actions.settings = settings;
+  user.desk().apply(actions);
+  user.settle();
+  user.click("Open again");
+  CHECK(user.wait_for([&] {
+    const Pane& pane = user.session().panes().at(0);
+    return !pane.failure && pane.view() && !pane.view()->list->items.empty();
+  }));
 }
 
 TEST_CASE("A viewport with nothing but a file that failed is closed with the message") {

@@ -56,6 +56,17 @@ TEST_CASE("The desktop's dialog gives the files that were chosen, a line each") 
   CHECK(answer_of("kill -9 $$").failed);
 }
 
+TEST_CASE("The desktop's dialog begins in the folder that it is given, and says nothing to the terminal") {
+  const Desktop desktop;
+  const std::vector<DialogProgram> programs = {
+      {"/bin/sh", {"-c", "echo \"$0\"; echo \"$1\"; readlink /proc/self/fd/2", "--in={folder}/", "{folder}"}}};
+  std::binary_semaphore woken{0};
+  FileDialog dialog([&] { woken.release(); }, programs);
+  REQUIRE(dialog.show("/a b/c"));
+  woken.acquire();
+  CHECK(dialog.take()->files == Files{"--in=/a b/c/", "/a b/c", "/dev/null"});
+}
+
 TEST_CASE("A window that closes takes the dialog with it, and without one there is none") {
   const Desktop desktop;
   const std::vector<DialogProgram> patient = {{"/bin/sh", {"-c", "exec sleep 1000"}}};

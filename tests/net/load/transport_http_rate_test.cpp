@@ -70,4 +70,41 @@ TEST_CASE("A client's rate over HTTP is that of all its transfers, from the firs
   CHECK(shared > 0.8 * kSize);  // neither waited for the other
 }
 
+TEST_CASE("The rate changes while transfers over HTTP go on, and may end") {
+  constexpr std::size_t kSize = 400'000;
+  const BadServer server([&](BadServer::Exchange& exchange) {
+    exchange.send(http("200 OK", "Content-Type: model/vrml\r\n", std::string(kSize, 'x')));
+  });
+  LoaderOptions options;
+  options.proxy_from_environment = false;
+  options.bytes_per_second = 25'000;
+  options.unix_seconds = [] { return std::int64_t{1'700'000'000}; };
+  const auto transport = make_http_transport(options);
+  Counter counter;
+  TimePoint now{std::chrono::hours(1)};
+  TransferRequest request;
+  request.url = server.url();
+  transport->start(1, request, now);
+  // Until so much has come; seconds that went by as far as the transport waited for its rate.
+  const auto receive = [&](std::size_t bytes, bool clock_goes) {
+    const TimePoint begin = now;
+    for (int step = 0; step < 100'000 && counter.all < bytes; ++step) {
+      transport->step(counter, now);
+      transport->wait(Milliseconds(1), {});
+      const auto next = transport->deadline(now);
+      if (clock_goes && next && *next > now && *next < now + Milliseconds(1000)) now = *next;
+    }
+    REQUIRE(counter.all >= bytes);
+    return std::chrono::duration<double>(now - begin).count();
+  };
+  CHECK(receive(50'000, true) >= 1.7);
+  transport->set_rate(100'000);
+  const double faster = receive(150'000, true);
+  CHECK(faster >= 0.8);
+  CHECK(faster <= 1.3);
+  transport->set_rate(0);
+  CHECK(receive(kSize, false) == 0);
+  CHECK(counter.all == kSize);
+}
+
 }  // namespace gs::net::rate_test

@@ -244,3 +244,24 @@ TEST_CASE("The folder of made files is bounded, and holds others' files in peace
   CHECK(fs::exists(folder / "others.txt"));
   fs::remove_all(folder);
 }
+
+TEST_CASE("what is made is made again where somebody has removed the folder for it") {
+  namespace fs = std::filesystem;
+  const auto folder = fs::temp_directory_path() / ("ghostspace-made-" + std::to_string(::getpid())) / "inner";
+  fs::create_directories(folder);
+  {
+    MadeFiles::Options options;
+    options.folder = folder.string();
+    MadeFiles made(options, 1, [] {});
+    const auto make = [](const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
+      std::ofstream(out) << "x";
+      return std::nullopt;
+    };
+    for (int i = 0; i < 2; ++i) {
+      CHECK(made.request(0, "a", ".bin", make).state == MadeState::waiting);
+      while (made.is_waiting(0, "a")) ::usleep(1000);
+      CHECK(made.request(0, "a", ".bin", make).state == MadeState::ready);
+      fs::remove_all(folder.parent_path());
+    }
+  }
+}

@@ -132,6 +132,11 @@ TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a se
   const std::string draw = kDraw + "--size 8x8 --snapshot " + quoted(folder.path("p.png")) + " ";
   CHECK(run(draw + "--transfer " + quoted(bad) + " " + quoted(volume)).output.find("bad.json:1:") != std::string::npos);
   CHECK(run(draw + "--transfer jet " + quoted(volume)).output.find("viridis") != std::string::npos);
+  // Colours that stand for values have a bar, too.
+  const std::string keyed = folder.write(
+      "keyed.wrl", std::string(kBox) + "WorldInfo { info \"color key: 0 10 #0000ff #ff0000 pressure (Pa)\" } ");
+  CHECK(picture("--color-bar", keyed) != picture("", keyed));
+  CHECK(run(draw + "--transfer grey " + quoted(keyed)).output.find("has no volume") != std::string::npos);
   CHECK(run(draw + "--color-bar " + quoted(folder.write("a.wrl", kBox))).output.find("has no volume") !=
         std::string::npos);
   CHECK(run(draw + quoted(folder.path("none.%d.nrrd"))).output.find("no file of this series") != std::string::npos);

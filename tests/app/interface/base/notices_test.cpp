@@ -19,6 +19,18 @@ TEST_CASE("A second line does not take the place of the first") {
   CHECK(notices.lines().empty());
 }
 
+TEST_CASE("Of what changes step by step only the newest line is shown") {
+  Notices notices;
+  notices.show("Speed 1 m/s", false, 0, "speed");
+  notices.show("The roof", false, 0, "viewpoint");
+  notices.show("Saved", false, 0);
+  notices.show("Speed 2 m/s", false, 1, "speed");
+  notices.show("Copied", false, 1);
+  REQUIRE(notices.lines().size() == 4);
+  CHECK(notices.lines()[0].text == "The roof");
+  CHECK(notices.lines()[2].text == "Speed 2 m/s");
+}
+
 TEST_CASE("Lines are shown once, a few at a time, and closed one by one") {
   Notices notices;
   for (int i = 0; i < 3; ++i) notices.show("Louder", false, i);

@@ -1,0 +1,148 @@
+#include "app/formats/common/color_key.h"
+
+#include "app/formats/common/scene_builder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr std::string_view kColorKeyMark = "color key:";
+constexpr std::size_t kMostKeyColors = 64, kLongestKeyTitle = 200;
+
+std::string_view next_key_word(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n"));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+bool read_key_number(std::string_view word, double& number) {
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return error == std::errc() && end == word.data() + word.size() && std::isfinite(number);
+}
+
+std::optional<vrml::Color> read_key_color(std::string_view word) {
+  std::uint32_t value = 0;
+  if (word.size() != 7 || word.front() != '#') return std::nullopt;
+  const auto [end, error] = std::from_chars(word.data() + 1, word.data() + word.size(), value, 16);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  const auto part = [value](int shift) { return static_cast<float>(value >> shift & 255) / 255; };
+  return vrml::Color{part(16), part(8), part(0)};
+}
+
+vrml::Color mixed(const vrml::Color& a, const vrml::Color& b, float part) {
+  return {a.r + (b.r - a.r) * part, a.g + (b.g - a.g) * part, a.b + (b.b - a.b) * part};
+}
+
+}  // namespace
+
+vrml::Color ColorKey::color_of(double value) const {
+  if (!std::isfinite(value) || colors.size() < 2) return {0.5f, 0.5f, 0.5f};
+  const double last = static_cast<double>(colors.size() - 1);
+  const double place = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) * last : last / 2;
+  const auto at = std::min(static_cast<std::size_t>(place), colors.size() - 2);
+  return mixed(colors[at], colors[at + 1], static_cast<float>(place - static_cast<double>(at)));
+}
+
+double ColorKey::value_of(const vrml::Color& color) const {
+  double nearest = INFINITY, place = 0;
+  for (std::size_t i = 0; i + 1 < colors.size(); ++i) {
+    const double from[] = {colors[i].r, colors[i].g, colors[i].b};
+    const double to[] = {colors[i + 1].r, colors[i + 1].g, colors[i + 1].b};
+    const double sought[] = {color.r, color.g, color.b};
+    double along = 0, length = 0, distance = 0;
+    for (int c = 0; c < 3; ++c) {
+      along += (sought[c] - from[c]) * (to[c] - from[c]);
+      length += (to[c] - from[c]) * (to[c] - from[c]);
+    }
+    const double part = length > 0 ? std::clamp(along / length, 0.0, 1.0) : 0;
+    for (int c = 0; c < 3; ++c) {
+      const double off = from[c] + part * (to[c] - from[c]) - sought[c];
+      distance += off * off;
+    }
+    if (distance >= nearest) continue;
+    nearest = distance;
+    place = (static_cast<double>(i) + part) / static_cast<double>(colors.size() - 1);
+  }
+  return low + place * (high - low);
+}
+
+std::vector<vrml::Color> rainbow_colors() { return {{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}; }
+
+std::vector<vrml::Color> viridis_colors() {
+  std::vector<vrml::Color> colors;
+  for (const std::string_view one : {"#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"})
+    colors.push_back(*read_key_color(one));
+  return colors;
+}
+
+ColorKey color_key_over(std::span<const float> values, std::vector<vrml::Color> colors, std::string title) {
+  ColorKey key{std::move(title), INFINITY, -INFINITY, std::move(colors)};
+  for (const float value : values)
+    if (std::isfinite(value)) {
+      key.low = std::min(key.low, static_cast<double>(value));
+      key.high = std::max(key.high, static_cast<double>(value));
+    }
+  if (!(key.low <= key.high)) key.low = key.high = 0;
+  return key;
+}
+
+std::string color_key_text(const ColorKey& key) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, " %.9g %.9g", key.low, key.high);
+  std::string text = std::string(kColorKeyMark) + buffer;
+  for (const vrml::Color& color : key.colors) {
+    const auto byte = [](float part) { return static_cast<unsigned>(std::lround(std::clamp(part, 0.0f, 1.0f) * 255)); };
+    std::snprintf(buffer, sizeof buffer, " #%02x%02x%02x", byte(color.r), byte(color.g), byte(color.b));
+    text += buffer;
+  }
+  return key.title.empty() ? text : text + " " + key.title;
+}
+
+void add_color_key(SceneBuilder& builder, const ColorKey& key) {
+  const vrml::NodeId info = builder.make(vrml::NodeKind::world_info);
+  vrml::MFString lines;
+  lines.push_back(color_key_text(key));
+  builder.set<vrml::MFString>(info, "info", std::move(lines));
+  builder.add_root(info);
+}
+
+std::optional<ColorKey> read_color_key(std::string_view text) {
+  if (!text.starts_with(kColorKeyMark)) return std::nullopt;
+  text.remove_prefix(kColorKeyMark.size());
+  ColorKey key;
+  if (!read_key_number(next_key_word(text), key.low) || !read_key_number(next_key_word(text), key.high) ||
+      !(key.low <= key.high))
+    return std::nullopt;
+  for (;;) {
+    std::string_view rest = text;
+    const auto color = read_key_color(next_key_word(rest));
+    if (!color) break;
+    if (key.colors.size() >= kMostKeyColors) return std::nullopt;
+    key.colors.push_back(*color);
+    text = rest;
+  }
+  if (key.colors.size() < 2) return std::nullopt;
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  key.title = text.substr(0, kLongestKeyTitle);
+  return key;
+}
+
+std::optional<ColorKey> color_key_of(const vrml::SceneGraph& scene) {
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::Node& node = scene.node_at(i);
+    if (node.in_prototype_body || node.type->read_as != vrml::NodeKind::world_info) continue;
+    for (const vrml::String& line : scene.get<vrml::MFString>(scene.id_at(i), "info"))
+      if (auto key = read_color_key(line.str())) return key;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gs::app

@@ -1,0 +1,45 @@
+#include "app/view/values/picked_values.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+namespace gs::app::picked_values_test {
+
+TEST_CASE("A place in a stream of a volume has the value of the vector that is nearest to it") {
+  qnv::Cloud cloud;
+  CHECK_FALSE(value_near(cloud, {0, 0, 0}));
+  cloud.description.kind = qnv::Kind::volume;
+  cloud.description.value_range = {-100, 155};
+  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
+  cloud.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  cloud.weights = {0.5f, 2, 8};
+  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // nothing says what its values are
+  cloud.classes = {0, 128, 255};
+  REQUIRE(value_near(cloud, {0, 0, 0}));
+  CHECK(value_near(cloud, {0.4, 0, 0})->value == -100);
+  CHECK(value_near(cloud, {0.6, 0, 0})->value == 28);
+  CHECK(value_near(cloud, {0.6, 0, 0})->gradient == 2);
+  CHECK(value_near(cloud, {0, 50, 0})->value == 155);
+  CHECK(value_near(cloud, {0, 50, 0})->step == 1);
+  // Vectors without a place are nobody's.
+  cloud.positions[0].x = std::nanf("");
+  CHECK(value_near(cloud, {0, 0, 0})->value == 28);
+  CHECK_FALSE(value_near(cloud, {std::nan(""), 0, 0}));
+}
+
+TEST_CASE("A place on a coloured surface has the value between those of its corners") {
+  ColorKey key{"t", 0, 100, rainbow_colors()};
+  vrml::Mesh mesh;
+  mesh.indices = {0, 1, 2, 2, 1, 3};
+  CHECK_FALSE(value_on(key, mesh, {1, 0, {1, 0, 0}}));  // it has no colours
+  for (const double value : {0, 20, 100, 60}) mesh.colors.push_back(key.color_of(value));
+  CHECK(*value_on(key, mesh, {1, 0, {1, 0, 0}}) == Approx(0).margin(1e-4));
+  CHECK(*value_on(key, mesh, {1, 0, {0.5, 0.25, 0.25}}) == Approx(30));
+  CHECK(*value_on(key, mesh, {1, 1, {0, 0.5, 0.5}}) == Approx(40));
+  CHECK_FALSE(value_on(key, mesh, {1, 2, {1, 0, 0}}));
+  mesh.indices = {9, 1, 2};
+  CHECK_FALSE(value_on(key, mesh, {1, 0, {1, 0, 0}}));
+}
+
+}  // namespace gs::app::picked_values_test

@@ -1,0 +1,248 @@
+#include "app/viewer/viewer_tools.h"
+#include "render/gl/context.h"
+#include "tests/app/interface/driver.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+// What a window does beside moving about, drawn without one.
+namespace gs::app::viewer_tools_test {
+namespace {
+
+constexpr Viewport kPlace{0, 0, 96, 64};
+
+/// A user's window without a window, with his pictures in a folder of the test.
+struct Workshop {
+  Workshop() {
+    ::setenv("XDG_PICTURES_DIR", scratch.path("pictures").c_str(), 1);
+    auto opened = render::open_headless_context("auto");
+    if (auto* made = std::get_if<std::unique_ptr<render::GlContext>>(&opened)) context = std::move(*made);
+    if (!context) return;
+    auto created = render::Renderer::create(*context);
+    if (auto* made = std::get_if<std::unique_ptr<render::Renderer>>(&created)) renderer = std::move(*made);
+    if (!renderer) return;
+    options.samples = 1;
+    tools = std::make_unique<ViewerTools>(options, *renderer);
+    ::unsetenv("XDG_PICTURES_DIR");
+  }
+  ~Workshop() {
+    tools.reset();
+    renderer.reset();
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+
+  View& view() { return *user.session().view(); }
+  void open(const std::string& path) {
+    user.session().open_files({path});
+    REQUIRE(user.wait_for([&] {
+      const View* const seen = user.session().view();
+      return seen && seen->document->all_came && !seen->document->is_preview;
+    }));
+  }
+  void apply(const UiToolActions& actions) {
+    tools->apply(actions, &view(), kPlace, [this](const std::string& text, bool) { told.push_back(text); });
+  }
+  void finish() {
+    while (tools->go_on(&view(), [this](const std::string& text, bool) { told.push_back(text); })) {
+    }
+  }
+  UiTools describe() {
+    UiTools described;
+    tools->describe(described, &view(), kPlace);
+    return described;
+  }
+  bool take(WindowEvent::Kind kind, const glm::vec2& pointer) {
+    SessionInput::Event event;
+    event.event.kind = kind;
+    event.event.pointer = pointer;
+    return tools->take(event, &view(), kPlace);
+  }
+  [[nodiscard]] std::vector<std::string> pictures(const std::string& ending) const {
+    std::vector<std::string> found;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(scratch.path("pictures"), error))
+      if (entry.path().extension() == ending) found.push_back(entry.path().string());
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  ScratchFolder scratch;
+  driver::Driver user;
+  ViewerOptions options;
+  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<render::Renderer> renderer;
+  std::unique_ptr<ViewerTools> tools;
+  std::vector<std::string> told;
+};
+
+std::string bytes_in(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+TEST_CASE("Turntables and tours of the window are saved as pictures and as movies") {
+  Workshop shop;
+  if (!shop.tools) return;  // nothing here draws
+  shop.user.show_world("Viewpoint { position 0 0 6 } Shape { geometry Box { size 1 2 3 } }", "a box.wrl");
+  UiToolActions actions;
+  PictureWish wish;
+  wish.seconds = 1;
+  wish.rate = 5;
+  wish.leg = 1;
+  actions.picture = wish;
+  actions.take_turntable = true;
+  shop.apply(actions);
+  CHECK(shop.describe().exporting == 0.0f);
+  shop.finish();
+  CHECK_FALSE(shop.describe().exporting);
+  const std::vector<std::string> turned = shop.pictures(".png");
+  REQUIRE(turned.size() == 5);
+  CHECK(bytes_in(turned[0]) != bytes_in(turned[1]));
+  REQUIRE(shop.told.size() == 1);
+  CHECK(shop.told[0].starts_with("Turntable saved: "));
+  CHECK(shop.told[0].find("5 pictures") != std::string::npos);
+
+  // A tour has the views that were added, in a movie.
+  const auto tell = [&](const std::string& text, bool) { shop.told.push_back(text); };
+  shop.tools->add_to_tour(shop.view(), tell);
+  CHECK(shop.describe().tour == 1);
+  shop.view().navigation.pose.position = {3, 0, 6};
+  shop.tools->add_to_tour(shop.view(), tell);
+  actions = {};
+  wish.animation = AnimationFile::mp4;
+  actions.picture = wish;
+  actions.take_tour = true;
+  shop.apply(actions);
+  shop.finish();
+  INFO(shop.told.back());
+  REQUIRE(shop.pictures(".mp4").size() == 1);
+  CHECK(bytes_in(shop.pictures(".mp4")[0]).substr(4, 4) == "ftyp");
+  CHECK(shop.told.back().starts_with("Tour saved: "));
+  CHECK(shop.pictures(".png").size() == 5);
+
+  // One that is given up leaves word.
+  actions = {};
+  actions.take_turntable = true;
+  shop.apply(actions);
+  actions = {};
+  actions.cancel_export = true;
+  shop.apply(actions);
+  CHECK_FALSE(shop.describe().exporting);
+  CHECK(shop.told.back() == "The animation was given up");
+}
+
+TEST_CASE("A slice is drawn through its volume by its edge in the picture") {
+  Workshop shop;
+  if (!shop.tools) return;
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 11 11 11\nencoding: ascii\n\n";
+  for (int i = 0; i < 11 * 11 * 11; ++i) volume += std::to_string(i % 11 * 20) + " ";
+  shop.open(shop.scratch.write("a.nrrd", volume));
+  UiToolActions actions;
+  VolumeSlices slices;
+  slices.shown[0] = slices.alone = true;
+  actions.slices = slices;
+  actions.wants_value = true;
+  shop.apply(actions);
+  for (int i = 0; i < 5000 && shop.describe().dimensions[0] == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  REQUIRE(shop.describe().dimensions[0] == 11);
+  CHECK_FALSE(shop.tools->reads_values());
+  const auto world = world_from_volume(*shop.view().list);
+  REQUIRE(world);
+  shop.view().navigation.pose.position = glm::dvec3(*world * glm::dvec4(-8, 3, 40, 1));
+  shop.view().navigation.pose.orientation = glm::quat(1, 0, 0, 0);
+  shop.view().navigation.transition.reset();
+  const auto seen_at = [&](double x) {
+    const auto pixel = pixel_that_sees(shop.view().navigation.pose, glm::dvec3(*world * glm::dvec4(x, 10.5, 5, 1)),
+                                       glm::vec2(kPlace.size()));
+    REQUIRE(pixel);
+    return *pixel;
+  };
+  using Kind = WindowEvent::Kind;
+  CHECK_FALSE(shop.take(Kind::pointer, {2, 2}));
+  CHECK(shop.describe().slice_edge.empty());
+  CHECK_FALSE(shop.take(Kind::pointer, seen_at(5)));
+  CHECK(shop.describe().slice_edge.size() == 4);
+  CHECK(shop.take(Kind::button_down, seen_at(5)));  // the session turns nothing
+  CHECK_FALSE(shop.take(Kind::pointer, seen_at(8)));
+  shop.apply({});
+  CHECK(shop.view().slices.places[0] == Approx(0.8).margin(0.02));
+  CHECK(shop.take(Kind::button_up, seen_at(8)));
+  CHECK_FALSE(shop.take(Kind::pointer, seen_at(2)));
+  shop.apply({});
+  CHECK(shop.view().slices.places[0] == Approx(0.8).margin(0.02));
+  // Beside it a press is the session's.
+  CHECK_FALSE(shop.take(Kind::button_down, {2, 2}));
+  CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
+}
+
+TEST_CASE("The value under the pointer is told of surfaces whose colours stand for values, and they have a bar") {
+  Workshop shop;
+  if (!shop.tools) return;
+  shop.open(shop.scratch.write("a.inp",
+                               "4 1 1 0 0\n1 -1 -1 0\n2 1 -1 0\n3 1 1 0\n4 -1 1 0\n1 1 quad 1 2 3 4\n"
+                               "1 1\nheat, K\n1 10\n2 30\n3 30\n4 10\n"));
+  shop.view().navigation.pose.position = {0, 0, 5};
+  shop.view().navigation.pose.orientation = glm::quat(1, 0, 0, 0);
+  UiToolActions actions;
+  actions.wants_value = true;
+  shop.apply(actions);
+  const auto at = [&](const glm::dvec3& place) {
+    const auto pixel = pixel_that_sees(shop.view().navigation.pose, place, glm::vec2(kPlace.size()));
+    REQUIRE(pixel);
+    (void)shop.take(WindowEvent::Kind::pointer, *pixel);
+    shop.apply(actions);
+    return shop.describe().value;
+  };
+  CHECK(at({0, 0.5, 0}).starts_with("heat (K): 20; "));
+  CHECK(at({0.5, -0.5, 0}).starts_with("heat (K): 25; "));
+  CHECK(at({4, 1, 0}).empty());
+  const UiTools described = shop.describe();
+  REQUIRE(described.bar);
+  CHECK(described.bar->title == "heat (K)");
+  CHECK(described.bar->range == std::pair(10.0, 30.0));
+  CHECK(described.bar->colors.size() == 5);
+}
+
+TEST_CASE("The value under the pointer is told of a stream by its nearest vector") {
+  Workshop shop;
+  if (!shop.tools) return;
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
+  for (int z = 0; z < 24; ++z)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
+  shop.open(shop.scratch.write("a.nrrd", volume));
+  // The same vectors, without the voxels that they were made of.
+  shop.view().document->world.path = shop.scratch.path("gone.qnv");
+  const auto world = world_from_volume(*shop.view().list);
+  REQUIRE(world);
+  shop.view().navigation.pose.position = glm::dvec3(*world * glm::dvec4(12, 12, 60, 1));
+  shop.view().navigation.pose.orientation = glm::quat(1, 0, 0, 0);
+  shop.view().navigation.transition.reset();
+  UiToolActions actions;
+  actions.wants_value = true;
+  shop.apply(actions);
+  (void)shop.take(WindowEvent::Kind::pointer, glm::vec2(kPlace.size()) / 2.0f);
+  shop.apply(actions);
+  INFO(shop.describe().value);
+  const std::string value = shop.describe().value;
+  CHECK(value.starts_with("about "));
+  CHECK(value.find(" K, by the nearest vector") != std::string::npos);
+}
+
+}  // namespace gs::app::viewer_tools_test
