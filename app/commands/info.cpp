@@ -179,6 +179,11 @@ bool describe_stream(Json& json, std::span<const std::byte> bytes, const std::st
     json["exact"] = {{"bytes", exact.length()}, {"come", exact.come()}};
     if (exact.whole()) json["exact"].update({{"bits", exact.bits()}, {"triangles", cloud.triangles.size() / 3}});
   }
+  if (const qnv::ProgressiveSurface& progressive = decoder.progressive(); progressive.begun())
+    json["progressive"] = {{"bits", progressive.mesh().bits()},
+                           {"vertices", progressive.mesh().vertices()},
+                           {"triangles", cloud.triangles.size() / 3},
+                           {"whole", progressive.mesh().whole()}};
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
     json["dimensions"] = {x, y, z};

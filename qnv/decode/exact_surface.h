@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
+#include "qnv/decode/shaded_mesh.h"
 #include "qnv/exact/exact_mesh.h"
 #include "qnv/exact/tail_pieces.h"
 
@@ -39,8 +40,6 @@ class ExactSurface {
 
  private:
   void make(const Box& box, std::size_t most_vectors);
-  /// Vertices, one for each normal that corners at the same place have.
-  void shade(const exact::ExactMesh& mesh, const Box& box);
 
   exact::TailPieces pieces_;
   std::vector<std::byte> tail_;  // once all of it has come
@@ -48,9 +47,7 @@ class ExactSurface {
   bool whole_ = false, done_ = false;
   int bits_ = 0;
   Count count_;
-  std::vector<glm::vec3> positions_, normals_;
-  std::vector<Rgb8> colors_;
-  std::vector<std::uint32_t> triangles_;
+  ShadedVertices shown_;
 };
 
 }  // namespace gs::qnv

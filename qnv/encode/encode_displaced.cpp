@@ -6,6 +6,7 @@
 #include "qnv/encode/survey.h"
 #include "qnv/exact/exact_tail.h"
 #include "qnv/exact/tail_pieces.h"
+#include "qnv/progressive/progressive.h"
 #include "qnv/stream/piece_group.h"
 
 #include <algorithm>
@@ -41,6 +42,8 @@ constexpr double kBeforeNext = 1.5;
 // whose pieces are lost with 30 % one in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
 constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
+// Pieces of splits up to so many bytes.
+constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
 constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
 // Bases are made of a mesh of so many triangles, which is close enough to a finer one.
 constexpr std::size_t kCoarseTriangles = 30'000;
@@ -182,12 +185,42 @@ struct Tail {
   bool parity = false;
 };
 
-Tail tail_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
+exact::ExactMesh mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
   displaced::SurfaceMesh all = builder.welded();
   for (glm::vec3& p : all.positions) p = frame.inside(p);
   if (!colored) all.colors.clear();
-  const exact::ExactMesh mesh = exact::quantized(std::move(all), bits);
+  return exact::quantized(std::move(all), bits);
+}
+
+Tail tail_of(const exact::ExactMesh& mesh) {
   return {exact::encode_tail(mesh), mesh.vertices.size(), mesh.shading};
+}
+
+/// Parts that become themselves vertex by vertex, whose first mesh stands in the header: in pieces, so that losses do
+/// not stop them.
+std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
+  // Where every byte counts pieces are small: what is cut off in the middle of one is not there.
+  std::size_t few = 0;
+  for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
+    bytes += mesh.segments[few].size();
+  const std::span<const std::vector<std::byte>> all(mesh.segments);
+  CutGroup front, rest;
+  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kParity, kParityBesides, kSmallPieceBytes);
+  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kParity, kParityBesides);
+  std::vector<OutgoingChunk> chunks;
+  const std::size_t data = front.data.size() + rest.data.size();
+  for (auto* pieces : {&front.data, &rest.data, &front.parity, &rest.parity})
+    for (std::vector<std::byte>& piece : *pieces) {
+      OutgoingChunk& chunk = chunks.emplace_back();
+      chunk.type = ChunkType::piece;
+      chunk.entry.parent = 0xffffffff;
+      chunk.entry.box = box;
+      const std::size_t n = chunks.size();  // about as many vertices in each
+      if (n <= data)
+        chunk.entry.vectors = static_cast<std::uint32_t>(mesh.vertices * n / data - mesh.vertices * (n - 1) / data);
+      chunk.payload = std::move(piece);
+    }
+  return chunks;
 }
 
 /// In pieces. `others`: the chunks before it, whose place it takes.
@@ -246,18 +279,15 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::Frame frame(s.box);
   Tail tail;
   if (options.exact_bits != 0) {
-    tail = tail_of(builder, frame, s.colored, options.exact_bits);
+    tail = tail_of(mesh_of(builder, frame, s.colored, options.exact_bits));
     if (tail.bytes.size() > exact::kMostTailBytes)
       return EncodeError{"the mesh takes " + std::to_string(tail.bytes.size()) + " bytes; expected at most " +
                          std::to_string(exact::kMostTailBytes)};
   }
   // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
-  Tail small;
+  std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && tail.bytes.empty() && s.triangles <= kFewTriangles)
-    small = tail_of(builder, frame, s.colored, kFewBits);
-  const std::size_t with_small = small.bytes.size() * 5 / 4 + kMostFirstBytes;
-  const bool takes_small = !small.bytes.empty() && small.bytes.size() <= kMostSmallTail &&
-                           (options.max_bytes == 0 || with_small <= options.max_bytes);
+    small = mesh_of(builder, frame, s.colored, kFewBits);
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
@@ -314,14 +344,22 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
     const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
-    if (stages.empty() && options.only_if_suited && !follows && stage.bytes.size() <= kMostFirstBytes && takes_small) {
-      tail = std::move(small);
-      tail.parity = true;
-    } else if (stages.empty() && options.only_if_suited && !follows) {
-      return EncodeError{
-          "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
-          "a smooth surface",
-          true};
+    if (stages.empty() && options.only_if_suited && !follows) {
+      if (small) {
+        if (auto split = progressive::encode_progressive(*small, stage_options.most_bytes)) {
+          header.base = std::move(split->front);
+          return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
+        }
+        tail = tail_of(*small);
+        tail.parity = true;
+      }
+      const std::size_t with_tail = tail.bytes.size() * 5 / 4 + kMostFirstBytes;
+      if (tail.bytes.empty() || tail.bytes.size() > kMostSmallTail || stage.bytes.size() > kMostFirstBytes ||
+          (options.max_bytes != 0 && with_tail > options.max_bytes))
+        return EncodeError{
+            "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
+            "a smooth surface",
+            true};
     }
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
       return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +

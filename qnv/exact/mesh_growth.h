@@ -23,6 +23,7 @@ using Weights = std::array<std::array<std::int16_t, kNear>, kSituations>;
 struct TailHeader {
   int bits = 11;
   bool colored = false;
+  bool usual = false;      // the weights are the usual ones, and not told
   int crease_angle = 180;  // of ExactMesh
   std::uint32_t vertices = 0, triangles = 0;
   Weights weights{};  // of 2^kWeightBits

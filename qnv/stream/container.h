@@ -40,6 +40,7 @@ enum class ChunkType : std::uint8_t {
   exact = 6,
   piece = 7,
   shading = 8,
+  splits = 9,
   directory = 254
 };
 

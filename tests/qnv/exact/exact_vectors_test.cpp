@@ -88,4 +88,34 @@ TEST_CASE("exact tails of the first version decode to their pinned meshes") {
   }
 }
 
+// The same of displaced_splits, by tests/qnv/vectors/splits.py.
+TEST_CASE("a mesh that grows vertex by vertex becomes its pinned one") {
+  ExactMesh wanted;
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_splits.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "exact") {
+      words >> wanted.bits >> wanted.crease_angle;
+    } else if (kind == "at") {
+      glm::ivec3& p = wanted.vertices.emplace_back(0);
+      words >> p.x >> p.y >> p.z;
+    } else {
+      displaced::Corners& t = wanted.triangles.emplace_back();
+      words >> t[0] >> t[1] >> t[2];
+    }
+  }
+  REQUIRE(wanted.triangles.size() > 1000);
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(read_bytes("displaced_splits.qnv")));
+  CHECK(decoder.refused_chunks() == 0);
+  CHECK(decoder.is_mesh());
+  const ExactMesh mesh = decoder.progressive().mesh().mesh();
+  CHECK(mesh.bits == wanted.bits);
+  CHECK(mesh.crease_angle == wanted.crease_angle);
+  CHECK(mesh.vertices == wanted.vertices);
+  CHECK(mesh.triangles == wanted.triangles);
+}
+
 }  // namespace gs::qnv::exact::vectors_test

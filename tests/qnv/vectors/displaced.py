@@ -525,12 +525,15 @@ class Tail:
 
     def __init__(self, data):
         flags, self.b, self.crease, self.count, self.most = struct.unpack_from("<BBBII", data, 0)
-        if flags > 1 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
+        if flags > 3 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
             raise Refused("tail")
-        self.colored = flags == 1
-        weights = struct.unpack_from("<48h", data, 11)
-        self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
-        self.coder = Coder(data[107:])
+        self.colored = flags & 1 == 1
+        if flags & 2:
+            self.weights = [[2048, -2048, 2048, -2048] + [0] * 4] * 2 + [[4096, -4096] + [0] * 6] * 4
+        else:
+            weights = struct.unpack_from("<48h", data, 11)
+            self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
+        self.coder = Coder(data[11 if flags & 2 else 107:])
         self.places, self.colours, self.marks, self.turns, self.triangles = [], [], [], [], []
         self.state, self.behind, self.before = [], [], []
         self.waiting, self.clock = {}, 0  # (gap, when) -> (side, behind)
@@ -994,4 +997,5 @@ def main(name):
                 print("normal", corner, *("%.6f" % x for x in n))
 
 
-main(sys.argv[1])
+if __name__ == "__main__":
+    main(sys.argv[1])
