@@ -95,7 +95,9 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
   } else if (type == ChunkType::splits && header()->payload == Payload::displaced) {
     progressive_.add(payload);
   } else if (type == ChunkType::shading && header()->payload == Payload::displaced) {
-    exact_.add_shading(payload, header()->description.box, most_vectors_);
+    exact_.add_shading(payload);
+  } else if (type == ChunkType::low_bits && header()->payload == Payload::displaced) {
+    exact_.add_low_bits(payload);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {

@@ -47,7 +47,7 @@ class StreamDecoder {
   /// How many discs `cloud` has.
   [[nodiscard]] std::size_t vectors() const {
     return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
-           (exact_.whole()          ? exact_.count().vectors
+           (exact_.whole()          ? exact_.vectors()
             : progressive_.begun() ? progressive_.shown().positions.size()
                                    : surface_.count().vectors);
   }
@@ -61,7 +61,7 @@ class StreamDecoder {
   /// The same of one that becomes the mesh vertex by vertex.
   [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }
   /// Whether what is there is the mesh itself, all of it.
-  [[nodiscard]] bool is_mesh() const { return exact_.whole() || progressive_.mesh().whole(); }
+  [[nodiscard]] bool is_mesh() const { return exact_.finest() || progressive_.mesh().whole(); }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
   /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in

@@ -12,13 +12,21 @@ void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::
     ++count_.refused;
     return;
   }
-  if (auto tail = pieces_.take()) {
-    tail_ = std::move(*tail);
-    make(box, most_vectors);
+  const auto tail = pieces_.take();
+  if (!tail) return;
+  done_ = true;
+  box_ = box;
+  most_vectors_ = most_vectors;
+  const auto size = exact::tail_size(*tail);
+  if (size && (size->vertices > most_vectors || size->triangles / 2 > most_vectors)) {
+    count_.full = true;
+    return;
   }
+  mesh_ = exact::decode_tail(*tail, most_vectors);
+  ++(mesh_ ? count_.taken : count_.refused);
 }
 
-void ExactSurface::add_shading(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors) {
+void ExactSurface::add_shading(std::span<const std::byte> payload) {
   const auto shading = exact::decode_shading(payload);
   if (!shading || (shading_ && *shading_ != *shading)) {
     ++count_.refused;
@@ -26,36 +34,32 @@ void ExactSurface::add_shading(std::span<const std::byte> payload, const Box& bo
   }
   if (shading_) return;
   shading_ = shading;
-  if (whole_) make(box, most_vectors);
+  shown_.reset();
+  if (mesh_) ++count_.taken;
 }
 
-void ExactSurface::make(const Box& box, std::size_t most_vectors) {
-  done_ = true;
-  whole_ = false;
-  count_.vectors = 0;
-  const auto size = exact::tail_size(tail_);
-  if (size && (size->vertices > most_vectors || size->triangles / 2 > most_vectors)) {
-    count_.full = true;
-    return;
-  }
-  const auto mesh = exact::decode_tail(tail_, most_vectors);
-  if (!mesh) {
+void ExactSurface::add_low_bits(std::span<const std::byte> payload) {
+  if (!low_bits_.add(payload)) {
     ++count_.refused;
     return;
   }
-  shown_ = shaded_vertices(*mesh, shading_.value_or(exact::Shading{exact::Shading::Rule::edges, mesh->crease_angle}), box);
-  if (shading_) tail_ = {};
-  if (shown_.positions.size() > most_vectors) {
-    count_.full = true;
-    shown_ = {};
-    return;
-  }
-  whole_ = true;
-  bits_ = mesh->bits;
-  count_.vectors = shown_.positions.size();
-  ++count_.taken;
+  shown_.reset();
+  if (mesh_) ++count_.taken;
 }
 
-void ExactSurface::append(Cloud& cloud, bool colored) const { shown_.append(cloud, colored); }
+bool ExactSurface::finest() const { return mesh_ && low_bits_.complete(*mesh_); }
+
+const ShadedVertices& ExactSurface::shown() const {
+  if (shown_) return *shown_;
+  exact::ExactMesh mesh = *mesh_;
+  low_bits_.apply(mesh);
+  const exact::Shading own{exact::Shading::Rule::edges, mesh.crease_angle};
+  shown_ = shaded_vertices(mesh, shading_.value_or(own), box_);
+  // Without creases there are no more of them than vertices.
+  if (shown_->positions.size() > most_vectors_) shown_ = shaded_vertices(mesh, exact::Shading{}, box_);
+  return *shown_;
+}
+
+void ExactSurface::append(Cloud& cloud, bool colored) const { shown().append(cloud, colored); }
 
 }  // namespace gs::qnv

@@ -5,6 +5,7 @@
 #include "qnv/encode/stream_writer.h"
 #include "qnv/encode/survey.h"
 #include "qnv/exact/exact_tail.h"
+#include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/progressive/progressive.h"
 #include "qnv/stream/piece_group.h"
@@ -50,14 +51,17 @@ constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent, as a part of it, and in bytes for each of its vertices: with more the whole
-// would be larger than it need be.
-constexpr double kBeforeTail = 1.0 / 6, kBytesAVertexBeforeTail = 0.25;
+// Before the mesh itself so much is sent at most, as a part of it: with more the whole would be larger than it need be.
+constexpr double kBeforeTail = 1.0 / 6;
+// What is shown until the tail is there counts by so much of its bytes: it is worth coming early for more than its distance.
+constexpr double kWorthOfTail = 0.5;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
 // What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
 constexpr int kFewBits = 12;
+// What of places is finer than this comes behind the tail: it cannot be predicted, and any part of it makes the mesh finer.
+constexpr int kTailBits = 12;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -135,8 +139,9 @@ class StageFront {
 };
 
 /// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
-/// source.
-std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
+/// source. `distances`: set to how far what is shown is from it, as clusters gain, before the chunks and behind each of them.
+std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places,
+                                     std::vector<double>& distances) {
   const displaced::Frame frame(box);
   std::vector<OutgoingChunk> chunks, parity;
   double shown = 0;  // how far the stage before is from the source, as clusters gain
@@ -144,6 +149,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
+    if (i == 0) distances = {left};
     std::size_t needed = 0, bytes = 0, sent = 0;
     if (i > 0) {
       const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
@@ -159,6 +165,8 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       }
       StageFront front(stage, static_cast<int>(i), sent, box);
       front.append(false, chunks);
+      distances.resize(chunks.size(), shown);
+      distances.push_back(left);
       // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
       if (i + 1 == stages.size() || stages[i + 1].header.beside) front.append(true, parity);
       bytes = grouped - stage.bytes.size();
@@ -170,6 +178,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
+      distances.push_back(left);
     }
     shown = left;
   }
@@ -182,7 +191,11 @@ struct Tail {
   std::vector<std::byte> bytes;  // none: there is no tail
   std::size_t vertices = 0;
   exact::Shading shading;
+  std::vector<std::vector<std::byte>> low_bits;  // behind it
+  std::size_t low_bytes = 0;
   bool parity = false;
+  /// With what comes behind it.
+  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes; }
 };
 
 exact::ExactMesh mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
@@ -192,8 +205,20 @@ exact::ExactMesh mesh_of(const displaced::MeshBuilder& builder, const displaced:
   return exact::quantized(std::move(all), bits);
 }
 
-Tail tail_of(const exact::ExactMesh& mesh) {
-  return {exact::encode_tail(mesh), mesh.vertices.size(), mesh.shading};
+/// `bits`: of the tail itself; those of the mesh that are finer come behind it.
+Tail tail_of(const exact::ExactMesh& mesh, int bits) {
+  Tail tail;
+  tail.vertices = mesh.vertices.size();
+  tail.shading = mesh.shading;
+  exact::ExactMesh coarse = mesh;
+  coarse.bits = std::min(bits, mesh.bits);
+  coarse.finest = mesh.bits;
+  for (glm::ivec3& p : coarse.vertices) p >>= mesh.bits - coarse.bits;
+  std::vector<std::uint32_t> numbers;
+  tail.bytes = exact::encode_tail(coarse, false, &numbers);
+  tail.low_bits = exact::low_bits_of(mesh, coarse.bits, numbers);
+  for (const auto& payload : tail.low_bits) tail.low_bytes += payload.size();
+  return tail;
 }
 
 /// Parts that become themselves vertex by vertex, whose first mesh stands in the header: in pieces, so that losses do
@@ -245,14 +270,23 @@ void append_tail(const Tail& tail, const Box& box, std::vector<OutgoingChunk>& o
   last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
   for (std::vector<std::byte>& piece : group.parity) append(type, std::move(piece));
+  for (const std::vector<std::byte>& payload : tail.low_bits) append(ChunkType::low_bits, payload);
 }
 
-/// As many chunks as go into so many bytes, with what the container adds.
-void keep_first(std::vector<OutgoingChunk>& chunks, double bytes) {
+/// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
+/// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is there.
+void keep_before(std::vector<OutgoingChunk>& chunks, const std::vector<double>& distances, double bytes, double tail) {
   std::size_t kept = 0;
-  for (double sum = 0; kept < chunks.size(); ++kept) {
-    sum += static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[kept].payload.size());
+  double least = distances[0] * tail, shown = 0, sum = 0;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const auto more = static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[i].payload.size());
+    sum += more;
     if (sum > bytes) break;
+    shown += distances[i] * more;
+    if (const double all = shown + distances[i + 1] * tail; all <= least) {
+      least = all;
+      kept = i + 1;
+    }
   }
   chunks.resize(kept);
 }
@@ -279,7 +313,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::Frame frame(s.box);
   Tail tail;
   if (options.exact_bits != 0) {
-    tail = tail_of(mesh_of(builder, frame, s.colored, options.exact_bits));
+    tail = tail_of(mesh_of(builder, frame, s.colored, options.exact_bits), kTailBits);
     if (tail.bytes.size() > exact::kMostTailBytes)
       return EncodeError{"the mesh takes " + std::to_string(tail.bytes.size()) + " bytes; expected at most " +
                          std::to_string(exact::kMostTailBytes)};
@@ -330,9 +364,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
   const auto room = [&tail] {
-    return tail.bytes.empty() ? 1e300
-                              : std::min(kBeforeTail * static_cast<double>(tail.bytes.size()),
-                                         kBytesAVertexBeforeTail * static_cast<double>(tail.vertices));
+    return tail.bytes.empty() ? 1e300 : kBeforeTail * static_cast<double>(tail.size());
   };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
@@ -350,7 +382,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
           header.base = std::move(split->front);
           return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
         }
-        tail = tail_of(*small);
+        tail = tail_of(*small, small->bits);
         tail.parity = true;
       }
       const std::size_t with_tail = tail.bytes.size() * 5 / 4 + kMostFirstBytes;
@@ -387,9 +419,11 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
+  std::vector<double> distances;
+  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size(), distances);
   if (!tail.bytes.empty()) {
-    keep_first(chunks, room() - static_cast<double>(encode_header(header).size()));
+    keep_before(chunks, distances, room() - static_cast<double>(encode_header(header).size()),
+                kWorthOfTail * static_cast<double>(tail.bytes.size()));
     append_tail(tail, s.box, chunks);
   }
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);

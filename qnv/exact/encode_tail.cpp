@@ -225,6 +225,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
 std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, std::vector<std::uint32_t>* numbers) {
   TailHeader header;
   header.bits = mesh.bits;
+  header.finest = std::max(mesh.finest, mesh.bits);
   header.crease_angle = mesh.crease_angle;
   header.colored = !mesh.colors.empty();
   header.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
