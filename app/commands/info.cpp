@@ -185,6 +185,11 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
     }
     facts.put("exact", std::move(tail));
   }
+  if (const qnv::ProgressiveSurface& progressive = decoder.progressive(); progressive.begun())
+    facts.put("progressive", Fact::named({{"bits", progressive.mesh().bits()},
+                                          {"vertices", progressive.mesh().vertices()},
+                                          {"triangles", cloud.triangles.size() / 3},
+                                          {"whole", progressive.mesh().whole()}}));
   if (header->payload == qnv::Payload::voxels) {
     const auto& [x, y, z] = header->lattice.dimensions;
     facts.put("dimensions", Fact::list({x, y, z}));

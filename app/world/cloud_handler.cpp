@@ -149,12 +149,14 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
 // Again whenever a quarter more has come: making a cloud takes time in proportion to it. Of a surface, vectors move as
 // much as they become more.
 void CloudHandler::show_records(bool last) {
-  const std::size_t vectors = decoder_->vectors();
+  // Meshes are counted when they are made.
+  const bool mesh = decoder_->exact().whole() || decoder_->progressive().begun();
+  const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
   const std::uint64_t revision = decoder_->revision();
   const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
-  const bool exact = decoder_->exact().whole() && !shown_exact_;
+  const bool exact = decoder_->is_mesh() && !shown_exact_;
   if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact)) return;
-  shown_exact_ = decoder_->exact().whole();
+  shown_exact_ = decoder_->is_mesh();
   shown_ = vectors;
   shown_revision_ = revision;
   show_(std::make_shared<const qnv::Cloud>(world_.options.whole_surfaces ? decoder_->cloud()

@@ -62,8 +62,10 @@ bool StreamDecoder::push(std::span<const std::byte> bytes) {
 }
 
 void StreamDecoder::begin_surface() {
-  if (surface_.begun() || !header() || header()->payload != Payload::displaced) return;
-  surface_.begin(header()->base, header()->description.box, most_vectors_);
+  if (surface_begun_ || !header() || header()->payload != Payload::displaced) return;
+  surface_begun_ = true;
+  if (!progressive_.begin(header()->base, header()->description.box, most_vectors_))
+    surface_.begin(header()->base, header()->description.box, most_vectors_);
 }
 
 void StreamDecoder::finish() {
@@ -90,8 +92,12 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     surface_.add(payload);
   } else if (type == ChunkType::piece && header()->payload == Payload::displaced) {
     add_piece(payload);
+  } else if (type == ChunkType::splits && header()->payload == Payload::displaced) {
+    progressive_.add(payload);
   } else if (type == ChunkType::shading && header()->payload == Payload::displaced) {
-    exact_.add_shading(payload, header()->description.box, most_vectors_);
+    exact_.add_shading(payload);
+  } else if (type == ChunkType::low_bits && header()->payload == Payload::displaced) {
+    exact_.add_low_bits(payload);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
@@ -110,7 +116,7 @@ void StreamDecoder::add_piece(std::span<const std::byte> payload) {
   PieceGroup& group = groups_[piece->group];
   if (!group.add(*piece, payload)) ++refused_chunks_;
   for (const std::vector<std::byte>& each : group.take())
-    add(piece->group < kGroupsOfTails ? ChunkType::displaced : ChunkType::exact, each);
+    add(type_of_group(piece->group), each);
 }
 
 void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing) {
@@ -154,6 +160,8 @@ Cloud StreamDecoder::cloud() const {
   if (records_) append_records(cloud);
   if (exact_.whole())
     exact_.append(cloud, header()->colored);
+  else if (progressive_.begun())
+    progressive_.shown().append(cloud, header()->colored);
   else
     surface_.append(cloud, header()->colored);
   packed_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
@@ -167,7 +175,7 @@ Cloud StreamDecoder::cloud() const {
 }
 
 Cloud StreamDecoder::cloud_to_draw() {
-  if (!header() || header()->payload != Payload::displaced || exact_.whole()) return cloud();
+  if (!header() || header()->payload != Payload::displaced || exact_.whole() || progressive_.begun()) return cloud();
   Cloud cloud;
   cloud.description = header()->description;
   cloud.color = header()->color;

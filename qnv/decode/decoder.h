@@ -2,6 +2,7 @@
 
 #include "qnv/decode/cluster_forest.h"
 #include "qnv/decode/exact_surface.h"
+#include "qnv/decode/progressive_surface.h"
 #include "qnv/decode/surface_stages.h"
 #include "qnv/packed/packed.h"
 #include "qnv/records/records_assembly.h"
@@ -36,32 +37,38 @@ class StreamDecoder {
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return reader_.problems(); }
   [[nodiscard]] std::size_t refused_chunks() const {
     return refused_chunks_ + packed_.count().refused + voxels_.count().refused + surface_.count().refused +
-           exact_.count().refused;
+           exact_.count().refused + progressive_.count().refused;
   }
   /// Whether chunks were left out because of `most_vectors`.
   [[nodiscard]] bool full() const {
     return records_full_ || packed_.count().full || voxels_.count().full || surface_.count().full ||
-           exact_.count().full;
+           exact_.count().full || progressive_.count().full;
   }
   /// How many discs `cloud` has.
   [[nodiscard]] std::size_t vectors() const {
     return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
-           (exact_.whole() ? exact_.count().vectors : surface_.count().vectors);
+           (exact_.whole()          ? exact_.vectors()
+            : progressive_.begun() ? progressive_.shown().positions.size()
+                                   : surface_.count().vectors);
   }
   /// Changes whenever `cloud` would.
   [[nodiscard]] std::uint64_t revision() const {
     return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken +
-           exact_.count().taken;
+           exact_.count().taken + progressive_.count().taken;
   }
   /// Of a displaced surface: the mesh itself, as far as it has come.
   [[nodiscard]] const ExactSurface& exact() const { return exact_; }
+  /// The same of one that becomes the mesh vertex by vertex.
+  [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }
+  /// Whether what is there is the mesh itself, all of it.
+  [[nodiscard]] bool is_mesh() const { return exact_.finest() || progressive_.mesh().whole(); }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
   /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
   /// which the first ones cover all of it evenly.
   [[nodiscard]] Cloud cloud() const;
   /// The same for who draws it: a displaced surface has patches in place of arrays, of which only those are worked out
-  /// that have changed since the last call. The mesh at its end has arrays.
+  /// that have changed since the last call. Meshes have arrays.
   [[nodiscard]] Cloud cloud_to_draw();
 
  private:
@@ -74,11 +81,12 @@ class StreamDecoder {
   StreamReader reader_;
   std::size_t most_vectors_, records_vectors_ = 0, refused_chunks_ = 0;
   std::uint64_t records_revision_ = 0;
-  bool records_full_ = false;
+  bool records_full_ = false, surface_begun_ = false;
   ClusterForest<Cluster> packed_;
   ClusterForest<VolumeCluster> voxels_;
   SurfaceStages surface_;
-  ExactSurface exact_;  // shown in its place once it is there
+  ProgressiveSurface progressive_;  // in its place from the header on
+  ExactSurface exact_;              // shown in the place of either once it is there
   std::map<int, PieceGroup> groups_;
   mutable std::optional<RecordsAssembly> records_;  // files what arrived only when it is asked
   std::vector<DirectoryEntry> directory_;

@@ -1,9 +1,12 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
+#include "qnv/decode/shaded_mesh.h"
 #include "qnv/exact/exact_mesh.h"
+#include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,40 +20,45 @@ namespace gs::qnv {
 class ExactSurface {
  public:
   struct Count {
-    std::size_t vectors = 0, refused = 0, taken = 0;
+    std::size_t refused = 0, taken = 0;
     bool full = false;  // it was left out because of `most_vectors`
   };
 
   /// The payload of a chunk. `box`: of the stream.
   void add(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
   /// That of one that says how it is shaded; it may come behind the tail.
-  void add_shading(std::span<const std::byte> payload, const Box& box, std::size_t most_vectors);
-  /// Whether it is there.
-  [[nodiscard]] bool whole() const { return whole_; }
+  void add_shading(std::span<const std::byte> payload);
+  /// The bits of finer lattices; they may come before the tail.
+  void add_low_bits(std::span<const std::byte> payload);
+  /// Whether it is there; its places may still become finer.
+  [[nodiscard]] bool whole() const { return mesh_.has_value(); }
+  /// Whether they are as fine as they will be.
+  [[nodiscard]] bool finest() const;
   /// How many bytes of the tail have come, and how many there are; 0: none have.
   [[nodiscard]] std::size_t come() const { return pieces_.come(); }
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
   /// Places an axis, as a power of two; 0: it is not there.
-  [[nodiscard]] int bits() const { return bits_; }
+  [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
   /// Its vertices, one a side where it has a crease, and the triangles between them. `colored`: they have colours, that
   /// of the cloud where it has none.
   void append(Cloud& cloud, bool colored) const;
+  /// How many vertices it is shown with.
+  [[nodiscard]] std::size_t vectors() const { return whole() ? shown().positions.size() : 0; }
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
-  void make(const Box& box, std::size_t most_vectors);
-  /// Vertices, one for each normal that corners at the same place have.
-  void shade(const exact::ExactMesh& mesh, const Box& box);
+  /// Made anew when something came since the last time.
+  [[nodiscard]] const ShadedVertices& shown() const;
 
   exact::TailPieces pieces_;
-  std::vector<std::byte> tail_;  // once all of it has come
+  std::optional<exact::ExactMesh> mesh_;  // of the tail, once all of it has come
   std::optional<exact::Shading> shading_;
-  bool whole_ = false, done_ = false;
-  int bits_ = 0;
+  exact::LowBits low_bits_;
+  Box box_;
+  std::size_t most_vectors_ = 0;
+  bool done_ = false;
   Count count_;
-  std::vector<glm::vec3> positions_, normals_;
-  std::vector<Rgb8> colors_;
-  std::vector<std::uint32_t> triangles_;
+  mutable std::optional<ShadedVertices> shown_;
 };
 
 }  // namespace gs::qnv

@@ -38,7 +38,6 @@ std::size_t slots_shown(const displaced::Surface& surface) { return surface.slot
 }  // namespace
 
 void SurfaceStages::begin(std::span<const std::byte> base, const Box& box, std::size_t most_vectors) {
-  begun_ = true;
   box_ = box;
   most_vectors_ = most_vectors;
   if (auto first = displaced::decode_stage(base))

@@ -25,7 +25,6 @@ class SurfaceStages {
 
   /// The first stage, as the stream's header has it. `box`: of the stream.
   void begin(std::span<const std::byte> base, const Box& box, std::size_t most_vectors);
-  [[nodiscard]] bool begun() const { return begun_; }
   /// The payload of a chunk.
   void add(std::span<const std::byte> payload);
   /// What is shown of all that has come: vertices, and triangles between them. `colored`: they have colours, those
@@ -49,7 +48,6 @@ class SurfaceStages {
 
   Box box_;
   std::size_t most_vectors_ = 0, waiting_bytes_ = 0;
-  bool begun_ = false;
   std::uint32_t gone_ = 0;  // a bit a stage whose place another one has taken
   Count count_;
   std::map<int, displaced::Surface> stages_;

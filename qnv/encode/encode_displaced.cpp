@@ -6,7 +6,9 @@
 #include "qnv/encode/survey.h"
 #include "qnv/encode/thin_surface.h"
 #include "qnv/exact/exact_tail.h"
+#include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
+#include "qnv/progressive/progressive.h"
 #include "qnv/stream/piece_group.h"
 
 #include <algorithm>
@@ -42,20 +44,25 @@ constexpr double kBeforeNext = 1.5;
 // whose pieces are lost with 30 % one in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
 constexpr std::size_t kParityBesides = 3, kMostFrontBytes = 100'000;
+// Pieces of splits up to so many bytes.
+constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
 constexpr std::size_t kClustersAt = 3;  // of StageHeader::clusters in its bytes
 // Bases are made of a mesh of so many triangles, which is close enough to a finer one.
 constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent, as a part of it, and in bytes for each of its vertices: with more the whole
-// would be larger than it need be.
-constexpr double kBeforeTail = 1.0 / 6, kBytesAVertexBeforeTail = 0.25;
+// Before the mesh itself so much is sent at most, as a part of it: with more the whole would be larger than it need be.
+constexpr double kBeforeTail = 1.0 / 6;
+// What is shown until the tail is there counts by so much of its bytes: it is worth coming early for more than its distance.
+constexpr double kWorthOfTail = 0.5;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
 // What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
 constexpr int kFewBits = 12;
+// What of places is finer than this comes behind the tail: it cannot be predicted, and any part of it makes the mesh finer.
+constexpr int kTailBits = 12;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -133,8 +140,9 @@ class StageFront {
 };
 
 /// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
-/// source.
-std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
+/// source. `distances`: set to how far what is shown is from it, as clusters gain, before the chunks and behind each of them.
+std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places,
+                                     std::vector<double>& distances) {
   const displaced::Frame frame(box);
   std::vector<OutgoingChunk> chunks, parity;
   double shown = 0;  // how far the stage before is from the source, as clusters gain
@@ -142,6 +150,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     EncodedStage& stage = stages[i];
     double left = static_cast<double>(stage.error) * stage.error * static_cast<double>(places);
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
+    if (i == 0) distances = {left};
     std::size_t needed = 0, bytes = 0, sent = 0;
     if (i > 0) {
       const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
@@ -157,6 +166,8 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       }
       StageFront front(stage, static_cast<int>(i), sent, box);
       front.append(false, chunks);
+      distances.resize(chunks.size(), shown);
+      distances.push_back(left);
       // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
       if (i + 1 == stages.size() || stages[i + 1].header.beside) front.append(true, parity);
       bytes = grouped - stage.bytes.size();
@@ -168,6 +179,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       bytes += cluster.payload.size();
       left -= cluster.gain;
       chunks.push_back(chunk_of(std::move(cluster), frame));
+      distances.push_back(left);
     }
     shown = left;
   }
@@ -180,15 +192,61 @@ struct Tail {
   std::vector<std::byte> bytes;  // none: there is no tail
   std::size_t vertices = 0;
   exact::Shading shading;
+  std::vector<std::vector<std::byte>> low_bits;  // behind it
+  std::size_t low_bytes = 0;
   bool parity = false;
+  /// With what comes behind it.
+  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes; }
 };
 
-Tail tail_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
+exact::ExactMesh mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
   displaced::SurfaceMesh all = builder.welded();
   for (glm::vec3& p : all.positions) p = frame.inside(p);
   if (!colored) all.colors.clear();
-  const exact::ExactMesh mesh = exact::quantized(std::move(all), bits);
-  return {exact::encode_tail(mesh), mesh.vertices.size(), mesh.shading};
+  return exact::quantized(std::move(all), bits);
+}
+
+/// `bits`: of the tail itself; those of the mesh that are finer come behind it.
+Tail tail_of(const exact::ExactMesh& mesh, int bits) {
+  Tail tail;
+  tail.vertices = mesh.vertices.size();
+  tail.shading = mesh.shading;
+  exact::ExactMesh coarse = mesh;
+  coarse.bits = std::min(bits, mesh.bits);
+  coarse.finest = mesh.bits;
+  for (glm::ivec3& p : coarse.vertices) p >>= mesh.bits - coarse.bits;
+  std::vector<std::uint32_t> numbers;
+  tail.bytes = exact::encode_tail(coarse, false, &numbers);
+  tail.low_bits = exact::low_bits_of(mesh, coarse.bits, numbers);
+  for (const auto& payload : tail.low_bits) tail.low_bytes += payload.size();
+  return tail;
+}
+
+/// Parts that become themselves vertex by vertex, whose first mesh stands in the header: in pieces, so that losses do
+/// not stop them.
+std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
+  // Where every byte counts pieces are small: what is cut off in the middle of one is not there.
+  std::size_t few = 0;
+  for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
+    bytes += mesh.segments[few].size();
+  const std::span<const std::vector<std::byte>> all(mesh.segments);
+  CutGroup front, rest;
+  if (few > 0) front = cut_group(kGroupsOfSplits, all.first(few), kParity, kParityBesides, kSmallPieceBytes);
+  if (few < all.size()) rest = cut_group(kGroupsOfSplits + 1, all.subspan(few), kParity, kParityBesides);
+  std::vector<OutgoingChunk> chunks;
+  const std::size_t data = front.data.size() + rest.data.size();
+  for (auto* pieces : {&front.data, &rest.data, &front.parity, &rest.parity})
+    for (std::vector<std::byte>& piece : *pieces) {
+      OutgoingChunk& chunk = chunks.emplace_back();
+      chunk.type = ChunkType::piece;
+      chunk.entry.parent = 0xffffffff;
+      chunk.entry.box = box;
+      const std::size_t n = chunks.size();  // about as many vertices in each
+      if (n <= data)
+        chunk.entry.vectors = static_cast<std::uint32_t>(mesh.vertices * n / data - mesh.vertices * (n - 1) / data);
+      chunk.payload = std::move(piece);
+    }
+  return chunks;
 }
 
 /// In pieces. `others`: the chunks before it, whose place it takes.
@@ -213,14 +271,23 @@ void append_tail(const Tail& tail, const Box& box, std::vector<OutgoingChunk>& o
   last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
   for (std::vector<std::byte>& piece : group.parity) append(type, std::move(piece));
+  for (const std::vector<std::byte>& payload : tail.low_bits) append(ChunkType::low_bits, payload);
 }
 
-/// As many chunks as go into so many bytes, with what the container adds.
-void keep_first(std::vector<OutgoingChunk>& chunks, double bytes) {
+/// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
+/// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is there.
+void keep_before(std::vector<OutgoingChunk>& chunks, const std::vector<double>& distances, double bytes, double tail) {
   std::size_t kept = 0;
-  for (double sum = 0; kept < chunks.size(); ++kept) {
-    sum += static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[kept].payload.size());
+  double least = distances[0] * tail, shown = 0, sum = 0;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    const auto more = static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[i].payload.size());
+    sum += more;
     if (sum > bytes) break;
+    shown += distances[i] * more;
+    if (const double all = shown + distances[i + 1] * tail; all <= least) {
+      least = all;
+      kept = i + 1;
+    }
   }
   chunks.resize(kept);
 }
@@ -268,18 +335,15 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::Frame frame(s.box);
   Tail tail;
   if (options.exact_bits != 0) {
-    tail = tail_of(builder, frame, s.colored, options.exact_bits);
+    tail = tail_of(mesh_of(builder, frame, s.colored, options.exact_bits), kTailBits);
     if (tail.bytes.size() > exact::kMostTailBytes)
       return EncodeError{"the mesh takes " + std::to_string(tail.bytes.size()) + " bytes; expected at most " +
                          std::to_string(exact::kMostTailBytes)};
   }
   // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
-  Tail small;
+  std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && tail.bytes.empty() && s.triangles <= kFewTriangles)
-    small = tail_of(builder, frame, s.colored, kFewBits);
-  const std::size_t with_small = small.bytes.size() * 5 / 4 + kMostFirstBytes;
-  const bool takes_small = !small.bytes.empty() && small.bytes.size() <= kMostSmallTail &&
-                           (options.max_bytes == 0 || with_small <= options.max_bytes);
+    small = mesh_of(builder, frame, s.colored, kFewBits);
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
@@ -322,9 +386,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
   const auto room = [&tail] {
-    return tail.bytes.empty() ? 1e300
-                              : std::min(kBeforeTail * static_cast<double>(tail.bytes.size()),
-                                         kBytesAVertexBeforeTail * static_cast<double>(tail.vertices));
+    return tail.bytes.empty() ? 1e300 : kBeforeTail * static_cast<double>(tail.size());
   };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
@@ -336,14 +398,22 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
     if (cancelled()) return EncodeError{"cancelled"};
     const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
-    if (stages.empty() && options.only_if_suited && !follows && stage.bytes.size() <= kMostFirstBytes && takes_small) {
-      tail = std::move(small);
-      tail.parity = true;
-    } else if (stages.empty() && options.only_if_suited && !follows) {
-      return EncodeError{
-          "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
-          "a smooth surface",
-          true};
+    if (stages.empty() && options.only_if_suited && !follows) {
+      if (small) {
+        if (auto split = progressive::encode_progressive(*small, stage_options.most_bytes)) {
+          header.base = std::move(split->front);
+          return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
+        }
+        tail = tail_of(*small, small->bits);
+        tail.parity = true;
+      }
+      const std::size_t with_tail = tail.bytes.size() * 5 / 4 + kMostFirstBytes;
+      if (tail.bytes.empty() || tail.bytes.size() > kMostSmallTail || stage.bytes.size() > kMostFirstBytes ||
+          (options.max_bytes != 0 && with_tail > options.max_bytes))
+        return EncodeError{
+            "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
+            "a smooth surface",
+            true};
     }
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
       return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
@@ -371,9 +441,11 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
+  std::vector<double> distances;
+  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size(), distances);
   if (!tail.bytes.empty()) {
-    keep_first(chunks, room() - static_cast<double>(encode_header(header).size()));
+    keep_before(chunks, distances, room() - static_cast<double>(encode_header(header).size()),
+                kWorthOfTail * static_cast<double>(tail.bytes.size()));
     append_tail(tail, s.box, chunks);
   }
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);

@@ -11,17 +11,24 @@ namespace {
 /// What reads is told nothing.
 struct NoGuide {};
 
+std::size_t header_bytes(std::span<const std::byte> tail, const TailHeader& header) {
+  const bool finer = (std::to_integer<int>(tail[0]) & 4) != 0;
+  return kTailFixedBytes + (finer ? 1 : 0) + (header.usual ? 0 : kTailWeightsBytes);
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_tail_header(const TailHeader& header) {
   std::vector<std::byte> bytes;
   ByteWriter out(bytes);
-  out.integer(static_cast<std::uint8_t>(header.colored ? 1 : 0));
+  out.integer(static_cast<std::uint8_t>((header.colored ? 1 : 0) + (header.usual ? 2 : 0) +
+                                        (header.finest > header.bits ? 4 : 0)));
   out.integer(static_cast<std::uint8_t>(header.bits));
   out.integer(static_cast<std::uint8_t>(header.crease_angle));
   out.integer(header.vertices);
   out.integer(header.triangles);
-  for (const auto& situation : header.weights)
+  if (header.finest > header.bits) out.integer(static_cast<std::uint8_t>(header.finest));
+  for (const auto& situation : header.usual ? std::span<const Weights::value_type>() : std::span(header.weights))
     for (const std::int16_t weight : situation) out.integer(weight);
   return bytes;
 }
@@ -35,9 +42,12 @@ std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail) {
   header.crease_angle = in.integer<std::uint8_t>();
   header.vertices = in.integer<std::uint32_t>();
   header.triangles = in.integer<std::uint32_t>();
-  for (auto& situation : header.weights)
+  header.finest = (flags & 4) != 0 ? in.integer<std::uint8_t>() : header.bits;
+  header.usual = (flags & 2) != 0;
+  header.weights = kUsualWeights;
+  for (auto& situation : header.usual ? std::span<Weights::value_type>() : std::span(header.weights))
     for (std::int16_t& weight : situation) weight = in.integer<std::int16_t>();
-  if (!in.good() || flags > 1 || header.bits < kLeastBits || header.bits > kMostBits || header.crease_angle > 180 ||
+  if (!in.good() || flags > 7 || header.finest < header.bits || header.finest > kMostBits || header.bits < kLeastBits || header.bits > kMostBits || header.crease_angle > 180 ||
       header.triangles == 0 || header.triangles > kMostTrianglesAByte * tail.size() ||
       header.vertices / 3 > header.triangles)
     return {};
@@ -53,12 +63,13 @@ std::optional<TailSize> tail_size(std::span<const std::byte> tail) {
 std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices) {
   const auto header = decode_tail_header(bytes);
   if (!header || header->vertices > most_vertices || header->triangles / 2 > most_vertices) return {};
-  displaced::BinaryDecoder decoder(bytes.subspan(kTailHeaderBytes));
+  displaced::BinaryDecoder decoder(bytes.subspan(header_bytes(bytes, *header)));
   NoGuide guide;
   MeshGrowth<displaced::BinaryDecoder, NoGuide> growth(decoder, *header, guide);
   if (!growth.run()) return {};
   ExactMesh mesh;
   mesh.bits = header->bits;
+  mesh.finest = header->finest;
   mesh.crease_angle = header->crease_angle;
   mesh.vertices = growth.take_places();
   mesh.twins = growth.twins();

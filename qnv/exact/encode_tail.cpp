@@ -87,19 +87,6 @@ class Fit {
   std::array<Sums, kSituations> sums_;
 };
 
-// Parallelograms: beside the gate, and where two triangles are new, beside the one behind it as well.
-constexpr Weights kUsual = [] {
-  constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;
-  Weights weights{};
-  for (std::size_t s = 0; s < kSituations; ++s) {
-    if (s < 2)
-      weights[s] = {kHalf, -kHalf, kHalf, -kHalf};
-    else
-      weights[s] = {kOne, -kOne};
-  }
-  return weights;
-}();
-
 /// The mesh that is written, as MeshGrowth asks for it: by halves, which are its sides, three a triangle.
 class MeshGuide {
  public:
@@ -149,6 +136,7 @@ class MeshGuide {
       halves_.push_back(half);
     }
   }
+  [[nodiscard]] std::vector<std::uint32_t> take_numbers() { return std::move(numbers_); }
   void learn(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is,
              std::uint32_t spread) {
     fit_.add(situation, near, is, spread);
@@ -234,26 +222,29 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   return out;
 }
 
-std::vector<std::byte> encode_tail(const ExactMesh& mesh) {
+std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, std::vector<std::uint32_t>* numbers) {
   TailHeader header;
   header.bits = mesh.bits;
+  header.finest = std::max(mesh.finest, mesh.bits);
   header.crease_angle = mesh.crease_angle;
   header.colored = !mesh.colors.empty();
   header.vertices = static_cast<std::uint32_t>(mesh.vertices.size());
   header.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  header.weights = kUsual;
+  header.usual = usual;
+  header.weights = kUsualWeights;
   const std::vector<std::uint32_t> twins = twins_of(mesh.triangles);
   std::vector<std::byte> body;
-  for (int pass = 0; pass <= kFits; ++pass) {
+  for (int pass = usual ? kFits : 0; pass <= kFits; ++pass) {
     BinaryEncoder encoder;
     Fit fit;
     MeshGuide guide(mesh, twins, fit);
     MeshGrowth<BinaryEncoder, MeshGuide> growth(encoder, header, guide);
     if (!growth.run()) return {};
     if (pass < kFits)
-      header.weights = fit.weights(kUsual);
+      header.weights = fit.weights(kUsualWeights);
     else
       body = encoder.finish();
+    if (numbers) *numbers = guide.take_numbers();
   }
   std::vector<std::byte> bytes = encode_tail_header(header);
   bytes.insert(bytes.end(), body.begin(), body.end());

@@ -10,7 +10,19 @@
 namespace gs::qnv::exact {
 
 // What a tail begins with: FORMAT.md, "Exact tail".
-inline constexpr std::size_t kTailHeaderBytes = 11 + 2 * kNear * kSituations;
+inline constexpr std::size_t kTailFixedBytes = 11, kTailWeightsBytes = 2 * kNear * kSituations;
+/// Parallelograms: beside the gate, and where two triangles are new, beside the one behind it as well.
+inline constexpr Weights kUsualWeights = [] {
+  constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;
+  Weights weights{};
+  for (std::size_t s = 0; s < kSituations; ++s) {
+    if (s < 2)
+      weights[s] = {kHalf, -kHalf, kHalf, -kHalf};
+    else
+      weights[s] = {kOne, -kOne};
+  }
+  return weights;
+}();
 /// A tail has at most so many triangles a byte; an encoder that needs fewer bytes adds zeros.
 inline constexpr std::size_t kMostTrianglesAByte = 64;
 

@@ -20,6 +20,7 @@ inline constexpr int kLeastBits = 8, kMostBits = 20;
 /// same place.
 struct ExactMesh {
   int bits = 11;                     // kLeastBits to kMostBits
+  int finest = 0;                    // places are those of a lattice of so many bits, cut off; 0: of `bits`
   int crease_angle = 180;            // degrees, to 180: sides that are farther apart are shaded apart
   Shading shading;                   // of a source: what comes nearest to its normals
   std::vector<glm::ivec3> vertices;  // 0 to 2^bits - 1

@@ -15,8 +15,11 @@ namespace gs::qnv::exact {
 [[nodiscard]] ExactMesh quantized(displaced::SurfaceMesh mesh, int bits);
 
 /// The bytes of a mesh, of which every edge has one triangle a side or is a rim, and the triangles round every vertex
-/// are one fan, as `quantized` gives it. The same bytes for the same mesh.
-[[nodiscard]] std::vector<std::byte> encode_tail(const ExactMesh& mesh);
+/// are one fan, as `quantized` gives it. The same bytes for the same mesh. `usual`: without weights of its own, of which
+/// small meshes are worth none. `numbers`: set to those that vertices have when it is read, kNone of those that no
+/// triangle has.
+[[nodiscard]] std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual = false,
+                                                 std::vector<std::uint32_t>* numbers = nullptr);
 
 /// The same mesh, in another order. Nothing where the bytes are no tail, or have more than so many vertices. Safe for
 /// untrusted bytes: memory and time are in proportion to them.

@@ -21,8 +21,9 @@ using Weights = std::array<std::array<std::int16_t, kNear>, kSituations>;
 
 /// What stands before the decisions.
 struct TailHeader {
-  int bits = 11;
+  int bits = 11, finest = 11;  // finest: with the bits that come behind the tail
   bool colored = false;
+  bool usual = false;      // the weights are the usual ones, and not told
   int crease_angle = 180;  // of ExactMesh
   std::uint32_t vertices = 0, triangles = 0;
   Weights weights{};  // of 2^kWeightBits

@@ -383,7 +383,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
     const auto payload = rest.subspan(kChunkHeaderBytes, length);
     const bool whole = checksum(checksum(0, rest.first(6)), payload) == sum;
     bool used = whole;
-    if (whole && (type <= 8 || type == 254)) on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_);
+    if (whole && is_known(type)) on_chunk(static_cast<ChunkType>(type), payload, offset_ + at_);
     if (!whole && on_damaged && header_->payload == Payload::outlines && (type == 2 || type == 3)) {
       const std::optional<bool> behind = ends_well(kChunkHeaderBytes + length);
       if (!behind) return false;

@@ -40,8 +40,15 @@ enum class ChunkType : std::uint8_t {
   exact = 6,
   piece = 7,
   shading = 8,
+  splits = 9,
+  low_bits = 10,
   directory = 254
 };
+/// Whether a chunk's type is one of these; others are passed over.
+[[nodiscard]] constexpr bool is_known(std::uint8_t type) {
+  return type <= static_cast<std::uint8_t>(ChunkType::low_bits) ||
+         type == static_cast<std::uint8_t>(ChunkType::directory);
+}
 
 struct StreamHeader {
   Description description;

@@ -14,7 +14,7 @@ namespace {
 // Reed and Solomon's parity with a matrix of Cauchy (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme",
 // 1995): every square part of it can be inverted, so any pieces will do.
 
-constexpr std::size_t kPieceHeaderBytes = 7, kAimedPieceBytes = 1150, kMostNumbers = 256;
+constexpr std::size_t kPieceHeaderBytes = 7, kMostNumbers = 256;
 
 /// The field of 256 elements, x^8 + x^4 + x^3 + x^2 + 1.
 struct Field {
@@ -51,14 +51,14 @@ void add_weighted(std::span<std::byte> sum, std::uint8_t weight, std::span<const
 
 }  // namespace
 
-CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity, std::size_t besides) {
+CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity, std::size_t besides, std::size_t aimed) {
   std::vector<std::byte> bytes;
   for (const std::vector<std::byte>& payload : payloads) {
     put_number(bytes, static_cast<std::uint32_t>(payload.size()));
     bytes.insert(bytes.end(), payload.begin(), payload.end());
   }
   PieceHeader header{number, bytes.size(), 1, 0};
-  header.needed = std::clamp<std::size_t>((bytes.size() + kAimedPieceBytes - 1) / kAimedPieceBytes, 1, kMostPieces);
+  header.needed = std::clamp<std::size_t>((bytes.size() + aimed - 1) / aimed, 1, kMostPieces);
   const std::size_t size = header.size();
   bytes.resize(header.needed * size);
   CutGroup cut;
@@ -93,7 +93,7 @@ std::optional<PieceHeader> read_piece_header(std::span<const std::byte> payload)
   header.needed = in.integer<std::uint8_t>();
   header.number = in.integer<std::uint8_t>();
   header.length = in.integer<std::uint32_t>();
-  if (!in.good() || header.group > 31 || header.needed < 1 || header.needed > kMostPieces || header.length < 1 ||
+  if (!in.good() || header.group > kMostGroup || header.needed < 1 || header.needed > kMostPieces || header.length < 1 ||
       header.size() > kMostPieceBytes || payload.size() != kPieceHeaderBytes + header.size())
     return {};
   return header;

@@ -22,15 +22,32 @@ struct Care {
 };
 /// Where no edge may go any more, more is allowed.
 inline constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
+inline constexpr Care kCareless{-2, 0};
+
+/// An edge that is no more: `gone` went to where `stays` is. `left` and `right` were beside both, left the third corner
+/// of the triangle in which `gone` came before `stays`; kNone: the mesh ended there.
+struct HalfCollapse {
+  std::uint32_t gone, stays, left, right;
+  double distance;  // of the planes round both from where they are now, root of the mean square, units of the box
+};
 
 /// One mesh on its way to fewer triangles (simplify.h). One thread.
 class Simplifier {
  public:
+  /// What collapses may do: `any` place a vertex anew, `halves` leave one of both where it is, for the sake of planes and
+  /// their edges, however narrow triangles become.
+  enum class Way { any, halves };
   /// `kept`: vertices that stay where they are; none: none does.
-  explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {});
+  explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {}, Way way = Way::any);
   void run(std::size_t wanted);
   /// On the way to a mesh of `wanted` triangles, until so many are `left`.
   void thin(std::size_t wanted, std::size_t left);
+  /// At most so many collapses of `halves` that do not depend on each other, the cheapest first: no two vertices that go
+  /// are neighbours, none goes to one that another one goes to.
+  [[nodiscard]] std::vector<HalfCollapse> collapse_apart(std::size_t most);
+  /// From now on triangles may turn any way.
+  void turn_freely() { care_ = kCareless; }
+  [[nodiscard]] std::size_t triangles() const { return count_; }
   /// `places`: of the vertices that there were, or kNone.
   [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const;
 
@@ -44,6 +61,10 @@ class Simplifier {
   [[nodiscard]] bool may_turn(std::span<const std::uint32_t> corners, std::uint32_t other,
                               const glm::dvec3& place) const;
   [[nodiscard]] bool linked_well(std::uint32_t u, std::uint32_t v);
+  [[nodiscard]] double cost(std::uint32_t u, std::uint32_t v, const Quadric& q) const;
+  [[nodiscard]] bool stale(const Candidate& candidate) const;
+  [[nodiscard]] bool may_merge(std::uint32_t u, std::uint32_t v, const glm::dvec3& place);
+  void merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const glm::dvec3& place);
   bool collapse(std::uint32_t u, std::uint32_t v);
   void push_all();
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);
@@ -67,6 +88,7 @@ class Simplifier {
   std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
   std::uint32_t searches_ = 0;
   std::vector<bool> rim_, kept_;
+  Way way_;
   Care care_ = kCare[0];
   double noise_ = 0;  // twice the area of triangles that are far smaller than those wanted
   std::uint32_t marks_ = 0;

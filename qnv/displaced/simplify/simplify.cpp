@@ -12,13 +12,14 @@ namespace {
 // Rims are worth keeping: planes through them, upright on the surface, weigh as much.
 constexpr double kRimWeight = 4;
 // Of the product of an edge's squared length and the area round it, as a cost beside the quadric's.
-constexpr double kLengthWeight = 1e-4;
+constexpr double kLengthWeight = 1e-4, kLengthWeightOfHalves = 1e-8;
+constexpr Care kCareOfHalves{0.2, 0};
 constexpr double kNoise = 0.03;  // of the area of a triangle of the mesh that is wanted
 constexpr int kRepairs = 3;      // each with twice the measure
 
 }  // namespace
 
-Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept)
+Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
     : triangles_(mesh.triangles),
       quadrics_(mesh.positions.size()),
       areas_(mesh.positions.size(), 0.0),
@@ -29,6 +30,8 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept)
       mark_(mesh.positions.size(), 0),
       rim_(mesh.positions.size(), false),
       kept_(std::move(kept)),
+      way_(way),
+      care_(way == Way::any ? kCare[0] : kCareOfHalves),
       count_(mesh.triangles.size()) {
   // In units of the box, so that costs are of one size.
   Box box;
@@ -84,6 +87,7 @@ glm::dvec3 Simplifier::place_for(std::uint32_t u, std::uint32_t v, const Quadric
   const glm::dvec3 a = positions_[u], b = positions_[v];
   // The end of a rim stays on it.
   if (rim_[u] != rim_[v]) return rim_[u] ? a : b;
+  if (way_ == Way::halves) return q.at(a) <= q.at(b) ? a : b;
   const glm::dvec3 middle = 0.5 * (a + b);
   const glm::dvec3 best = q.least(middle);
   const double length = glm::length(b - a);
@@ -93,13 +97,16 @@ glm::dvec3 Simplifier::place_for(std::uint32_t u, std::uint32_t v, const Quadric
   return at_a <= at_b ? a : b;
 }
 
+double Simplifier::cost(std::uint32_t u, std::uint32_t v, const Quadric& q) const {
+  const glm::dvec3 along = positions_[v] - positions_[u];
+  const double weight = way_ == Way::any ? kLengthWeight : kLengthWeightOfHalves;
+  return std::max(q.at(place_for(u, v, q)), 0.0) + weight * glm::dot(along, along) * (areas_[u] + areas_[v]);
+}
+
 void Simplifier::push(std::uint32_t u, std::uint32_t v) {
   Quadric q = quadrics_[u];
   q.add(quadrics_[v]);
-  const glm::dvec3 along = positions_[v] - positions_[u];
-  const double cost =
-      std::max(q.at(place_for(u, v, q)), 0.0) + kLengthWeight * glm::dot(along, along) * (areas_[u] + areas_[v]);
-  queue_.push(cost, {u, v, stamp_[u] + stamp_[v]});
+  queue_.push(cost(u, v, q), {u, v, stamp_[u] + stamp_[v]});
 }
 
 void Simplifier::push_round(std::uint32_t v) {
@@ -173,15 +180,24 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
   return true;
 }
 
-bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
-  if (!kept_.empty() && (kept_[u] || kept_[v])) return false;
+bool Simplifier::may_merge(std::uint32_t u, std::uint32_t v, const glm::dvec3& place) {
   gather(u, at_u_);
   gather(v, at_v_);
-  if (!linked_well(u, v)) return false;
+  return linked_well(u, v) && may_turn(at_u_, v, place) && may_turn(at_v_, u, place);
+}
+
+bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
+  if (!kept_.empty() && (kept_[u] || kept_[v])) return false;
   Quadric q = quadrics_[u];
   q.add(quadrics_[v]);
   const glm::dvec3 place = place_for(u, v, q);
-  if (!may_turn(at_u_, v, place) || !may_turn(at_v_, u, place)) return false;
+  if (!may_merge(u, v, place)) return false;
+  merge(u, v, q, place);
+  return true;
+}
+
+// After may_merge, which has gathered their corners.
+void Simplifier::merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const glm::dvec3& place) {
   positions_[v] = place;
   quadrics_[v] = q;
   areas_[v] += areas_[u];
@@ -203,7 +219,6 @@ bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
   stamp_[u] += 1u << 30;  // never again
   ++stamp_[v];
   push_round(v);
-  return true;
 }
 
 /// The area of a triangle of the mesh that is wanted.
@@ -247,10 +262,12 @@ void Simplifier::push_all() {
 
 void Simplifier::collapse_to(std::size_t wanted) {
   Candidate next{};
-  while (count_ > wanted && queue_.pop(next)) {
-    if (head_[next.u] == kNone || head_[next.v] == kNone || next.stamp != stamp_[next.u] + stamp_[next.v]) continue;
-    collapse(next.u, next.v);
-  }
+  while (count_ > wanted && queue_.pop(next))
+    if (!stale(next)) collapse(next.u, next.v);
+}
+
+bool Simplifier::stale(const Candidate& c) const {
+  return head_[c.u] == kNone || head_[c.v] == kNone || c.stamp != stamp_[c.u] + stamp_[c.v];
 }
 
 SurfaceMesh Simplifier::result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const {

@@ -7,8 +7,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 #include <span>
 #include <variant>
 
@@ -30,12 +32,20 @@ struct Sample {
   Bytes stream;
 };
 
+/// Too rough for a tail of one piece.
+Triangles rough_sheet() {
+  Triangles sheet = displaced::sheet(140);
+  for (Triangle& t : sheet)
+    for (glm::vec3& p : t.positions) p.z += 0.02f * std::sin(9000 * p.x + 7000 * p.y);
+  return sheet;
+}
+
 const std::vector<Sample>& samples() {
   static const std::vector<Sample> all = [] {
     std::vector<Sample> made;
     // The last one has several pieces.
     for (const Source& s :
-         {smooth_sources()[3], smooth_sources()[2], Source{"large sheet", displaced::sheet(105)}})
+         {smooth_sources()[3], smooth_sources()[2], Source{"large sheet", rough_sheet()}})
       made.push_back({s, made.size() == 2 ? 20 : 11, {}});
     for (Sample& s : made) s.stream = std::get<EncodedStream>(encoded(s.source.triangles, s.bits)).bytes;
     return made;
@@ -150,7 +160,7 @@ TEST_CASE("what stands before an exact tail is at most a fifth of it, and a pict
     bool ended = false;
     for (const Chunk& chunk : chunks) {
       if (chunk.type == ChunkType::directory) continue;
-      const bool piece = chunk.type == ChunkType::exact;
+      const bool piece = chunk.type == ChunkType::exact || chunk.type == ChunkType::low_bits;
       CHECK((piece || !ended));  // the tail comes last
       ended = ended || piece;
       (piece ? tail : before) += kChunkHeaderBytes + chunk.payload.size();
@@ -159,6 +169,51 @@ TEST_CASE("what stands before an exact tail is at most a fifth of it, and a pict
     CHECK(decoded(std::span(s.stream).first(header_bytes(s.stream))).vectors() > 300);
   }
   CHECK(std::ranges::count(chunks_of(samples()[2].stream), ChunkType::exact, &Chunk::type) >= 2);
+  CHECK(std::ranges::count(chunks_of(samples()[0].stream), ChunkType::low_bits, &Chunk::type) == 0);
+}
+
+// FORMAT.md, "Low bits".
+TEST_CASE("behind the tail places become finer bit by bit, whatever is lost and in whatever order it comes") {
+  const Sample& s = samples()[2];
+  std::vector<Chunk> chunks = chunks_of(s.stream), low;
+  for (const Chunk& chunk : chunks)
+    if (chunk.type == ChunkType::low_bits) low.push_back(chunk);
+  REQUIRE(low.size() > 20);
+  const auto whole = triangles_in(s.source.triangles, s.bits, false);
+  const auto with = [&](std::span<const Chunk> some, bool first) {
+    StreamDecoder decoder;
+    REQUIRE(decoder.push(std::span(s.stream).first(header_bytes(s.stream))));
+    if (first)
+      for (const Chunk& chunk : some) decoder.add(chunk.type, chunk.payload);
+    for (const Chunk& chunk : chunks)
+      if (chunk.type != ChunkType::low_bits) decoder.add(chunk.type, chunk.payload);
+    if (!first)
+      for (const Chunk& chunk : some) decoder.add(chunk.type, chunk.payload);
+    CHECK(decoder.refused_chunks() == 0);
+    CHECK(decoder.exact().whole());
+    CHECK(decoder.is_mesh() == (some.size() == low.size()));
+    return decoder.cloud();
+  };
+  const auto off = [&](const Cloud& cloud) {
+    const Cloud all = with(low, false);
+    float most = 0;
+    for (std::size_t corner = 0; corner < all.triangles.size(); ++corner)
+      most = std::max(most, glm::length(cloud.positions[cloud.triangles[corner]] - all.positions[all.triangles[corner]]));
+    return most;
+  };
+  std::mt19937 random(4);
+  std::vector<Chunk> shuffled = low;
+  std::shuffle(shuffled.begin(), shuffled.end(), random);
+  CHECK(triangles_shown(with(shuffled, false), s.bits, false) == whole);
+  CHECK(triangles_shown(with(shuffled, true), s.bits, false) == whole);
+  const std::size_t layer = low.size() / 8;  // of 12 to 20 bits
+  const float none = off(with({}, false)), one = off(with(std::span(low).first(layer), false)),
+              three = off(with(std::span(low).first(3 * layer), false));
+  CHECK(one < 0.6f * none);
+  CHECK(three < 0.6f * one);
+  // Without one of the first layer its vertices stay where they were.
+  CHECK(off(with(std::span(low).subspan(1), false)) <= none);
+  CHECK(off(with(std::span(low).subspan(1), false)) > 0.5f * none);
 }
 
 TEST_CASE("every prefix of an exact stream is a surface, and none a broken mesh") {

@@ -1,4 +1,5 @@
 #include "qnv/decode/decoder.h"
+#include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/stream/piece_group.h"
 #include "tests/qnv/exact/exact_shapes.h"
@@ -86,6 +87,66 @@ TEST_CASE("exact tails of the first version decode to their pinned meshes") {
     for (const auto& [corner, n] : normals)
       REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 1e-4f);
   }
+}
+
+// The same of displaced_low_bits, whose tail has fewer bits than its mesh.
+TEST_CASE("low bits behind a tail come to their pinned places") {
+  std::vector<glm::ivec3> wanted;
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_low_bits.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    glm::ivec3 p(0);
+    if (words >> kind; kind == "at" && words >> p.x >> p.y >> p.z) wanted.push_back(p);
+  }
+  REQUIRE(wanted.size() > 400);
+  const std::vector<std::byte> stream = read_bytes("displaced_low_bits.qnv");
+  TailPieces pieces;
+  LowBits low_bits;
+  StreamReader reader;
+  REQUIRE(reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type == ChunkType::exact) CHECK(pieces.add(payload));
+    if (type == ChunkType::low_bits) CHECK(low_bits.add(payload));
+  }));
+  const auto tail = pieces.take();
+  REQUIRE(tail);
+  auto mesh = decode_tail(*tail, 1 << 16);
+  REQUIRE(mesh);
+  CHECK(mesh->bits == 11);
+  CHECK(low_bits.complete(*mesh));
+  low_bits.apply(*mesh);
+  CHECK(mesh->bits == 14);
+  CHECK(mesh->vertices == wanted);
+}
+
+// The same of displaced_splits, by tests/qnv/vectors/splits.py.
+TEST_CASE("a mesh that grows vertex by vertex becomes its pinned one") {
+  ExactMesh wanted;
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_splits.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "exact") {
+      words >> wanted.bits >> wanted.crease_angle;
+    } else if (kind == "at") {
+      glm::ivec3& p = wanted.vertices.emplace_back(0);
+      words >> p.x >> p.y >> p.z;
+    } else {
+      displaced::Corners& t = wanted.triangles.emplace_back();
+      words >> t[0] >> t[1] >> t[2];
+    }
+  }
+  REQUIRE(wanted.triangles.size() > 1000);
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(read_bytes("displaced_splits.qnv")));
+  CHECK(decoder.refused_chunks() == 0);
+  CHECK(decoder.is_mesh());
+  const ExactMesh mesh = decoder.progressive().mesh().mesh();
+  CHECK(mesh.bits == wanted.bits);
+  CHECK(mesh.crease_angle == wanted.crease_angle);
+  CHECK(mesh.vertices == wanted.vertices);
+  CHECK(mesh.triangles == wanted.triangles);
 }
 
 }  // namespace gs::qnv::exact::vectors_test

@@ -525,12 +525,18 @@ class Tail:
 
     def __init__(self, data):
         flags, self.b, self.crease, self.count, self.most = struct.unpack_from("<BBBII", data, 0)
-        if flags > 1 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
+        if flags > 7 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
             raise Refused("tail")
-        self.colored = flags == 1
-        weights = struct.unpack_from("<48h", data, 11)
-        self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
-        self.coder = Coder(data[107:])
+        self.colored = flags & 1 == 1
+        if flags & 2:
+            self.weights = [[2048, -2048, 2048, -2048] + [0] * 4] * 2 + [[4096, -4096] + [0] * 6] * 4
+        else:
+            weights = struct.unpack_from("<48h", data, 12 if flags & 4 else 11)
+            self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
+        self.finest = data[11] if flags & 4 else self.b
+        if not self.b <= self.finest <= 20:
+            raise Refused("finest")
+        self.coder = Coder(data[(11 if flags & 2 else 107) + (flags >> 2):])
         self.places, self.colours, self.marks, self.turns, self.triangles = [], [], [], [], []
         self.state, self.behind, self.before = [], [], []
         self.waiting, self.clock = {}, 0  # (gap, when) -> (side, behind)
@@ -800,6 +806,20 @@ class Tail:
         self.vertex(tuple(place), colour, [min(4 * q, 4000), min(8 * abs(off), 4000), mark])
 
 
+def refine(tail, low_bits):
+    """Low bits: {(layer, first vertex): bytes}."""
+    known = [0] * len(tail.places)
+    places = [list(p) for p in tail.places]
+    for (layer, first), data in sorted(low_bits.items()):
+        bits = [byte >> (7 - i) & 1 for byte in data for i in range(8)]
+        for i in range(min(len(bits) // 3, len(places) - first)):
+            if known[first + i] == layer < tail.finest - tail.b:
+                known[first + i] += 1
+                places[first + i] = [2 * q + bit for q, bit in zip(places[first + i], bits[3 * i:])]
+    less = [tail.finest - tail.b - n for n in known]
+    tail.places = [tuple((q << n) + ((1 << n) >> 1) for q in p) for p, n in zip(places, less)]
+
+
 def shaded(tail, angle):
     """The normals of all corners: "Shading"."""
     faces = []
@@ -921,7 +941,7 @@ def main(name):
     assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
-    stages, pieces, groups, origin, shading = {}, {}, {}, None, None
+    stages, pieces, groups, origin, shading, low_bits = {}, {}, {}, None, None, {}
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
@@ -939,6 +959,8 @@ def main(name):
         at += 10 + size
         if kind == 6:
             pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
+        if kind == 10:
+            low_bits.setdefault(struct.unpack_from("<BI", payload), payload[5:])
         if kind == 8:
             assert payload[0] == 1
             shading = payload[1]
@@ -983,7 +1005,8 @@ def main(name):
         print("colour", v, *c)
     if pieces:
         tail = Tail(b"".join(piece for _, piece in sorted(pieces.items())))
-        print("exact", tail.b, tail.crease)
+        refine(tail, low_bits)
+        print("exact", tail.finest, tail.crease)
         for v, p in enumerate(tail.places):
             print("at", *p, *(tail.rgb(tail.colours[v]) if tail.colored else ()))
         for t in tail.triangles:
@@ -994,4 +1017,5 @@ def main(name):
                 print("normal", corner, *("%.6f" % x for x in n))
 
 
-main(sys.argv[1])
+if __name__ == "__main__":
+    main(sys.argv[1])
