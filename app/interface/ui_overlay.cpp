@@ -68,7 +68,9 @@ void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) 
   for (const WindowEvent& event : events)
     if (event.kind == WindowEvent::Kind::button_down || event.kind == WindowEvent::Kind::key_down)
       state_->address.opening.clear();
-  if (ImGui::GetIO().WantTextInput) state_->text_waits = 0;
+  // A field that has lost the keys keeps them, for Dear ImGui, a frame longer: that is not the one that waits.
+  const bool had_text = std::exchange(state_->has_text, ImGui::GetIO().WantTextInput);
+  if (state_->has_text && !had_text) state_->text_waits = 0;
   if (state_->text_waits > 0) --state_->text_waits;
   state_->input.apply(ImGui::GetIO(), state_->text_waits > 0);
   ImGui::NewFrame();

@@ -31,7 +31,8 @@ struct UiOverlay::State {
   bool help = false, statistics = false, preferences = false;
   std::unique_ptr<InterfaceBackend> backend;
   std::unique_ptr<InterfaceFonts> fonts;
-  int text_waits = 0;  // frames until the text field that appears takes the keys
+  int text_waits = 0;     // frames until the text field that appears takes the keys
+  bool has_text = false;  // some text field has them
   std::size_t to_restore = 0;
 
   /// A place that may be meant by what is typed.
