@@ -2,6 +2,10 @@
 
 #include <string>
 
+/// For lists of functions as macros take them: a member for each, and how each is found in a `library`.
+#define GHOSTSPACE_LIBRARY_MEMBER(name) decltype(&::name) name = nullptr;
+#define GHOSTSPACE_LIBRARY_FIND(name) library.find(#name, name);
+
 namespace gs::net {
 
 /// A library of the system that is opened when it is first needed, and stays open: to link one with all that it needs

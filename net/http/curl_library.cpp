@@ -4,9 +4,7 @@ namespace gs::net {
 
 CurlLibrary::CurlLibrary() {
   SharedLibrary library("libcurl.so.4");
-#define GHOSTSPACE_CURL_FIND(name) library.find(#name, name);
-  GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_CURL_FIND)
-#undef GHOSTSPACE_CURL_FIND
+  GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_LIBRARY_FIND)
   problem = library.problem();
 }
 

@@ -40,9 +40,7 @@ struct CurlLibrary {
   CurlLibrary();
 
   std::string problem;  // empty where all functions are there; nothing may be called otherwise
-#define GHOSTSPACE_CURL_DECLARE(name) decltype(&::name) name = nullptr;
-  GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_CURL_DECLARE)
-#undef GHOSTSPACE_CURL_DECLARE
+  GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
 /// Any thread.
 [[nodiscard]] const CurlLibrary& curl();

@@ -4,9 +4,7 @@ namespace gs::net {
 
 MicrohttpdLibrary::MicrohttpdLibrary() {
   SharedLibrary library("libmicrohttpd.so.12");
-#define GHOSTSPACE_MICROHTTPD_FIND(name) library.find(#name, name);
-  GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_MICROHTTPD_FIND)
-#undef GHOSTSPACE_MICROHTTPD_FIND
+  GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_LIBRARY_FIND)
   problem = library.problem();
 }
 

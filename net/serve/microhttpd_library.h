@@ -32,9 +32,7 @@ struct MicrohttpdLibrary {
   MicrohttpdLibrary();
 
   std::string problem;  // empty where all functions are there; nothing may be called otherwise
-#define GHOSTSPACE_MICROHTTPD_DECLARE(name) decltype(&::name) name = nullptr;
-  GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_MICROHTTPD_DECLARE)
-#undef GHOSTSPACE_MICROHTTPD_DECLARE
+  GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
 /// Any thread.
 [[nodiscard]] const MicrohttpdLibrary& microhttpd();
