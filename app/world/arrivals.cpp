@@ -7,6 +7,16 @@
 
 namespace gs::app {
 
+OpenedWorld::OpenedWorld() = default;
+OpenedWorld::OpenedWorld(OpenedWorld&& other) noexcept = default;
+OpenedWorld& OpenedWorld::operator=(OpenedWorld&& other) noexcept = default;
+OpenedWorld::~OpenedWorld() = default;
+
+Arrivals::Arrivals() = default;
+Arrivals::Arrivals(Arrivals&& other) noexcept = default;
+Arrivals& Arrivals::operator=(Arrivals&& other) noexcept = default;
+Arrivals::~Arrivals() = default;
+
 void Arrivals::append(Arrivals&& later) {
   const auto move = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));

@@ -63,6 +63,13 @@ struct Arrivals {
     std::optional<std::string> text;  // none: it cannot be had
     std::string url;                  // where it was found
   };
+
+  // Not in each file that has arrivals: they are long.
+  Arrivals();
+  Arrivals(Arrivals&& other) noexcept;
+  Arrivals& operator=(Arrivals&& other) noexcept;
+  ~Arrivals();
+
   std::vector<Text> texts;
   std::vector<Content> contents;  // in front of all that belongs into them
   std::vector<Prototypes> prototypes;

@@ -1,6 +1,7 @@
 #include "app/world/cloud_handler.h"
 #include "app/base/temporary_file.h"
 #include "qnv/codec/payloads.h"
+#include "qnv/decode/decoder.h"
 #include "qnv/lod/lod_source.h"
 
 #include <algorithm>
@@ -29,6 +30,8 @@ CloudHandler::CloudHandler(World& world, Place place, Show show, Progress progre
       progress_(std::move(progress)),
       held_bytes_(world.budget, vrml::Resource::files),
       decoded_(world.budget, vrml::Resource::vectors) {}
+
+CloudHandler::~CloudHandler() = default;
 
 bool CloudHandler::begin(const Found& found) {
   found_ = found;

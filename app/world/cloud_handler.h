@@ -2,7 +2,6 @@
 
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/world/world_loading_state.h"
-#include "qnv/decode/decoder.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +11,11 @@
 #include <span>
 #include <string>
 #include <vector>
+
+namespace gs::qnv {
+class StreamDecoder;
+struct StreamProblem;
+}  // namespace gs::qnv
 
 namespace gs::app {
 
@@ -30,6 +34,7 @@ class CloudHandler final : public ContentHandler {
     bool is_node = false;  // a QNV node; else the world itself
   };
   CloudHandler(World& world, Place place, Show show, Progress progress = {});
+  ~CloudHandler() override;
   void tell_progress(double fraction) override {
     if (progress_) progress_(fraction);
   }
@@ -66,7 +71,7 @@ class CloudHandler final : public ContentHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
-  bool shown_exact_ = false;  // the mesh itself, at the end of its stream
+  bool shown_exact_ = false;     // the mesh itself, at the end of its stream
   std::uint64_t directory_ = 0;  // of a packed stream: where it begins; 0: unknown
 };
 

@@ -50,6 +50,12 @@ struct ProgramText {
 
 /// A world that was read, with everything a picture of it needs.
 struct OpenedWorld {
+  // Not in each file that has a world: they are long.
+  OpenedWorld();
+  OpenedWorld(OpenedWorld&& other) noexcept;
+  OpenedWorld& operator=(OpenedWorld&& other) noexcept;
+  ~OpenedWorld();
+
   std::string title;                        // WorldInfo.title or the file's name
   std::string path;                         // as it was asked for
   std::unique_ptr<vrml::SceneGraph> scene;  // null: it could not be opened, and the diagnostics say why

@@ -29,6 +29,8 @@ OutlineHandler::OutlineHandler(WorldLoading::State& world, Arrivals::Place group
     if (is_of_polygons(field)) own_->node(node_).values[field.slot] = begin_with->values[field.slot];
 }
 
+OutlineHandler::~OutlineHandler() = default;
+
 bool OutlineHandler::begin(const Found& found) {
   name_ = found.path;
   return static_cast<bool>(node_);

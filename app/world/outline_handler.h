@@ -17,6 +17,7 @@ class OutlineHandler final : public ContentHandler, public std::enable_shared_fr
   /// `file`, `location`: of the group, for messages. `begin_with`: whose polygons stand in front; null: there are none.
   OutlineHandler(WorldLoading::State& world, Arrivals::Place group, std::string file, vrml::SourceLocation location,
                  vrml::MFString urls, const vrml::Node* begin_with);
+  ~OutlineHandler() override;
   bool begin(const Found& found) override;
   void receive(std::span<const std::byte> bytes) override;
   void receive_cells(const net::CellEvent& event) override;

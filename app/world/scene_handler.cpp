@@ -18,6 +18,8 @@ using vrml::Severity;
 SceneHandler::SceneHandler(World& world, Role given_role, SceneHandler* given_outer)
     : role(given_role), outer(given_outer), world_(world), waiting_share_(world.budget, vrml::Resource::files) {}
 
+SceneHandler::~SceneHandler() = default;
+
 bool SceneHandler::leads_back(const Found& found) const {
   std::size_t depth = 0;
   for (const SceneHandler* scene_handler = outer; scene_handler; scene_handler = scene_handler->outer, ++depth)

@@ -31,6 +31,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   using World = WorldLoading::State;
 
   SceneHandler(World& world, Role role, SceneHandler* outer);
+  ~SceneHandler() override;
   [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return this; }
   bool begin(const Found& found) override;
   bool whole_file(const net::MappedFile& file, const std::string& path) override;

@@ -1,6 +1,6 @@
-#include "app/formats/texture_image.h"
 #include "app/world/outline_handler.h"
 #include "app/world/scene_handler.h"
+#include "app/world/shared_image.h"
 #include "net/base/schemes.h"
 #include "vrml/scene/prototype.h"
 
@@ -12,7 +12,6 @@ namespace gs::app {
 namespace {
 
 using vrml::NodeId;
-using vrml::Severity;
 
 }  // namespace
 
@@ -28,81 +27,6 @@ std::string why_missing(const vrml::MFString& urls, const std::string& why) {
   if (urls.size() > 1) text += " or the " + std::to_string(urls.size() - 1) + " others of its url list";
   return why.empty() ? text : text + " (" + why.substr(0, 300) + ")";
 }
-
-/// A picture that textures show.
-struct WorldLoading::State::SharedImage final : ContentHandler {
-  SharedImage(WorldLoading::State& loading, std::string type_name, std::string text, vrml::SourceLocation location,
-              vrml::MFString list)
-      : world(loading),
-        type(std::move(type_name)),
-        file(std::move(text)),
-        place(location),
-        urls(std::move(list)),
-        held(loading.budget, vrml::Resource::files) {}
-
-  bool begin(const Found& where) override {
-    name = where.path;
-    return true;
-  }
-  bool whole_file(const net::MappedFile& mapped, const std::string&) override {
-    decode(mapped.bytes());
-    return true;
-  }
-  void receive(std::span<const std::byte> piece) override {
-    if (stage != Stage::coming) return;
-    if (held.grow(piece.size())) {
-      bytes.insert(bytes.end(), piece.begin(), piece.end());
-    } else {
-      leave_out(world.budget->refusal(vrml::Resource::files));
-      bytes = {};
-    }
-  }
-  void end(const std::optional<std::string>& problem) override {
-    if (problem) world.report(Severity::warning, file, place, type + ": " + *problem);
-    if (stage == Stage::coming) decode(bytes);
-    bytes = {};
-    held.shrink_to(0);
-  }
-  void leave_out(const std::string& why) {
-    stage = Stage::none;
-    world.image_arrived({std::exchange(textures, {}), nullptr});
-    world.report(Severity::warning, file, place, type + " " + name + ": " + why + "; left out");
-  }
-  void decode(std::span<const std::byte> from) {
-    stage = Stage::shown;
-    auto decoded = decode_texture(from, world.budget);
-    if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
-    Texture& texture = std::get<Texture>(decoded);
-    if (!texture.note.empty()) world.report(Severity::warning, file, place, type + " " + name + ": " + texture.note);
-    image = texture.image;
-    world.image_arrived({std::exchange(textures, {}), std::move(texture.image)});
-  }
-  void missing(const std::string& why) override {
-    stage = Stage::none;
-    if (!told) world.report(Severity::warning, file, place, type + ": " + why_missing(urls, why));
-    world.image_arrived({std::exchange(textures, {}), nullptr});
-  }
-  void add(const Arrivals::Place& texture) {
-    if (stage == Stage::coming)
-      textures.push_back(texture);
-    else
-      world.image_arrived({{texture}, image.lock()});
-  }
-  [[nodiscard]] bool has_none() const { return stage == Stage::none; }
-  /// Nobody has what came any more.
-  [[nodiscard]] bool is_spent() const { return stage == Stage::shown && image.expired(); }
-
-  WorldLoading::State& world;
-  std::string type, file, name;  // of the node that asked first; of its text; of the picture
-  vrml::SourceLocation place;
-  vrml::MFString urls;
-  std::vector<std::byte> bytes;
-  vrml::Share held;  // of these
-  std::vector<Arrivals::Place> textures;
-  std::weak_ptr<const render::Image> image;
-  enum class Stage : std::uint8_t { coming, shown, none };
-  Stage stage = Stage::coming;
-};
 
 /// Vectors that QNV nodes show.
 struct WorldLoading::State::SharedCloud {
@@ -306,79 +230,6 @@ void SceneHandler::visit_outlines(NodeId id) {
 void SceneHandler::set_cloud(NodeId id, const std::shared_ptr<const qnv::Cloud>& cloud) {
   const auto fallback = fallbacks_.find(id.index);
   world_.cloud_arrived({{scene, id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
-}
-
-// ---- In a living world
-
-// What the node shows so far stays until there is something else, or nothing.
-void SceneHandler::load(const UrlRequest& request) {
-  if (request.prototype) return load_prototype(request);
-  Reference reference = refer(request.urls, *request.text);
-  const Arrivals::Place& at = request.place;
-  if (request.as_text) return load_text(request, std::move(reference));
-  switch (request.content) {
-    case vrml::UrlContent::scene:
-      return load_inline(request, std::move(reference));
-    case vrml::UrlContent::image: {
-      if (reference.places.empty()) return world_.image_arrived({{at}, nullptr});
-      std::erase_if(world_.shared_images, [](const auto& one) { return one.second->is_spent(); });
-      auto& shared = world_.shared_images[fetch_key(reference.places, reference.from)];
-      const bool fresh = !shared || shared->has_none();
-      if (fresh)
-        shared = std::make_shared<WorldLoading::State::SharedImage>(world_, request.type, request.file,
-                                                                    request.location, request.urls);
-      shared->add(at);
-      if (fresh) ask_for(std::move(reference), request.node, shared, Urgency::texture);
-      return;
-    }
-    case vrml::UrlContent::vectors: {
-      if (reference.places.empty()) return world_.cloud_arrived({at, {}, nullptr});
-      auto handler = std::make_shared<CloudHandler>(
-          world_, CloudHandler::Place{request.file, request.location, request.urls, true},
-          [this, at](const std::shared_ptr<const qnv::Cloud>& cloud) {
-            world_.cloud_arrived({at, {}, cloud});
-          },
-          [this, at](double fraction) {
-            world_.note_progress({at.scene, at.node, fraction});
-          });
-      return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
-    }
-    case vrml::UrlContent::outlines: {
-      auto handler =
-          std::make_shared<OutlineHandler>(world_, at, request.file, request.location, request.urls, nullptr);
-      if (reference.places.empty()) return handler->give();
-      return ask_for(std::move(reference), request.node, std::move(handler), Urgency::vectors);
-    }
-    case vrml::UrlContent::sound:
-    case vrml::UrlContent::movie:
-      return load_media(request, std::move(reference));
-    case vrml::UrlContent::none:
-      return;
-  }
-}
-
-void SceneHandler::load_inline(const UrlRequest& request, Reference reference) {
-  // Of the former url nothing is wanted any more.
-  const auto is_former = [&](const std::shared_ptr<SceneHandler>& one) {
-    return one->inline_node == request.place.node;
-  };
-  for (const auto& one : inner_)
-    if (is_former(one)) world_.withdraw(*one);
-  std::erase_if(inner_, is_former);
-  if (reference.places.empty()) {
-    world_.arrivals.contents.push_back({request.place, nullptr, {}});
-    return;
-  }
-  auto inner = std::make_shared<SceneHandler>(world_, Role::inlined, this);
-  inner->what = "Inline";
-  inner->urls = request.urls;
-  inner->inline_node = request.place.node;
-  inner->given_to = request.place;
-  inner->place_file = request.file;
-  inner->place = request.location;
-  inner_.push_back(inner);
-  world_.withheld.push_back(inner);
-  ask_for(std::move(reference), request.node, std::move(inner), Urgency::inline_scene);
 }
 
 SceneHandler* SceneHandler::handler_of(const vrml::SceneGraph* wanted) {

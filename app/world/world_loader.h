@@ -28,8 +28,8 @@ struct LoadOptions {
   double timeout_seconds = 30;                   // for everything together; what is missing then is left out
   const std::atomic<bool>* cancelled = nullptr;  // set by another thread: as if the time were over
   bool references = true;                        // also Inlines, EXTERNPROTOs, textures and QNV streams
-  bool whole_surfaces = false;                   // displaced surfaces as arrays, not as patches of which views take cuts
-  bool offline = false;                          // nothing is read over the network
+  bool whole_surfaces = false;       // displaced surfaces as arrays, not as patches of which views take cuts
+  bool offline = false;              // nothing is read over the network
   std::vector<std::string> allowed;  // folders and files, besides its own folder, that a world of this machine may read
   bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
   std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are

@@ -21,8 +21,8 @@
 #include <vector>
 
 // The inside of WorldLoading, which finds the bytes: candidates, schemes, priorities, in world_loading.cpp,
-// world_network.cpp and world_cells.cpp. Content handlers make of them what they hold: scene_handler.h and
-// scene_references.cpp nodes, cloud_handler.h vectors, outline_reader.h polygons.
+// world_fetches.cpp, world_network.cpp and world_cells.cpp. Content handlers make of them what they hold:
+// scene_handler.h and scene_references.cpp nodes, cloud_handler.h vectors, outline_reader.h polygons.
 
 namespace gs::app {
 

@@ -151,6 +151,14 @@ struct LeftOut {
 /// Everything that one frame needs, as plain data in world space. Places are in double precision, so that a thing keeps
 /// its centimetres ten thousand kilometres from the origin; boxes are not.
 struct RenderList {
+  // Not in each file that has a list: they are long.
+  RenderList();
+  RenderList(const RenderList& other);
+  RenderList(RenderList&& other) noexcept;
+  RenderList& operator=(const RenderList& other);
+  RenderList& operator=(RenderList&& other) noexcept;
+  ~RenderList();
+
   std::vector<DrawItem> items;
   /// What the list was gathered as, unlike any other list of the process; then `moved` has the items whose places or
   /// meshes have changed since, some more than once, and `dressed` counts changes of materials. 0: nobody keeps

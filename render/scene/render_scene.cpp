@@ -33,6 +33,13 @@ bool has_changed(const vrml::NodeChange& change, const NodeView& view, int field
 
 }  // namespace
 
+RenderList::RenderList() = default;
+RenderList::RenderList(const RenderList& other) = default;
+RenderList::RenderList(RenderList&& other) noexcept = default;
+RenderList& RenderList::operator=(const RenderList& other) = default;
+RenderList& RenderList::operator=(RenderList&& other) noexcept = default;
+RenderList::~RenderList() = default;
+
 std::uint64_t next_change() {
   static std::atomic<std::uint64_t> last = 0;
   return ++last;

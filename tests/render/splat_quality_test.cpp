@@ -95,18 +95,19 @@ TEST_CASE("A closed surface has no holes at any distance, whatever the budget", 
   drawing.options.width = drawing.options.height = 120;
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;
+    int samples = 1;
     for (const std::size_t budget : {1000u, 4000u, 20000u, 100000u, 1000000u})
-      for (const float distance : {1.25f, 1.7f, 2.5f, 4.0f, 8.0f, 20.0f, 60.0f})
-        for (const int samples : {1, 4}) {
-          drawing.options.budget = budget;
-          drawing.options.samples = samples;
-          const Holes holes = holes_in(drawing, list, distance, 0.9f);
-          INFO((path == SplatPath::gl ? "gl" : "cpu") << ", budget " << budget << ", distance " << distance << ", "
-                                                      << samples << " samples, " << holes.pixels << " pixels");
-          CHECK(holes.pixels > 0);
-          // A hundred discs for all of it leave gaps wider than the half voxel that is closed.
-          CHECK(holes.open <= (budget == 1000 ? holes.pixels / 1000 : 0));
-        }
+      for (const float distance : {1.25f, 1.7f, 2.5f, 4.0f, 8.0f, 20.0f, 60.0f}) {
+        samples = 5 - samples;  // 4 and 1 by turns: the other half is drawn by the case below
+        drawing.options.budget = budget;
+        drawing.options.samples = samples;
+        const Holes holes = holes_in(drawing, list, distance, 0.9f);
+        INFO((path == SplatPath::gl ? "gl" : "cpu") << ", budget " << budget << ", distance " << distance << ", "
+                                                    << samples << " samples, " << holes.pixels << " pixels");
+        CHECK(holes.pixels > 0);
+        // A hundred discs for all of it leave gaps wider than the half voxel that is closed.
+        CHECK(holes.open <= (budget == 1000 ? holes.pixels / 1000 : 0));
+      }
   }
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("A closed surface has no holes whatever was looked at before", "[optim
   drawing.options.width = drawing.options.height = 120;
   drawing.options.splats = SplatPath::cpu;
   std::mt19937 random(5);
-  for (int order = 0; order < 3; ++order, std::shuffle(views.begin(), views.end(), random))
+  for (int order = 0; order < 2; ++order, std::shuffle(views.begin(), views.end(), random))
     for (const View& view : views) {
       drawing.options.budget = view.budget;
       drawing.options.samples = view.samples;

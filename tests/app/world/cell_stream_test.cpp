@@ -1,4 +1,4 @@
-// Streams that come as cells over UDP, on this machine, and what views ask of them.
+// Streams that come as cells over UDP, on this machine.
 #include "tests/app/world/cell_site.h"
 
 #include <catch2/catch.hpp>
@@ -117,93 +117,4 @@ TEST_CASE("A part of a stream is asked for, and no more than that is taken") {
   const std::size_t part = cloud_of_world(world).size();
   CHECK(part > 10'000);
   CHECK(part < cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
-}
-
-TEST_CASE("Regions are what views see of a stream") {
-  const qnv::Box all{{-1, -1, -1}, {1, 1, 1}};
-  std::array<qnv::LodView, 3> views;
-  CHECK(regions_of({}, all).empty());
-  CHECK(regions_of(views, all).empty());  // all of it
-  // The upper quarter of x, from both sides of a thin slice of y.
-  views[1].planes = {{{1, 0, 0, -0.5f}, {0, 1, 0, 0.1f}, {0, -1, 0, 0.1f}}};
-  views[2].planes[0] = {0, 0, 1, -5};  // nothing
-  const auto regions = regions_of(views, all);
-  REQUIRE(regions.size() == 1);
-  const auto part = [](std::uint16_t value) { return 2.0 * value / 65535 - 1; };
-  const net::CellBox& box = regions[0].box;
-  CHECK(part(box[0]) <= 0.5);
-  CHECK(part(box[0]) > 0.5 - 0.5 / 7);  // of seven parts at least six are seen
-  CHECK(part(box[3]) == Approx(1).margin(0.001));
-  CHECK(part(box[1]) <= -0.1);
-  CHECK(part(box[1]) > -0.1 - 0.2 / 6);
-  CHECK(part(box[4]) >= 0.1);
-  CHECK(part(box[4]) < 0.1 + 0.2 / 6);
-  CHECK(box[2] == 0);
-  CHECK(box[5] == 65535);
-  // Views that see the same are one region, and there are never too many.
-  std::vector<qnv::LodView> many(20, views[1]);
-  CHECK(regions_of(many, all).size() == 1);
-  for (std::size_t i = 0; i < many.size(); ++i) many[i].planes[0].w = -0.5f - 0.02f * static_cast<float>(i);
-  CHECK(regions_of(many, all).size() == net::kMostRegions);
-  // A flat thing, and numbers that make no sense.
-  const qnv::Box flat{{0, 0, 0}, {1, 0, 1}};
-  CHECK(regions_of(std::span(views).subspan(1, 1), flat).size() == 1);
-  views[1].planes[0] = glm::vec4(std::numeric_limits<float>::quiet_NaN());
-  CHECK(regions_of(views, all).size() <= 1);
-}
-
-TEST_CASE("In a window the base shows at once, and views say what comes next") {
-  CellSite site;
-  site.options.rate = 8'000'000;
-  site.start();
-  LoadOptions options;
-  options.by_view = true;
-  options.timeout_seconds = 120;
-  WorldLoading loading(site.url("packed.qnv"), options);
-  while (!loading.done()) (void)loading.step(kCellWait);
-  CHECK(loading.streaming());
-  CHECK(loading.state().received < 200'000);
-  const OpenedWorld world = loading.take();
-  REQUIRE(world.feeds.size() == 1);
-  StreamFeed& feed = *world.feeds.front();
-  (void)feed.apply();
-  auto& levels = *world.clouds.begin()->second->levels;
-  REQUIRE(levels.clusters() > 0);
-  // What lies to the right, closely.
-  qnv::LodView view;
-  view.eye = {3, 0, 0};
-  view.pixels = 1e5f;
-  view.planes[0] = {1, 0, 0, -0.8f};
-  (void)levels.cut(view);
-  feed.ask();
-  const auto discs = [&levels](const qnv::LodView& from) {
-    std::size_t sum = 0;
-    for (const qnv::Piece& piece : levels.cut(from)) sum += piece.count;
-    return sum;
-  };
-  qnv::LodView opposite = view;
-  opposite.eye = {-3, 0, 0};
-  opposite.planes[0] = {-1, 0, 0, -0.8f};
-  opposite.viewport = 1;
-  const std::size_t before = discs(view);
-  bool preferred = false;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(100);
-  while (!preferred && std::chrono::steady_clock::now() < deadline) {
-    (void)loading.step(kCellWait);
-    if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
-  }
-  CHECK(preferred);
-  // Beside a stream of more weight it wants less of the rate.
-  feed.set_weight(0.25);
-  while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
-    (void)loading.step(kCellWait);
-  CHECK(loading.cells().granted <= 2'200'000);
-  feed.set_weight(1);
-  // When all of it is there nobody goes on asking.
-  while (loading.streaming() && std::chrono::steady_clock::now() < deadline) {
-    (void)loading.step(kCellWait);
-    (void)feed.apply();
-  }
-  CHECK_FALSE(loading.streaming());
-  CHECK(levels.count() == cloud_of_world(load_world(site.folder.path("packed.qnv"))).size());
 }
