@@ -87,6 +87,7 @@ struct UiOverlay::State {
 
   void menu_bar(const UiModel& model, UiActions& actions);
   void menus(const UiModel& model, UiActions& actions);
+  [[nodiscard]] bool begin_menu(const std::string& label, bool enabled = true);
   void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
   void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
   void recent_menu(const UiModel& model, UiActions& actions);

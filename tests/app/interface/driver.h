@@ -248,6 +248,14 @@ class Driver final : public DeskWindow {
     point(place);
     step({event(WindowEvent::Kind::button_down)});
   }
+  /// Notches of the wheel, towards the user is negative.
+  void turn_wheel(const glm::vec2& place, float notches) {
+    point(place);
+    WindowEvent turned = event(WindowEvent::Kind::wheel);
+    turned.wheel = notches;
+    step({turned});
+    settle();
+  }
   /// A key with what is held, pressed and released.
   void press(Key key, bool control = false, bool shift = false, bool alt = false) {
     std::vector<WindowEvent> events;

@@ -1,0 +1,84 @@
+// The menus, as somebody uses them in a small window.
+#include "app/view/actions.h"
+
+#include "app/interface/panels/panels.h"
+#include "tests/app/interface/driver.h"
+
+#include <catch2/catch.hpp>
+
+#include <set>
+#include <string>
+#include <string_view>
+
+namespace gs::app::menus_test {
+
+using driver::Driver;
+
+constexpr glm::ivec2 kSmall{640, 480};
+
+// What a row is called in its menu, as far as a menu of a small window shows it.
+std::string words_of(const ActionRow& row) {
+  const auto panel = panel_of(row.action);
+  return std::string(panel ? panel_rows()[*panel].title : row.help).substr(0, 28);
+}
+
+// Whether all of a line is in the window, after the wheel was turned if need be.
+bool can_be_seen(Driver& user, const std::string& words, const glm::vec2& menu) {
+  for (const float direction : {-1.0f, 1.0f})
+    for (int i = 0; i < 12; ++i) {
+      if (const auto place = user.find(words)) {
+        const auto letters = driver::seen_characters();
+        bool whole = place->x > 0 && place->x < kSmall.x;
+        for (const driver::SeenCharacter& one : letters)
+          if (std::abs((one.top + one.bottom) / 2 - place->y) < 1)
+            whole = whole && one.top >= 0 && one.bottom <= kSmall.y;
+        if (whole && place->y > 20) return true;
+      }
+      user.turn_wheel(menu, direction);
+    }
+  return false;
+}
+
+TEST_CASE("Every entry of every menu can be reached in a window of 640 x 480") {
+  Driver user({}, kSmall);
+  user.show_world("Viewpoint {} Viewpoint {} Shape { geometry Box {} }");
+  for (std::size_t i = 0; i < kMenus; ++i) {
+    const auto menu = static_cast<Menu>(i);
+    const std::string title(title_of(menu));
+    INFO(title);
+    const auto head = user.find(title);
+    REQUIRE(head);
+    user.click(*head);
+    const glm::vec2 inside = *head + glm::vec2(20, 60);
+    std::set<std::string_view> groups;
+    for (const ActionRow& row : actions()) {
+      if (row.menu != menu) continue;
+      INFO((row.group.empty() ? row.help : row.group) << " in " << user.screen());
+      if (row.group.empty()) {
+        CHECK(can_be_seen(user, words_of(row), inside));
+      } else if (groups.insert(row.group).second) {
+        REQUIRE(can_be_seen(user, std::string(row.group), inside));
+        user.click(row.group);
+        for (const ActionRow& one : actions()) {
+          if (one.menu != menu || one.group != row.group) continue;
+          INFO(one.help);
+          CHECK(can_be_seen(user, std::string(one.help).substr(0, 12), inside));
+        }
+        user.click(row.group);
+      }
+    }
+    user.press(Key::escape);
+    user.press(Key::escape);
+  }
+}
+
+TEST_CASE("A menu in a menu does what its entry says") {
+  Driver user({}, kSmall);
+  user.click("View");
+  user.click("Size of text");
+  user.click("Larger text and buttons");
+  REQUIRE(user.actions().run);
+  CHECK(*user.actions().run == Action::larger_text);
+}
+
+}  // namespace gs::app::menus_test
