@@ -188,17 +188,19 @@ void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
       bool parted = !panels;
       for (const ActionRow& row : app::actions()) {
         if (row.menu != menu || panel_of(row.action).has_value() != panels) continue;
+        if (row.action == Action::quit) continue;  // the last of all
         if (!std::exchange(parted, true)) ImGui::Separator();
-        if (row.action == Action::quit) {
-          recent_menu(model, actions);
-          ImGui::Separator();
-        }
         if (!row.group.empty()) {
           group_menu(row, model, actions);
           continue;
         }
         menu_item(row, model, actions);
       }
+    }
+    if (row_of(Action::quit).menu == menu) {
+      recent_menu(model, actions);
+      ImGui::Separator();
+      menu_item(row_of(Action::quit), model, actions);
     }
     ImGui::EndMenu();
   }

@@ -241,7 +241,8 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
       tools.legs.push_back(readable_value(ruler_.length_of(i)));
     tools.measured_text = ruler_.text();
   }
-  tools.measured = ruler_.summary();
+  // The points of another world are none of this one.
+  tools.measured = (ruled_.lock() == seen->document ? ruler_ : Ruler()).summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   describe_slices(tools, *seen, place);
   const qnv::Description* const volume = first_volume(*seen->list);

@@ -1,13 +1,15 @@
 // Pictures of the window's interface, compared with small ones that are kept beside this file. They are means of blocks
 // of eight pixels, so that letters may be drawn a little differently, but nothing may stand elsewhere, be of another
 // colour or be missing. GHOSTSPACE_KEEP_PICTURES=1 writes them anew: look at them before they are kept.
-#include "app/inspect/inspection.h"
+#include "app/formats/common/color_key.h"
+#include "app/view/values/color_bar.h"
 #include "render/image/image_codecs.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/interface/interface_picture.h"
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -84,6 +86,35 @@ TEST_CASE("Two viewports and the palette of commands look as they did") {
   user.press(letter_key('P'), true, true);
   user.type("view");
   check_picture("palette");
+}
+
+TEST_CASE("The numbers of a colour bar can be read in both themes") {
+  Driver user({}, kWindow);
+  user.show_world(kBody);
+  user.set_model([](UiModel& model) {
+    model.tools.color_bar = true;
+    model.tools.bar = color_bar_of(ColorKey{"heat (K)", 0, 100, viridis_colors()});
+  });
+  for (int theme = 0; theme < 2; ++theme) {
+    INFO(theme);
+    user.settle();
+    const auto title = user.find("heat");
+    REQUIRE(title);
+    const Image picture = driver::picture_of_interface();
+    int brightest = 0, darkest = 255;
+    for (int y = -8; y <= 8; ++y)
+      for (int x = -16; x <= 16; ++x) {
+        const auto row = static_cast<std::size_t>(title->y + static_cast<float>(y)),
+                   column = static_cast<std::size_t>(title->x + static_cast<float>(x));
+        const int red = picture.pixels[3 * (row * picture.width + column)];
+        brightest = std::max(brightest, red);
+        darkest = std::min(darkest, red);
+      }
+    CHECK(brightest > 160);
+    CHECK(darkest < 60);
+    user.click("View");
+    user.click("Dark or light colours");
+  }
 }
 
 TEST_CASE("Two windows that are used alike look alike, and a change is seen") {
