@@ -81,4 +81,29 @@ TEST_CASE("A menu in a menu does what its entry says") {
   CHECK(*user.actions().run == Action::larger_text);
 }
 
+TEST_CASE("Quit is the last entry of its menu") {
+  Driver user({}, {800, 600});
+  user.click("File");
+  const auto quit = user.find("Quit"), pictures = user.find("Pictures"), recent = user.find("Open recent");
+  REQUIRE((quit && pictures && recent));
+  CHECK(quit->y > pictures->y);
+  CHECK(quit->y > recent->y);
+}
+
+TEST_CASE("A series that plays is not said to be loading all the time") {
+  Driver user;
+  user.show_world("Shape { geometry Box {} }");
+  bool playing = false;
+  user.set_model([&](UiModel& model) {
+    REQUIRE_FALSE(model.viewports.empty());
+    model.viewports[0].loading = "run.%04d.qnv";
+    model.tools.playing = playing;
+  });
+  user.settle();
+  CHECK(user.sees("Loading run"));
+  playing = true;
+  user.settle();
+  CHECK_FALSE(user.sees("Loading run"));
+}
+
 }  // namespace gs::app::menus_test
