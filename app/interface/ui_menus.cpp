@@ -13,6 +13,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostShown = 15;
+constexpr float kRoomForTwo = 62;  // letters that a menu and one beside it take
 
 // A part of the row of menus.
 void begin_row(const char* name, float left, float width, float height, const ImVec2& padding, bool menus) {
@@ -142,12 +143,29 @@ bool UiOverlay::State::begin_menu(const std::string& label, bool enabled) {
   return ImGui::BeginMenu(label.c_str(), enabled);
 }
 
+// A menu in a menu; in a window that has no room for it beside that one, where it would lie over it and under the
+// pointer, a part of that one. `end_part` where this is true.
+bool UiOverlay::State::begin_part(const std::string& title, bool enabled) {
+  const std::string label = "      " + title;
+  if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize()) return begin_menu(label, enabled);
+  if (!enabled) return false;
+  ImGui::Separator();
+  colored_text(UiColors::kQuiet, label);
+  return true;
+}
+void UiOverlay::State::end_part() {
+  if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize())
+    ImGui::EndMenu();
+  else
+    ImGui::Separator();
+}
+
 void UiOverlay::State::recent_menu(const UiModel& model, UiActions& actions) {
-  if (!begin_menu("      Open recent", !model.recent.empty())) return;
+  if (!begin_part("Open recent", !model.recent.empty())) return;
   for (std::size_t i = 0; i < std::min(model.recent.size(), kMostShown); ++i)
-    if (ImGui::MenuItem(label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i)).c_str()))
+    if (ImGui::MenuItem(("      " + label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i))).c_str()))
       actions.open = model.recent[i];
-  ImGui::EndMenu();
+  end_part();
 }
 
 void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
@@ -173,10 +191,10 @@ void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, 
   const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
   if (before && before->group == first.group && before->menu == first.menu) return;
   const bool possible = !first.of_world || model.has_world;
-  if (!begin_menu("      " + std::string(first.group), possible)) return;
+  if (!begin_part(std::string(first.group), possible)) return;
   for (const ActionRow& row : app::actions())
     if (row.group == first.group && row.menu == first.menu) menu_item(row, model, actions);
-  ImGui::EndMenu();
+  end_part();
 }
 
 void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {

@@ -155,6 +155,7 @@ class Driver final : public DeskWindow {
     (void)desk_.take_chosen_files();
     frame_ = session().step(time_, input);
     (void)desk_.tell(frame_);
+    desk_.inspection().prepare(session(), frame_.pictures, time_);
     UiModel model = desk_.model(frame_, measures_);
     if (change_model_) change_model_(model);
     const UiActions actions = desk_.ui().build(model);

@@ -61,7 +61,9 @@ TEST_CASE("The inspector shows a text from right to left so while it is changed,
     if (one.character == kAlef) line = (one.top + one.bottom) / 2;
   // On the right of alef one writes before it; what is typed there stays while frames go by.
   user.click(glm::vec2(*alef + 20, line));
+  // Behind the last letter, before the quotation mark.
   user.press(Key::end);
+  user.press(Key::left);
   user.type("z");
   CHECK(seen_from_right(user) == true);
   CHECK(*user.place_of('z') > 0);
