@@ -298,6 +298,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const Options& option
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
     if (options.isovalue) return EncodeError{path + " is no volume; --isovalue is for volumes"};
     encode_options.metadata = metadata_of(options, input, path, {});
+    if (const auto& key = (*opened)->world.color_key) encode_options.metadata.push_back(color_key_metadata(*key));
     return encode(surface_of(**opened), options, std::move(encode_options), progress);
   }
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {

@@ -10,6 +10,8 @@
 #include "app/formats/mesh/points.h"
 #include "app/formats/mesh/stl.h"
 #include "app/formats/mesh/ucd.h"
+#include "app/formats/mesh/vtk_legacy.h"
+#include "app/formats/mesh/vtp.h"
 #include "app/formats/volume/volume.h"
 #include "qnv/codec/payloads.h"
 
@@ -77,6 +79,8 @@ constexpr ContentType kTypes[] = {
     {"AVS geometry", "model/x-avs-geometry", ".mgf .geom .geo ", is_avs_geometry, ContentClass::mesh,
      alone<import_avs_geometry>},
     {"AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, ContentClass::mesh, alone<import_ucd>},
+    {"VTK PolyData", "application/x-vtk-poly-data", ".vtp ", is_vtp, ContentClass::mesh, alone<import_vtp>},
+    {"legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, ContentClass::mesh, alone<import_vtk_legacy>},
     {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, ContentClass::cloud, nullptr, import_splats_spz, true},
     {"splats", "model/x-splat", ".splat ", nullptr, ContentClass::cloud, nullptr, import_splats_antimatter},
     {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, ContentClass::cloud, nullptr, import_splats_ksplat},

@@ -72,7 +72,7 @@ void UiOverlay::State::grid_line(const UiViewport& viewport, const std::string& 
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 at(lower.x + (viewport.axes ? 2 * kAxesHalf * em : 0) + 0.8f * em, lower.y - 2 * em);
   draw.AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 160), grid.c_str());
-  draw.AddText(at, ImGui::GetColorU32(UiColors::kText), grid.c_str());
+  draw.AddText(at, ImGui::GetColorU32(UiColors::kOnPicture), grid.c_str());
 }
 
 void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions) {
@@ -112,7 +112,7 @@ void UiOverlay::State::axes_widget(const UiViewport& viewport, const UiModel& mo
     tooltip("From " + name);
     ImGui::PopID();
     draw_axis(draw, end, center, at, dot, scale);
-    if (hovered) draw.AddCircle(at, dot + scale, ImGui::GetColorU32(UiColors::kText), 0, 1.5f * scale);
+    if (hovered) draw.AddCircle(at, dot + scale, ImGui::GetColorU32(UiColors::kOnPicture), 0, 1.5f * scale);
   }
   ImGui::End();
 }

@@ -1,3 +1,4 @@
+#include "app/interface/base/fonts.h"
 #include "app/interface/ui_state.h"
 
 #include <imgui.h>
@@ -24,7 +25,7 @@ void draw_label(ImDrawList& draw, const ImVec2& at, const std::string& label, fl
   const ImVec2 size = ImGui::CalcTextSize(label.c_str());
   draw.AddRectFilled({at.x - 4 * scale, at.y - 2 * scale}, {at.x + size.x + 4 * scale, at.y + size.y + 2 * scale},
                      kMarkShade, 3 * scale);
-  draw.AddText(at, ImGui::GetColorU32(UiColors::kText), label.c_str());
+  draw.AddText(at, ImGui::GetColorU32(UiColors::kOnPicture), label.c_str());
 }
 
 void draw_ruler(ImDrawList& draw, const UiTools& tools, float scale) {
@@ -59,16 +60,17 @@ void draw_bar(ImDrawList& draw, const ColorBar& bar, const MarkArea& area, float
   const auto ticks = nice_ticks(bar.range, static_cast<std::size_t>(std::max(2.0f, height / (2 * em))));
   float labels = 0;
   for (const Tick& tick : ticks) labels = std::max(labels, ImGui::CalcTextSize(tick.label.c_str()).x);
-  const float title = bar.title.empty() ? 0 : ImGui::CalcTextSize(bar.title.c_str()).x;
+  const std::string title_text = shown(bar.title);
+  const float title = title_text.empty() ? 0 : ImGui::CalcTextSize(title_text.c_str()).x;
   const ImVec2 size(std::max(width + 0.9f * em + labels, title) + 1.2f * em,
                     height + (bar.title.empty() ? 1.4f : 2.9f) * em);
   if (size.x > area.to.x - area.from.x) return;
   const ImVec2 corner(area.to.x - size.x - 10 * scale, (area.from.y + area.to.y - size.y) / 2);
   draw.AddRectFilled(corner, {corner.x + size.x, corner.y + size.y}, kMarkShade, 4 * scale);
   ImVec2 at(corner.x + 0.6f * em, corner.y + 0.7f * em);
-  const ImU32 color = ImGui::GetColorU32(UiColors::kText);
+  const ImU32 color = ImGui::GetColorU32(UiColors::kOnPicture);
   if (!bar.title.empty()) {
-    draw.AddText({at.x, at.y - 0.3f * em}, color, bar.title.c_str());
+    draw.AddText({at.x, at.y - 0.3f * em}, color, title_text.c_str());
     at.y += 1.5f * em;
   }
   for (float y = 0; y < height; ++y) {

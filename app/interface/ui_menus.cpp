@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <string>
 
@@ -12,6 +13,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMostShown = 15;
+constexpr float kRoomForTwo = 62;  // letters that a menu and one beside it take
 
 // A part of the row of menus.
 void begin_row(const char* name, float left, float width, float height, const ImVec2& padding, bool menus) {
@@ -133,16 +135,41 @@ void UiOverlay::State::menu_item(const ActionRow& row, const UiModel& model, UiA
               ImGui::GetColorU32(UiColors::kQuiet));
 }
 
+// A menu, as Dear ImGui begins one, that is never higher than what is left of the window below the menu bar: what does
+// not fit is scrolled to.
+bool UiOverlay::State::begin_menu(const std::string& label, bool enabled) {
+  const float below = ImGui::GetIO().DisplaySize.y - menu_bar_height() - ImGui::GetStyle().DisplaySafeAreaPadding.y;
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(below, menu_bar_height())});
+  return ImGui::BeginMenu(label.c_str(), enabled);
+}
+
+// A menu in a menu; in a window that has no room for it beside that one, where it would lie over it and under the
+// pointer, a part of that one. `end_part` where this is true.
+bool UiOverlay::State::begin_part(const std::string& title, bool enabled) {
+  const std::string label = "      " + title;
+  if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize()) return begin_menu(label, enabled);
+  if (!enabled) return false;
+  ImGui::Separator();
+  colored_text(UiColors::kQuiet, label);
+  return true;
+}
+void UiOverlay::State::end_part() {
+  if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize())
+    ImGui::EndMenu();
+  else
+    ImGui::Separator();
+}
+
 void UiOverlay::State::recent_menu(const UiModel& model, UiActions& actions) {
-  if (!ImGui::BeginMenu("      Open recent", !model.recent.empty())) return;
+  if (!begin_part("Open recent", !model.recent.empty())) return;
   for (std::size_t i = 0; i < std::min(model.recent.size(), kMostShown); ++i)
-    if (ImGui::MenuItem(label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i)).c_str()))
+    if (ImGui::MenuItem(("      " + label_of(shortened(without_home(model.recent[i]), 90), std::to_string(i))).c_str()))
       actions.open = model.recent[i];
-  ImGui::EndMenu();
+  end_part();
 }
 
 void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
-  if (!ImGui::BeginMenu("Bookmarks")) return;
+  if (!begin_menu("Bookmarks")) return;
   menu_item(row_of(Action::bookmark), model, actions);
   if (!model.bookmarks.empty()) ImGui::Separator();
   for (std::size_t i = 0; i < model.bookmarks.size(); ++i) {
@@ -163,32 +190,35 @@ void UiOverlay::State::bookmark_menu(const UiModel& model, UiActions& actions) {
 void UiOverlay::State::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
   const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
   if (before && before->group == first.group && before->menu == first.menu) return;
-  if (!ImGui::BeginMenu(("      " + std::string(first.group)).c_str(), model.has_world)) return;
+  const bool possible = !first.of_world || model.has_world;
+  if (!begin_part(std::string(first.group), possible)) return;
   for (const ActionRow& row : app::actions())
     if (row.group == first.group && row.menu == first.menu) menu_item(row, model, actions);
-  ImGui::EndMenu();
+  end_part();
 }
 
 void UiOverlay::State::menus(const UiModel& model, UiActions& actions) {
   for (std::size_t i = 0; i < kMenus; ++i) {
     const auto menu = static_cast<Menu>(i);
     if (menu == Menu::help) bookmark_menu(model, actions);
-    if (!ImGui::BeginMenu(std::string(title_of(menu)).c_str())) continue;
+    if (!begin_menu(std::string(title_of(menu)))) continue;
     for (const bool panels : {false, true}) {
       bool parted = !panels;
       for (const ActionRow& row : app::actions()) {
         if (row.menu != menu || panel_of(row.action).has_value() != panels) continue;
+        if (row.action == Action::quit) continue;  // the last of all
         if (!std::exchange(parted, true)) ImGui::Separator();
-        if (row.action == Action::quit) {
-          recent_menu(model, actions);
-          ImGui::Separator();
-        }
         if (!row.group.empty()) {
           group_menu(row, model, actions);
           continue;
         }
         menu_item(row, model, actions);
       }
+    }
+    if (row_of(Action::quit).menu == menu) {
+      recent_menu(model, actions);
+      ImGui::Separator();
+      menu_item(row_of(Action::quit), model, actions);
     }
     ImGui::EndMenu();
   }

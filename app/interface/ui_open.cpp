@@ -69,7 +69,7 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
   const FieldEvents events =
       text_field("##path", "Path or URL; a part of a name finds it", dialog.typed,
                  width - button - 2 * ImGui::GetStyle().WindowPadding.x - ImGui::GetStyle().ItemSpacing.x, false,
-                 [this](const std::string& typed) { return completed_path(typed, listing); });
+                 {[this](const std::string& typed) { return completed_path(typed, listing); }});
   ImGui::SameLine();
   const bool pressed = ImGui::Button("Open");
   if (events.changed) dialog.chosen.reset();

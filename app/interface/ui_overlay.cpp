@@ -100,7 +100,9 @@ UiActions UiOverlay::build(const UiModel& model) {
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (model.panes > 1) state.pane_bar(viewport, model, actions);
-    if (!viewport.loading.empty())
+    // The next file of a series that plays is read all the time.
+    const bool plays = viewport.active && model.tools.playing;
+    if (!viewport.loading.empty() && !plays)
       state.loading_line(viewport, i, actions);
     else if (!viewport.failed.empty())
       state.failure_card(viewport, model, actions);

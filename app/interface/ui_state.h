@@ -87,6 +87,9 @@ struct UiOverlay::State {
 
   void menu_bar(const UiModel& model, UiActions& actions);
   void menus(const UiModel& model, UiActions& actions);
+  [[nodiscard]] bool begin_menu(const std::string& label, bool enabled = true);
+  [[nodiscard]] bool begin_part(const std::string& title, bool enabled);
+  static void end_part();
   void group_menu(const ActionRow& first, const UiModel& model, UiActions& actions);
   void menu_item(const ActionRow& row, const UiModel& model, UiActions& actions);
   void recent_menu(const UiModel& model, UiActions& actions);

@@ -8,7 +8,8 @@ namespace {
 
 constexpr Key operator""_key(char letter) { return letter_key(letter); }
 
-constexpr std::string_view kSides = "Look at it", kUps = "What is up", kDisplays = "How faces are drawn";
+constexpr std::string_view kSides = "Look at it", kUps = "What is up", kDisplays = "How faces are drawn",
+                           kSounds = "Sound", kTexts = "Size of text";
 
 constexpr ActionRow kActions[] = {
     {Action::next_viewpoint, Key::page_down, false, false, true, "", "Next viewpoint", Menu::navigate},
@@ -63,9 +64,9 @@ constexpr ActionRow kActions[] = {
     {Action::pictures, Key::unknown, false, false, false, "Pictures",
      "Sizes of saved pictures, stereo, turntables and tours", Menu::file},
     {Action::tour_view, 'T'_key, false, false, true, "", "Add this view to the tour, which Pictures saves", Menu::file},
-    {Action::mute, 'M'_key, false, false, true, "Sound", "Sound on or off", Menu::view},
-    {Action::louder, '.'_key, false, false, true, "", "Louder", Menu::view},
-    {Action::softer, ','_key, false, false, true, "", "Softer", Menu::view},
+    {Action::mute, 'M'_key, false, false, true, "Sound", "Sound on or off", Menu::view, false, kSounds},
+    {Action::louder, '.'_key, false, false, true, "", "Louder", Menu::view, false, kSounds},
+    {Action::softer, ','_key, false, false, true, "", "Softer", Menu::view, false, kSounds},
     {Action::full_screen, Key::f11, false, false, false, "", "Full screen", Menu::window},
     {Action::palette, 'P'_key, true, true, false, "", "All commands, files and viewpoints", Menu::view},
     {Action::address, 'L'_key, true, false, false, "", "Type a path or URL", Menu::file},
@@ -73,9 +74,10 @@ constexpr ActionRow kActions[] = {
     {Action::forward, Key::right, false, false, false, "", "Forward again", Menu::navigate, true},
     {Action::bookmark, 'D'_key, true, false, false, "", "Bookmark this view, or remove the bookmark", Menu::file},
     {Action::preferences, ','_key, true, false, false, "", "Preferences", Menu::file},
-    {Action::larger_text, Key::plus, true, false, false, "", "Larger text and buttons", Menu::view},
-    {Action::smaller_text, Key::minus, true, false, false, "", "Smaller text and buttons", Menu::view},
-    {Action::normal_text, '0'_key, true, false, false, "", "Text and buttons as the screen has them", Menu::view},
+    {Action::larger_text, Key::plus, true, false, false, "", "Larger text and buttons", Menu::view, false, kTexts},
+    {Action::smaller_text, Key::minus, true, false, false, "", "Smaller text and buttons", Menu::view, false, kTexts},
+    {Action::normal_text, '0'_key, true, false, false, "", "Text and buttons as the screen has them", Menu::view, false,
+     kTexts},
     {Action::theme, Key::unknown, false, false, false, "", "Dark or light colours", Menu::view},
     {Action::side_front, '1'_key, false, true, true, "", "From the front", Menu::navigate, false, kSides},
     {Action::side_back, '2'_key, false, true, true, "", "From the back", Menu::navigate, false, kSides},
@@ -94,8 +96,7 @@ constexpr ActionRow kActions[] = {
     {Action::display_surface, Key::unknown, false, false, true, "", "Faces: filled", Menu::view, false, kDisplays},
     {Action::display_edges, Key::unknown, false, false, true, "", "Faces: filled, with edges", Menu::view, false,
      kDisplays},
-    {Action::display_wireframe, Key::unknown, false, false, true, "", "Faces: wireframe", Menu::view, false,
-     kDisplays},
+    {Action::display_wireframe, Key::unknown, false, false, true, "", "Faces: wireframe", Menu::view, false, kDisplays},
     {Action::display_points, Key::unknown, false, false, true, "", "Faces: points", Menu::view, false, kDisplays},
     {Action::next_display, 'X'_key, false, false, true, "", "Faces: the next of these", Menu::view, false, kDisplays},
     {Action::grid, 'N'_key, false, false, true, "", "Grid on the ground", Menu::view},

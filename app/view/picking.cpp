@@ -39,7 +39,8 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
                hit.point,
                hit.normal,
                hit.texture_coordinate,
-               hit.triangle};
+               hit.triangle,
+               hit.patch_color};
   };
   // What is seen over everything else is pointed at before it, too.
   if (list.overlays)
@@ -48,7 +49,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::seen, options.pixel))
     nearest = surface_hit(*hit);
   const auto splat_hit = [&](float distance, std::size_t splat) {
-    return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}, {}};
+    return Hit{distance, 0, splat, line.origin + line.direction * double{distance}, -line.direction, {}, {}, {}};
   };
   render::PickRay looking;
   looking.origin = line.origin;
@@ -58,9 +59,10 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const render::SplatItem& item = list.splats[i];
     if (!item.cloud || item.cloud->description.kind != qnv::Kind::surface) continue;
-    if (const auto distance = render::pick_surface(*item.cloud, item.world_from_node, looking)) {
-      nearest = splat_hit(*distance, i);
-      looking.farthest = *distance;
+    if (const auto disc = render::pick_disc(*item.cloud, item.world_from_node, looking)) {
+      nearest = splat_hit(disc->distance, i);
+      if (disc->color) nearest->stream_color = glm::vec3(disc->color->r, disc->color->g, disc->color->b) / 255.0f;
+      looking.farthest = disc->distance;
     }
   }
   for (std::size_t i = 0; i < list.splats.size(); ++i) {

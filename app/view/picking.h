@@ -24,6 +24,8 @@ struct Hit {
   glm::dvec3 point{0}, normal{0};
   glm::vec2 texture_coordinate{0};
   render::TriangleHit triangle;  // where `splat` is empty; see render::SurfaceHit
+  /// 0..1, of the vector, or of the patch of a stream, where those have colours of their own.
+  std::optional<glm::vec3> stream_color{};
 };
 
 struct PickOptions {

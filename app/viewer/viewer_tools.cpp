@@ -203,6 +203,10 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     if (const auto near = value_near(*item.cloud, inside))
       value_ =
           "about " + readable_value(near->value, value_unit(*volume), 3) + ", by the nearest vector of the stream; ";
+  } else if (!volume && key && hit->stream_color) {
+    const glm::vec3& color = *hit->stream_color;
+    value_ = (key->title.empty() ? "" : key->title + ": ") + "about " +
+             readable_value(key->value_of({color.r, color.g, color.b}), {}, 3) + ", by the colour of the stream; ";
   } else if (!volume && key && !hit->splat && hit->item < list.items.size()) {
     if (const auto& mesh = list.items[hit->item].mesh)
       if (const auto value = value_on(*key, *mesh, hit->triangle))
@@ -237,7 +241,8 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
       tools.legs.push_back(readable_value(ruler_.length_of(i)));
     tools.measured_text = ruler_.text();
   }
-  tools.measured = ruler_.summary();
+  // The points of another world are none of this one.
+  tools.measured = (ruled_.lock() == seen->document ? ruler_ : Ruler()).summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   describe_slices(tools, *seen, place);
   const qnv::Description* const volume = first_volume(*seen->list);

@@ -182,6 +182,7 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
   std::optional<SurfaceHit> found;
   const vrml::Mesh* found_in = nullptr;
   glm::dvec3 patch_normal(0);
+  std::optional<glm::vec3> patch_color;
   const glm::dvec3 usable = line.origin * 0.0 + line.direction * 0.0;
   if (usable != glm::dvec3(0) || line.direction == glm::dvec3(0)) return found;
   const BoxTree::Walker walker(line);
@@ -200,6 +201,7 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
       found = SurfaceHit{place, {hit->distance, hit->patch, hit->weights}};
       found_in = nullptr;
       patch_normal = hit->normal;
+      patch_color = hit->color;
       return hit->distance;
     }
     const Searched searched = searched_for(place, item, max_triangles);
@@ -215,6 +217,7 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
   if (found && !found_in) {
     found->point = line.origin + line.direction * found->triangle.distance;
     found->normal = world_normal(list.items[found->item], patch_normal);
+    found->patch_color = patch_color;
   }
   return found;
 }

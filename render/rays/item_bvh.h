@@ -25,6 +25,7 @@ struct SurfaceHit {
   glm::dvec3 normal{0};
   /// Of the mesh, or as 6.23 makes them of its box; without the TextureTransform.
   glm::vec2 texture_coordinate{0};
+  std::optional<glm::vec3> patch_color{};  // of a patch that has colours of its own
 };
 
 /// A triangle of a RenderList, in world space.

@@ -73,14 +73,15 @@ class DiscPicker {
       : cloud_(cloud), growth_(growth), two_sided_(two_sided), ray_(ray) {}
 
   /// The nearest of these before `nearest`, or `nearest`.
-  [[nodiscard]] float run(std::size_t first, std::size_t last, float nearest) const {
-    return cloud_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
+  [[nodiscard]] DiscPick run(std::size_t first, std::size_t last, DiscPick nearest) const {
+    cloud_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
+    return nearest;
   }
 
  private:
   // Where the ray meets a disc's plane, it is no farther from the disc's centre than the disc reaches: so the ray
   // passes no farther from it either. That tells nearly all of them apart without a branch that is hard to foresee.
-  [[nodiscard]] float discs(std::size_t first, std::size_t last, float nearest) const {
+  void discs(std::size_t first, std::size_t last, DiscPick& nearest) const {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
     const float cover2 = growth_ * (splat::kDiscCover * splat::kDiscCover / splat::kPi),
@@ -99,12 +100,11 @@ class DiscPicker {
         outside[i] = a < b ? a : b;
       }
       for (std::size_t i = 0; i < count; ++i)
-        if (!(outside[i] > 0)) nearest = exact(begin + i, nearest);
+        if (!(outside[i] > 0)) exact(begin + i, nearest);
     }
-    return nearest;
   }
 
-  [[nodiscard]] float cubes(std::size_t first, std::size_t last, float nearest) const {
+  void cubes(std::size_t first, std::size_t last, DiscPick& nearest) const {
     const glm::vec3* positions = cloud_.positions.data();
     const float* weights = cloud_.weights.data();
     const qnv::Cell* cells = cloud_.cells.data();
@@ -118,20 +118,19 @@ class DiscPicker {
           cells[i].edge > 0 ? cells[i].edge * (0.5f + splat::kCubeMargin) : cover * std::sqrt(weights[i]);
       const float reach = kDiagonal * (half + splat::kLeastReach * sample) + std::abs(cells[i].offset);
       if (x * x + y * y > reach * reach) continue;
-      nearest = exact(i, nearest);
+      exact(i, nearest);
     }
-    return nearest;
   }
 
   /// The definition, as raycast_surface has it.
-  [[nodiscard]] float exact(std::size_t i, float nearest) const {
+  void exact(std::size_t i, DiscPick& nearest) const {
     const glm::vec3 place = cloud_.positions[i] - ray_.origin;
     const glm::vec3& normal = cloud_.normals[i];
     const float plane = glm::dot(normal, place);
-    if (plane > 0 && !two_sided_) return nearest;
-    if (!(plane * plane > splat::kGrazing * splat::kGrazing * glm::dot(place, place))) return nearest;
+    if (plane > 0 && !two_sided_) return;
+    if (!(plane * plane > splat::kGrazing * splat::kGrazing * glm::dot(place, place))) return;
     const float distance = plane / glm::dot(normal, ray_.direction);
-    if (!(distance > 0 && distance < nearest)) return nearest;
+    if (!(distance > 0 && distance < nearest.distance)) return;
     const float radius = std::sqrt(cloud_.weights[i] * growth_ * (1 / splat::kPi));
     const float sample = std::max(glm::dot(place, ray_.direction) * ray_.along, 0.0f) * ray_.sample;
     const bool cell = !cloud_.cells.empty() && cloud_.cells[i].edge > 0;
@@ -145,10 +144,12 @@ class DiscPicker {
       reach = std::max(cube.edge * 0.5f + margin, sample * splat::kLeastReach);
     }
     // What has no size that is a number is not drawn either.
-    if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return nearest;
+    if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return;
     const bool hit = cloud_.cells.empty() ? glm::dot(off, off) < reach * reach
                                           : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
-    return hit ? distance : nearest;
+    if (!hit) return;
+    nearest.distance = distance;
+    nearest.color = cloud_.colors.size() == cloud_.size() ? std::optional(cloud_.colors[i]) : std::nullopt;
   }
 
   const qnv::Cloud& cloud_;
@@ -248,11 +249,11 @@ float depth_where(const std::vector<Veil>& veils, float taken) {
 
 }  // namespace
 
-std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node, const PickRay& ray,
+std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& world_from_node, const PickRay& ray,
                                   const PickLimits& limits) {
   const std::optional<NodeRay> node = in_node(ray, world_from_node);
   if (!node) return std::nullopt;
-  float nearest = node->farthest;
+  DiscPick nearest{node->farthest, std::nullopt};
   if (cloud.levels) {
     const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);
     const std::vector<qnv::Piece> pieces = cloud.levels->cut(view);
@@ -266,16 +267,17 @@ std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& wor
     const std::size_t count = std::min(cloud.size(), std::max<std::size_t>(limits.vectors, 1));
     const float growth = static_cast<float>(cloud.size()) / static_cast<float>(count);
     const DiscPicker picker(cloud, growth, cloud.description.two_sided, *node);
-    std::vector<float> found((count + kPickedRange - 1) / kPickedRange, nearest);
+    std::vector<DiscPick> found((count + kPickedRange - 1) / kPickedRange, nearest);
     qnv::parallel_for(
         found.size(),
         [&](std::size_t r) {
           found[r] = picker.run(r * kPickedRange, std::min(count, (r + 1) * kPickedRange), nearest);
         },
         count > kPickedRange ? limits.threads : 1);
-    for (const float f : found) nearest = std::min(nearest, f);
+    for (const DiscPick& one : found)
+      if (one.distance < nearest.distance) nearest = one;
   }
-  return nearest < node->farthest ? std::optional(nearest) : std::nullopt;
+  return nearest.distance < node->farthest ? std::optional(nearest) : std::nullopt;
 }
 
 std::optional<VolumePick> pick_volume(const qnv::Cloud& cloud, const VolumeModel& model, const VolumeOptions& options,

@@ -28,15 +28,27 @@ struct PickLimits {
   unsigned threads = 0;
 };
 
-/// The distance, world units, at which the ray meets the nearest disc of a surface: what a sample of the picture
-/// shows there by the definition of raycast_surface, with discs no smaller than they would be drawn. Discs that show
-/// their back count only where the cloud is two-sided. The cloud is a surface under any affine matrix; nothing when
-/// its arrays do not fit together or the matrix is singular.
+/// The nearest disc of a surface that a ray meets.
+struct DiscPick {
+  float distance = 0;              // world units
+  std::optional<qnv::Rgb8> color;  // of the disc itself; nothing: it has that of the cloud
+};
+
+/// The distance, world units, at which the ray meets the nearest disc of a surface, and the disc's colour: what a
+/// sample of the picture shows there by the definition of raycast_surface, with discs no smaller than they would be
+/// drawn. Discs that show their back count only where the cloud is two-sided. The cloud is a surface under any affine
+/// matrix; nothing when its arrays do not fit together or the matrix is singular.
 ///
 /// Of a cloud with levels the cut along the ray is decoded, as LodStream::cut does for the viewport kPickViewport: on
 /// the thread that draws it. Else every disc is looked at: about 6 ns each. Safe for any numbers.
-[[nodiscard]] std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
+[[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
+/// The distance alone.
+[[nodiscard]] inline std::optional<float> pick_surface(const qnv::Cloud& cloud, const glm::dmat4& world_from_node,
+                                                       const PickRay& ray, const PickLimits& limits = {}) {
+  const auto hit = pick_disc(cloud, world_from_node, ray, limits);
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
 inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
 
 /// Where a ray meets a volume.

@@ -65,11 +65,16 @@ std::optional<PatchHit> pick_patches(const qnv::SurfacePatches& surface, const S
         glm::dvec3 weights(0);
         if (!meets(line, corners, distance, weights) || !(distance >= 0 && distance < farthest)) continue;
         farthest = distance;
-        found = PatchHit{distance, one.part, one.patch, corners, weights, glm::vec3(0), corners[0]};
+        found = PatchHit{distance, one.part, one.patch, corners, weights, glm::vec3(0), corners[0], std::nullopt};
+        if (mesh.colors().size() >= v.size()) found->color = glm::vec3(0);
         std::size_t nearest = 0;
         for (std::size_t k = 0; k < 3; ++k) {
           const auto weight = weights[static_cast<glm::length_t>(k)];
           found->normal += qnv::unpack_direction(v[t[k]].normal) * static_cast<float>(weight);
+          if (found->color) {
+            const qnv::Rgb8& own = mesh.colors()[t[k]];
+            *found->color += glm::vec3(own.r, own.g, own.b) * (static_cast<float>(weight) / 255);
+          }
           if (weight > weights[static_cast<glm::length_t>(nearest)]) nearest = k;
         }
         found->vertex = corners[nearest];

@@ -17,6 +17,7 @@ struct PatchHit {
   glm::dvec3 weights{0};               // of the corners; 0 to 1, their sum is 1
   glm::vec3 normal{0};                 // that is shaded there; 0: none
   glm::vec3 vertex{0};                 // the corner nearest to the point
+  std::optional<glm::vec3> color;      // 0..1, between those of the corners; nothing: the surface has none of its own
 };
 
 /// The nearest triangle that the line meets, from either side, of the surface as it is drawn for an eye where the line

@@ -21,7 +21,7 @@ enum class ValueKind : std::uint8_t { none, words, file, folder, other };
 ValueKind value_kind_of(const OptionRow& row) {
   const std::string_view value = row.argument;
   if (value.empty() || has_optional_value(row)) return ValueKind::none;
-  const auto is_word = [](char c) { return (c >= 'a' && c <= 'z') || c == '|'; };
+  const auto is_word = [](char c) { return (c >= 'a' && c <= 'z') || c == '|' || c == '-'; };
   if (value.find('|') != std::string_view::npos && std::all_of(value.begin(), value.end(), is_word))
     return ValueKind::words;
   for (const std::string_view file : {"FILE", "OUT.", "PATH"})

@@ -34,6 +34,8 @@ constexpr DesktopType kDesktopTypes[] = {
     {"model/stl", "STL 3D model", "", "", ""},
     {"model/x-avs-geometry", "AVS geometry", "# Micro AVS Geom:", ".geom .geo ", ""},
     {"model/x-avs-ucd", "AVS UCD mesh", "", ".inp ", ""},
+    {"application/x-vtk-poly-data", "VTK surface", "", "", ""},
+    {"application/x-vtk", "VTK surface", "# vtk DataFile Version", "", ""},
     {"model/x-spz", "SPZ Gaussian splats", "NGSP", "", ""},
     {"model/x-splat", "Gaussian splats", "", "", ""},
     {"model/x-ksplat", "KSplat Gaussian splats", "", "", ""},

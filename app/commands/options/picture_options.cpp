@@ -162,7 +162,7 @@ constexpr OptionRow kPictureOptions[] = {
      "look from there: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, and height=H for parallel rays, "
      "or the text of a Viewpoint; Copy camera in the window's menu gives both",
      "open animate ", set_camera},
-    {"--display", "MODE", "surface",
+    {"--display", "surface|edges|wireframe|points", "surface",
      "how faces are drawn: surface, edges (with the edges of their triangles), wireframe or points; clouds of discs "
      "and "
      "volumes stay as they are",
@@ -213,7 +213,8 @@ constexpr OptionRow kPictureOptions[] = {
      }},
     {"--window", "LOW,HIGH", "", "the values that have the first and the last colour of a plane", "open animate ",
      set_window},
-    {"--slice-map", "MAP", "grey", "the colour map of the planes", "open animate ", set_slice_map},
+    {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "the colour map of the planes",
+     "open animate ", set_slice_map},
     {"--turntable", "", "", "turn once about the up axis", "animate ",
      [](Options& o, const std::string&) {
        o.animation.turntable = true;

@@ -74,8 +74,6 @@ double ColorKey::value_of(const vrml::Color& color) const {
   return low + place * (high - low);
 }
 
-std::vector<vrml::Color> rainbow_colors() { return {{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}; }
-
 std::vector<vrml::Color> viridis_colors() {
   std::vector<vrml::Color> colors;
   for (const std::string_view one : {"#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"})
@@ -104,6 +102,17 @@ std::string color_key_text(const ColorKey& key) {
     text += buffer;
   }
   return key.title.empty() ? text : text + " " + key.title;
+}
+
+std::pair<std::string, std::string> color_key_metadata(const ColorKey& key) {
+  return {std::string(kColorKeyMetadata), color_key_text(key).substr(kColorKeyMark.size() + 1)};
+}
+
+std::optional<ColorKey> color_key_of(std::span<const std::pair<std::string, std::string>> metadata) {
+  for (const auto& [name, value] : metadata)
+    if (name == kColorKeyMetadata)
+      if (auto key = read_color_key(std::string(kColorKeyMark) + ' ' + value)) return key;
+  return std::nullopt;
 }
 
 void add_color_key(SceneBuilder& builder, const ColorKey& key) {

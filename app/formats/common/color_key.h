@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -32,8 +33,7 @@ struct ColorKey {
   [[nodiscard]] double value_of(const vrml::Color& color) const;
 };
 
-/// Blue, cyan, green, yellow, red; and viridis (matplotlib), by five of its colours.
-[[nodiscard]] std::vector<vrml::Color> rainbow_colors();
+/// Viridis (matplotlib), by five of its colours.
 [[nodiscard]] std::vector<vrml::Color> viridis_colors();
 
 /// From the least to the largest of the values that are numbers.
@@ -42,6 +42,12 @@ struct ColorKey {
 
 /// As a WorldInfo's `info` has it.
 [[nodiscard]] std::string color_key_text(const ColorKey& key);
+/// A stream says the same in its metadata, by this key: the text without "color key:".
+inline constexpr std::string_view kColorKeyMetadata = "color key";
+[[nodiscard]] std::pair<std::string, std::string> color_key_metadata(const ColorKey& key);
+/// The first one of metadata that is whole.
+[[nodiscard]] std::optional<ColorKey> color_key_of(std::span<const std::pair<std::string, std::string>> metadata);
+
 /// Says it in the scene that is made.
 void add_color_key(SceneBuilder& builder, const ColorKey& key);
 /// Nothing: it is no such text, or not a whole one.

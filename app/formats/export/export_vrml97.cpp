@@ -1,3 +1,4 @@
+#include "app/formats/common/color_key.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/export_discs.h"
@@ -137,6 +138,11 @@ void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
 void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
   text.add("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }\n");
   text.add(front_viewpoint(description.box, stated_upright(description.metadata).value_or(Upright{})));
+  if (const auto key = color_key_of(description.metadata)) {
+    text.add("WorldInfo { info ");
+    text.quoted(color_key_text(*key));
+    text.add(" }\n");
+  }
 }
 
 /// `moved`: all numbers are as they are stored, below a Transform to their origin, which float32 has without rounding.
@@ -148,7 +154,13 @@ void put_instance(const qnv::Cloud& cloud, const ExportOptions& options, bool mo
     text.add(" children [\n");
   }
   if (!cloud.description.box.empty()) put_viewpoint(cloud.description, text);
-  text.add("Shape {\n  appearance Appearance { material Material { } }\n  geometry QNV {\n");
+  // What vectors without colours of their own are drawn in.
+  text.add("Shape {\n  appearance Appearance { material Material { ");
+  if (cloud.description.kind == qnv::Kind::surface && cloud.colors.empty()) {
+    text.add("diffuseColor ");
+    text.color(rgb_of(cloud.color));
+  }
+  text.add("} }\n  geometry QNV {\n");
   if (!options.stream_url.empty()) {
     text.add("    url ");
     text.quoted(options.stream_url);

@@ -107,7 +107,7 @@ void build(const UcdMesh& mesh, SceneBuilder& builder) {
   Appender<vrml::Color> colors(builder.scene());
   const bool by_node = !mesh.node_values.empty(), by_cell = !by_node && !mesh.cell_values.empty();
   const std::vector<float>& values = by_node ? mesh.node_values : mesh.cell_values;
-  const ColorKey key = color_key_over(values, rainbow_colors(), by_node ? mesh.node_label : mesh.cell_label);
+  const ColorKey key = color_key_over(values, viridis_colors(), by_node ? mesh.node_label : mesh.cell_label);
   for (const Face& face : faces) {
     if (face.inner) continue;
     for (const std::int32_t corner : face.corners)

@@ -1,6 +1,7 @@
 #include "app/formats/qnv/cloud_reader.h"
 
 #include "app/base/gunzip.h"
+#include "app/formats/common/color_key.h"
 #include "app/formats/volume/volume.h"
 #include "net/files/file.h"
 #include "qnv/codec/loss.h"
@@ -281,6 +282,13 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
         scene.set<vrml::SFString>(info, "title", vrml::SFString(value));
         scene.add_root(info);
       }
+  if (const auto key = color_key_of(cloud.description.metadata))
+    if (const vrml::NodeId info = make(vrml::NodeKind::world_info)) {
+      vrml::MFString lines;
+      lines.push_back(vrml::String(color_key_text(*key)));
+      scene.set(info, "info", std::move(lines));
+      scene.add_root(info);
+    }
   const vrml::NodeId shape = make(vrml::NodeKind::shape), appearance = make(vrml::NodeKind::appearance),
                      material = make(vrml::NodeKind::material), qnv = make(vrml::NodeKind::qnv);
   if (!qnv) return qnv;
@@ -293,6 +301,12 @@ vrml::NodeId add_cloud_shape(vrml::SceneGraph& scene, const qnv::Cloud& cloud, c
     const glm::dvec3 middle = (glm::dvec3(box.lower) + glm::dvec3(box.upper)) * 0.5;
     scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(cloud.description.origin + middle));
     scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
+  }
+  // What vectors without colours of their own are drawn in.
+  if (cloud.description.kind == qnv::Kind::surface) {
+    const qnv::Rgb8& color = cloud.color;
+    const auto part = [](std::uint8_t byte) { return static_cast<float>(byte) / 255; };
+    scene.set<vrml::SFColor>(material, "diffuseColor", {part(color.r), part(color.g), part(color.b)});
   }
   scene.set<vrml::SFNode>(appearance, "material", material);
   scene.set<vrml::SFNode>(shape, "appearance", appearance);

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace gs::app {
@@ -68,6 +69,55 @@ void set_base(qnv::VolumeLayout& layout) {
   }
   layout.base = qnv::local_origin(box);
   layout.origin -= layout.base;
+}
+
+// Numbers as they are kept of a type, in the front of the same memory; false, and nothing is changed: not all of them
+// are of the type.
+template <class T>
+bool narrow(std::span<std::byte> bytes) {
+  const std::size_t count = bytes.size() / sizeof(double);
+  const auto at = [&](std::size_t i) {
+    double value = 0;
+    std::memcpy(&value, bytes.data() + i * sizeof(double), sizeof(value));
+    return value;
+  };
+  if constexpr (std::is_integral_v<T>)
+    for (std::size_t i = 0; i < count; ++i)
+      if (const double value = at(i); !(value >= static_cast<double>(std::numeric_limits<T>::min()) &&
+                                        value <= static_cast<double>(std::numeric_limits<T>::max())) ||
+                                      value != std::trunc(value))
+        return false;
+  if constexpr (!std::is_integral_v<T>)
+    for (std::size_t i = 0; i < count; ++i)
+      if (const double size = std::abs(at(i));
+          size > static_cast<double>(std::numeric_limits<T>::max()) && std::isfinite(size))
+        return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const T value = static_cast<T>(at(i));
+    std::memcpy(bytes.data() + i * sizeof(T), &value, sizeof(value));
+  }
+  return true;
+}
+
+bool narrowed(std::span<std::byte> numbers, StoredType type) {
+  switch (type) {
+    case StoredType::u8:
+      return narrow<std::uint8_t>(numbers);
+    case StoredType::i8:
+      return narrow<std::int8_t>(numbers);
+    case StoredType::u16:
+      return narrow<std::uint16_t>(numbers);
+    case StoredType::i16:
+      return narrow<std::int16_t>(numbers);
+    case StoredType::u32:
+      return narrow<std::uint32_t>(numbers);
+    case StoredType::i32:
+      return narrow<std::int32_t>(numbers);
+    case StoredType::f32:
+      return narrow<float>(numbers);
+    default:
+      return false;
+  }
 }
 
 }  // namespace
@@ -193,7 +243,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
 }
 
 std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text, std::uint64_t count,
-                                                       const WorldBudget& budget) {
+                                                       StoredType type, const WorldBudget& budget) {
   if (count > (text.size() + 1) / 2)
     return "a text of " + plural(text.size()) + " cannot hold " + std::to_string(count) + " numbers";
   auto made = voxel_memory(text.size(), count * sizeof(double), budget);
@@ -208,8 +258,8 @@ std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte
     std::memcpy(out.bytes.data() + i * sizeof(double), &value, sizeof(value));
   }
   StoredVoxels voxels;
+  voxels.type = narrowed(out.bytes, type) ? type : StoredType::f64;
   voxels.content = shared_bytes(std::move(out));
-  voxels.type = StoredType::f64;
   voxels.big_endian = std::endian::native == std::endian::big;
   return voxels;
 }

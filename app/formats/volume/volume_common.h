@@ -75,9 +75,11 @@ struct StoredVoxels {
 [[nodiscard]] std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& layout, StoredType type,
                                                                    std::uint64_t components);
 
-/// Reads numbers parted by blanks or commas, as voxels of type f64; fails when there are fewer than `count`.
+/// Reads numbers parted by blanks or commas as voxels of a type, or of f64 where one of them is none of the type (1.5 or
+/// 256 of u8); fails when there are fewer than `count`.
 [[nodiscard]] std::variant<StoredVoxels, std::string> voxels_of_text(std::span<const std::byte> text,
-                                                                     std::uint64_t count, const WorldBudget& budget);
+                                                                     std::uint64_t count, StoredType type,
+                                                                     const WorldBudget& budget);
 
 /// Makes a layout sound where only its place in space is wrong: axes that are not finite, zero, or do not span
 /// space become the unit axes, an origin that is not finite 0, a slope of 0 or one that is not finite 1.

@@ -108,7 +108,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   voxels.offset = std::min(voxels.offset, all);
   if (header.header_size == -1 && !header.compressed) voxels.offset = all - std::min(size, all);
   const std::span<const std::byte> data = voxels.content.bytes.subspan(voxels.offset);
-  if (!header.binary) return voxels_of_text(data, size / size_of(type), file.budget);
+  if (!header.binary) return voxels_of_text(data, size / size_of(type), type, file.budget);
   if (!header.compressed) return voxels;
   BytesResult unpacked = unpacked_exactly(data, size, file.budget);
   if (auto* problem = std::get_if<std::string>(&unpacked)) return std::move(*problem);

@@ -210,7 +210,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
     voxels.content = std::get<SharedBytes>(std::move(unpacked));
     voxels.offset = skip;
   } else if (header.encoding == "ascii" || header.encoding == "txt" || header.encoding == "text") {
-    return voxels_of_text(data.subspan(std::min<std::uint64_t>(skip, data.size())), count, file.budget);
+    return voxels_of_text(data.subspan(std::min<std::uint64_t>(skip, data.size())), count, type, file.budget);
   } else {
     return "the encoding is '" + header.encoding.substr(0, 80) + "'; expected raw, gzip or ascii";
   }

@@ -17,8 +17,6 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kLongestTyped = 8192;
-
 bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
 /// A text of which something is written from right to left, as its field shows it: Dear ImGui draws in the order of
@@ -65,7 +63,7 @@ struct Editing {
   std::string& text;
   bool to_end;  // who gets the keys by a command goes on behind what is there
   FieldEvents& events;
-  const std::function<std::string(const std::string&)>& complete;
+  const FieldKeys& keys;
   const SeenLine* line;      // null: all of it is written from left to right
   float left = 0;            // of the line, on the screen
   int cursor = 0, held = 0;  // bytes; where the pointer went down
@@ -81,6 +79,15 @@ void follow_pointer(ImGuiInputTextCallbackData& data, Editing& editing) {
   if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) editing.held = at;
   data.CursorPos = data.SelectionEnd = at;
   data.SelectionStart = editing.held;
+}
+
+std::string present_text(const ImGuiInputTextCallbackData& data) {
+  return {data.Buf, static_cast<std::size_t>(data.BufTextLen)};
+}
+
+void replace_text(ImGuiInputTextCallbackData& data, const std::string& text) {
+  data.DeleteChars(0, data.BufTextLen);
+  data.InsertChars(0, text.c_str());
 }
 
 int edited(ImGuiInputTextCallbackData* data) {
@@ -99,13 +106,13 @@ int edited(ImGuiInputTextCallbackData* data) {
       editing.selected_to = std::max(data->SelectionStart, data->SelectionEnd);
       break;
     case ImGuiInputTextFlags_CallbackHistory:
-      editing.events.moved += data->EventKey == ImGuiKey_UpArrow ? -1 : 1;
+      if (const bool up = data->EventKey == ImGuiKey_UpArrow; !editing.keys.recall)
+        editing.events.moved += up ? -1 : 1;
+      else if (const auto recalled = editing.keys.recall(up, present_text(*data)))
+        replace_text(*data, *recalled);
       break;
     case ImGuiInputTextFlags_CallbackCompletion: {
-      const std::string completed =
-          editing.complete(std::string(data->Buf, static_cast<std::size_t>(data->BufTextLen)));
-      data->DeleteChars(0, data->BufTextLen);
-      data->InsertChars(0, completed.c_str());
+      replace_text(*data, editing.keys.complete(present_text(*data)));
       editing.events.changed = true;
       break;
     }
@@ -155,8 +162,9 @@ void draw_line(const SeenLine& line, const Editing& editing, bool active) {
 }  // namespace
 
 FieldEvents text_field(const char* id, const char* hint, std::string& text, float width, bool selects_all,
-                       const std::function<std::string(const std::string&)>& complete) {
+                       const FieldKeys& keys) {
   FieldEvents events;
+  if (width <= 0) width = std::max(1.0f, ImGui::GetContentRegionAvail().x + width);
   if (text.size() > kLongestTyped) text.resize(kLongestTyped);
   const std::string before = text;
   // Its characters are shown one by one, as they stand in it.
@@ -168,7 +176,7 @@ FieldEvents text_field(const char* id, const char* hint, std::string& text, floa
   const ImGuiID cursor = ImGui::GetID((std::string(id) + "-cursor").c_str());
   std::optional<SeenLine> line;
   if (has_right_to_left(render::characters_of(text))) line.emplace(text);
-  Editing editing{text, storage.GetBool(begun), events, complete, line ? &*line : nullptr};
+  Editing editing{text, storage.GetBool(begun), events, keys, line ? &*line : nullptr};
   editing.held = storage.GetInt(held);
   editing.cursor = storage.GetInt(cursor);
   if (line) {
@@ -183,7 +191,7 @@ FieldEvents text_field(const char* id, const char* hint, std::string& text, floa
                               ImGuiInputTextFlags_CallbackHistory | ImGuiInputTextFlags_CallbackCharFilter |
                               ImGuiInputTextFlags_CallbackAlways;
   if (selects_all) flags |= ImGuiInputTextFlags_AutoSelectAll;
-  if (complete) flags |= ImGuiInputTextFlags_CallbackCompletion;
+  if (keys.complete) flags |= ImGuiInputTextFlags_CallbackCompletion;
   ImGui::SetNextItemWidth(width);
   events.entered = ImGui::InputTextWithHint(id, hint, text.data(), text.capacity() + 1, flags, edited, &editing);
   events.active = ImGui::IsItemActive();

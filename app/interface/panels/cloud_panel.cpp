@@ -1,5 +1,6 @@
 #include "app/interface/panels/cloud_panel.h"
 
+#include "app/interface/base/text_field.h"
 #include "app/view/values/color_bar.h"
 #include "app/view/values/color_maps.h"
 
@@ -417,17 +418,16 @@ void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
 }
 
 void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
-  if (path_[0] == '\0') std::snprintf(path_.data(), path_.size(), "%s/transfer.json", model.tools.folder.c_str());
+  if (path_.empty()) path_ = model.tools.folder + "/transfer.json";
   label("File", frame_->scale);
   const ImGuiStyle& style = ImGui::GetStyle();
   const float buttons = ImGui::CalcTextSize("SaveLoad").x + 4 * style.FramePadding.x + 2 * style.ItemSpacing.x;
-  ImGui::SetNextItemWidth(std::max(40.0f, width_left() - buttons));
-  ImGui::InputText("##path", path_.data(), path_.size());
+  (void)text_field("##path", "", path_, std::max(40.0f, width_left() - buttons), false);
   frame_->tooltips.show("A transfer function as JSON, which --transfer takes too");
   ImGui::SameLine();
-  if (ImGui::Button("Save")) actions.tools.save_transfer = path_.data();
+  if (ImGui::Button("Save")) actions.tools.save_transfer = path_;
   ImGui::SameLine();
-  if (ImGui::Button("Load")) actions.tools.load_transfer = path_.data();
+  if (ImGui::Button("Load")) actions.tools.load_transfer = path_;
 }
 
 void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {

@@ -54,7 +54,7 @@ class CloudPanel final : public Panel {
   ClipChoice clip_;  // for when it is switched on
   std::vector<std::weak_ptr<const qnv::Cloud>> summarized_;
   VolumeSummary summary_;
-  std::array<char, 1024> path_{};  // of the transfer function's file
+  std::string path_;  // of the transfer function's file
 };
 
 }  // namespace gs::app

@@ -1,3 +1,4 @@
+#include "app/interface/base/text_field.h"
 #include "app/interface/panels/inspect_panels.h"
 
 #include <imgui.h>
@@ -6,17 +7,6 @@
 
 namespace gs::app {
 namespace {
-
-// Up and Down bring back what was entered before.
-int recall(ImGuiInputTextCallbackData* data) {
-  auto& console = *static_cast<ScriptConsole*>(data->UserData);
-  const std::string present(data->Buf, static_cast<std::size_t>(data->BufTextLen));
-  if (const auto line = console.recall(data->EventKey == ImGuiKey_UpArrow, present)) {
-    data->DeleteChars(0, data->BufTextLen);
-    data->InsertChars(0, line->c_str());
-  }
-  return 0;
-}
 
 const ImVec4& color_of(ProgramLine::Kind kind) {
   switch (kind) {
@@ -74,12 +64,12 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::SameLine();
   const float clear =
       ImGui::CalcTextSize("Clear").x + 2 * ImGui::GetStyle().FramePadding.x + ImGui::GetStyle().ItemSpacing.x;
-  ImGui::SetNextItemWidth(-clear);
-  constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackHistory;
+  // Up and Down bring back what was entered before.
+  const FieldKeys keys{nullptr, [&](bool up, const std::string& present) { return console.recall(up, present); }};
   ImGui::BeginDisabled(!inspection.world());
-  if (ImGui::InputTextWithHint("##line", "Browser.getName()", line_.data(), line_.size(), kFlags, recall, &console)) {
-    inspection.evaluate(line_.data());
-    line_[0] = 0;
+  if (text_field("##line", "Browser.getName()", line_, -clear, false, keys).entered) {
+    inspection.evaluate(line_);
+    line_.clear();
     ImGui::SetKeyboardFocusHere(-1);
   }
   ImGui::EndDisabled();

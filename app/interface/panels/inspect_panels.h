@@ -3,7 +3,6 @@
 #include "app/inspect/inspection.h"
 #include "app/interface/panels/panel.h"
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -23,7 +22,7 @@ class ScenePanel final : public Panel {
   bool line(const PanelFrame& frame, Inspection& inspection, std::size_t index);
   void keys(Inspection& inspection);
 
-  std::array<char, 200> sought_{};
+  std::string sought_;
   std::optional<std::size_t> line_;  // of the chosen node, where it was chosen
 };
 
@@ -40,7 +39,7 @@ class InspectorPanel final : public Panel {
   void value(const Field& field, UiActions& actions);
   void list(const Field& field, UiActions& actions);
   void element(const Field& field, std::size_t index, UiActions& actions);
-  bool text_field(const char* id, const vrml::FieldValue& value, std::string& entered) const;
+  bool edited_text(const char* id, const vrml::FieldValue& value, std::string& entered);
   void note(const Field& field, const std::optional<std::string>& problem);
 
   NodeAt node_;  // that it showed last
@@ -52,6 +51,8 @@ class InspectorPanel final : public Panel {
   std::vector<OpenList> open_;
   const vrml::InterfaceDeclaration* problem_of_ = nullptr;
   std::string problem_;  // why its last value was not sent
+  unsigned typed_in_ = 0;  // the field that has the keys, and what is typed there; 0: none
+  std::string typed_;
 };
 
 /// The ROUTEs of the world, and which of them events go by.
@@ -66,7 +67,7 @@ class ConsolePanel final : public Panel {
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
-  std::array<char, 4000> line_{};
+  std::string line_;
   std::size_t shown_ = 0;  // lines, when it was drawn last
 };
 

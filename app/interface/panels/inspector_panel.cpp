@@ -1,5 +1,6 @@
 #include "app/inspect/field_edits.h"
 #include "app/inspect/field_values.h"
+#include "app/interface/base/text_field.h"
 #include "app/interface/panels/inspect_panels.h"
 
 #include <imgui.h>
@@ -8,7 +9,6 @@
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <numbers>
 #include <variant>
 #include <vector>
@@ -16,8 +16,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPage = 50;             // elements of a list that are shown at a time
-constexpr std::size_t kLongestText = 20'000;  // bytes of a text that is edited
+constexpr std::size_t kPage = 50;  // elements of a list that are shown at a time
 constexpr float kDegrees = static_cast<float>(180 / std::numbers::pi);
 
 std::string ago_text(double seconds) {
@@ -156,18 +155,24 @@ void InspectorPanel::note(const Field& field, const std::optional<std::string>& 
 }
 
 // True when a text was entered; Esc leaves the value as it is.
-bool InspectorPanel::text_field(const char* id, const vrml::FieldValue& value, std::string& entered) const {
-  const std::optional<std::string> present = editable_text(value, *node_.scene);
-  if (!present) {
+bool InspectorPanel::edited_text(const char* id, const vrml::FieldValue& value, std::string& entered) {
+  std::optional<std::string> present = editable_text(value, *node_.scene);
+  if (!present || present->size() > kLongestTyped) {
     colored_text(UiColors::kQuiet, value_text(value, *node_.scene));
     return false;
   }
-  std::vector<char> buffer(kLongestText);
-  std::memcpy(buffer.data(), present->data(), std::min(present->size(), buffer.size() - 1));
-  ImGui::SetNextItemWidth(-FLT_MIN);
-  const bool done = ImGui::InputText(id, buffer.data(), buffer.size(), ImGuiInputTextFlags_EnterReturnsTrue);
-  if (done) entered = buffer.data();
-  return done;
+  // While it is typed, the value goes on to change in the world.
+  const ImGuiID field = ImGui::GetID(id);
+  std::string text = typed_in_ == field ? typed_ : std::move(*present);
+  const FieldEvents events = text_field(id, "", text, 0, false);
+  if (events.entered) entered = text;
+  if (events.active) {
+    typed_in_ = field;
+    typed_ = std::move(text);
+  } else if (typed_in_ == field) {
+    typed_in_ = 0;
+  }
+  return events.entered;
 }
 
 void InspectorPanel::value(const Field& field, UiActions& actions) {
@@ -212,7 +217,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     return;
   } else {
     std::string entered;
-    if (text_field("##text", value, entered)) note(field, inspection.send_text(*field.setter, entered));
+    if (edited_text("##text", value, entered)) note(field, inspection.send_text(*field.setter, entered));
   }
   if (const auto* node = std::get_if<vrml::SFNode>(&value); node && *node) {
     if (ImGui::SmallButton("Go to it")) inspection.select({node_.scene, *node}, true);
@@ -250,7 +255,7 @@ void InspectorPanel::list(const Field& field, UiActions& actions) {
   if (!was_open) {
     if (count > 0) text(value_text(*field.value, *node_.scene));
     std::string entered;
-    if (count == 0 && field.setter && text_field("##whole", *field.value, entered))
+    if (count == 0 && field.setter && edited_text("##whole", *field.value, entered))
       note(field, field.inspection.send_text(*field.setter, entered));
     return;
   }
@@ -296,7 +301,7 @@ void InspectorPanel::element(const Field& field, std::size_t index, UiActions& a
            inspection.send_element(*field.setter, *field.value, index, vrml::SFColor{parts[0], parts[1], parts[2]}));
   } else {
     std::string entered;
-    if (text_field("##text", one, entered))
+    if (edited_text("##text", one, entered))
       note(field, inspection.send_element_text(*field.setter, *field.value, index, entered));
   }
   ImGui::PopID();

@@ -1,3 +1,4 @@
+#include "app/interface/base/text_field.h"
 #include "app/interface/panels/inspect_panels.h"
 
 #include <imgui.h>
@@ -31,12 +32,10 @@ void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
 void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiActions& actions) {
   const SceneIndex& index = inspection.index();
   const float buttons = 3 * ImGui::GetFrameHeight() + ImGui::CalcTextSize("Pick").x + 30 * frame.scale;
-  ImGui::SetNextItemWidth(std::max(60 * frame.scale, ImGui::GetContentRegionAvail().x - buttons));
-  const bool entered = ImGui::InputTextWithHint("##find", "DEF name or type", sought_.data(), sought_.size(),
-                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  const float width = std::max(60 * frame.scale, ImGui::GetContentRegionAvail().x - buttons);
+  const bool entered = text_field("##find", "DEF name or type", sought_, width, false).entered;
   frame.tooltips.show("Finds nodes by parts of their DEF names and types. Enter: the next one");
-  if (std::string_view(sought_.data()) != index.sought() && lower_case(sought_.data()) != index.sought())
-    inspection.find(sought_.data());
+  if (sought_ != index.sought() && lower_case(sought_) != index.sought()) inspection.find(sought_);
   if (entered) {
     inspection.find_next(false);
     ImGui::SetKeyboardFocusHere(-1);

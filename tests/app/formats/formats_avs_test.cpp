@@ -14,6 +14,10 @@ using gs::app::import_avs_geometry;
 using gs::app::import_ucd;
 using gs::vrml::Color;
 
+// Of the least, the middle and the greatest value: viridis (matplotlib).
+const Color kLow = gs::app::viridis_colors().front(), kMiddle = gs::app::viridis_colors()[2],
+            kHigh = gs::app::viridis_colors().back();
+
 Imported ucd(std::string_view text) { return imported(import_ucd, bytes_of(text)); }
 Imported avs(std::string_view text) { return imported(import_avs_geometry, bytes_of(text)); }
 
@@ -68,12 +72,12 @@ TEST_CASE("UCD data becomes colours from blue to red") {
                               "-3 9 9 9 30\n10 9 9 9 10\n7 9 9 9 20\n");
   CHECK(result.messages().empty());
   CHECK(result.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
-  CHECK(result.colors() == std::vector<Color>{{0, 0, 1}, {0, 1, 0}, {1, 0, 0}});
+  CHECK(result.colors() == std::vector<Color>{kLow, kMiddle, kHigh});
   CHECK(result.scene->get<bool>(result.only("IndexedFaceSet"), "colorPerVertex"));
   const Imported cells = ucd("4 2 0 1 0\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n1 1 tri 1 2 3\n2 1 tri 1 3 4\n" +
                              std::string("1 1\nstress, Pa\n2 5\n1 4\n"));
   CHECK(cells.messages().empty());
-  CHECK(cells.colors() == std::vector<Color>{{0, 0, 1}, {1, 0, 0}});
+  CHECK(cells.colors() == std::vector<Color>{kLow, kHigh});
   CHECK_FALSE(cells.scene->get<bool>(cells.only("IndexedFaceSet"), "colorPerVertex"));
   // The scene says what they stand for.
   const auto key = gs::app::color_key_of(*result.scene), of_cells = gs::app::color_key_of(*cells.scene);
@@ -86,7 +90,7 @@ TEST_CASE("UCD data becomes colours from blue to red") {
   CHECK_FALSE(gs::app::color_key_of(*ucd("3 1 0 0 0\n" + nodes + "1 1 tri 10 7 -3\n").scene));
   // The same value everywhere, and none at all.
   CHECK(ucd("3 1 1 0 0\n" + nodes + "1 1 tri 10 7 -3\n1 1\nt, K\n10 5\n7 5\n-3 nan\n").colors() ==
-        std::vector<Color>{{0, 1, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.5f}});
+        std::vector<Color>{kMiddle, kMiddle, {0.5f, 0.5f, 0.5f}});
 }
 
 TEST_CASE("UCD with steps, edges' nodes and mistakes") {
@@ -95,7 +99,7 @@ TEST_CASE("UCD with steps, edges' nodes and mistakes") {
                              "1 1 tri2 1 2 3 4 5 6\n1 0\n1 1\nt, K\n1 0\n2 1\n3 2\n4 0\n5 0\n6 0\nstep2\n");
   CHECK(steps.messages().empty());
   CHECK(steps.corners() == std::vector<std::int32_t>{0, 1, 2, -1});
-  CHECK(steps.colors()[2] == Color{1, 0, 0});
+  CHECK(steps.colors()[2] == kHigh);
   CHECK(ucd("6 2 0 0 0\n" + nodes + "1 1 line 1 2\n2 1 tri 1 2 3\n")
             .messages()
             .find("1 cells that are points or lines") != std::string::npos);
@@ -145,9 +149,9 @@ TEST_CASE("binary UCD of both byte orders") {
     CHECK(result.points().size() == 5);
     CHECK(result.points()[4] == glm::vec3(0.5f, 0.5f, 1));
     CHECK(result.corners().size() == 2 * 4 + 4 * 4 + 5);
-    CHECK(result.colors()[0] == Color{0, 0, 1});
-    CHECK(result.colors()[2] == Color{0, 1, 0});
-    CHECK(result.colors()[4] == Color{1, 0, 0});
+    CHECK(result.colors()[0] == kLow);
+    CHECK(result.colors()[2] == kMiddle);
+    CHECK(result.colors()[4] == kHigh);
     REQUIRE(gs::app::color_key_of(*result.scene));
     CHECK(gs::app::color_key_of(*result.scene)->title == "heat (K)");
   }
@@ -182,9 +186,9 @@ TEST_CASE("UCD files of other programs") {
     first.resize(4);
     CHECK(first == std::vector<std::int32_t>{0, 4, 8, -1});
     // Temperatures 1.5 at node 4 to 10.5 at node 12; 6 at node 0 is the middle.
-    CHECK(result->colors()[4] == Color{0, 0, 1});
-    CHECK(result->colors()[12] == Color{1, 0, 0});
-    CHECK(result->colors()[0] == Color{0, 1, 0});
+    CHECK(result->colors()[4] == kLow);
+    CHECK(result->colors()[12] == kHigh);
+    CHECK(result->colors()[0] == kMiddle);
   }
   CHECK(text.points() == packed.points());
   CHECK(text.corners() == packed.corners());

@@ -32,6 +32,28 @@ TEST_CASE("NRRD files of every type, byte order and encoding open") {
   });
   const std::string ascii = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nencoding: ascii\n\n";
   check_values(opened(folder.write("t.nrrd", ascii + "0 1 2\n3,40 5\n6 77 8 9 100 11\n")));
+  // Numbers of a text are of the type that the header says, as long as they can be.
+  CHECK(opened(folder.write("t.nrrd", ascii + "0 1 2\n3,40 5\n6 77 8 9 100 11\n")).layout.type == qnv::VoxelType::i16);
+  for (const auto& [type, last, kept] :
+       {std::tuple("uchar", "255", qnv::VoxelType::u8), std::tuple("uchar", "256", qnv::VoxelType::f64),
+        std::tuple("uchar", "1.5", qnv::VoxelType::f64), std::tuple("signed char", "-128", qnv::VoxelType::i8),
+        std::tuple("unsigned char", "-1", qnv::VoxelType::f64), std::tuple("uint", "4294967295", qnv::VoxelType::u32),
+        std::tuple("int", "nan", qnv::VoxelType::f64), std::tuple("float", "0.1", qnv::VoxelType::f32),
+        std::tuple("float", "1e300", qnv::VoxelType::f64), std::tuple("double", "1e300", qnv::VoxelType::f64)}) {
+    INFO(type << " " << last);
+    const qnv::VolumeSource one =
+        opened(folder.write("t.nrrd", "NRRD0004\ntype: " + std::string(type) +
+                                          "\ndimension: 3\nsizes: 2 1 1\nencoding: ascii\n\n3 " + last));
+    CHECK(one.layout.type == kept);
+    std::vector<std::byte> scratch;
+    std::vector<float> values(2);
+    REQUIRE(qnv::read_slice(one, 0, scratch, values));
+    CHECK(values[0] == 3);
+    if (std::string_view(last) == "nan" || std::string_view(last) == "1e300")
+      CHECK(std::isnan(values[1]));  // no value of a voxel
+    else
+      CHECK(values[1] == static_cast<float>(std::stod(last)));
+  }
   CHECK(problem_of(folder.write("t.nrrd", ascii + "0 1 2\n3 40 5\n6 77 8 9 100")).find("numbers") != std::string::npos);
 }
 

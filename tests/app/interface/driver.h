@@ -155,6 +155,7 @@ class Driver final : public DeskWindow {
     (void)desk_.take_chosen_files();
     frame_ = session().step(time_, input);
     (void)desk_.tell(frame_);
+    desk_.inspection().prepare(session(), frame_.pictures, time_);
     UiModel model = desk_.model(frame_, measures_);
     if (change_model_) change_model_(model);
     const UiActions actions = desk_.ui().build(model);
@@ -247,6 +248,14 @@ class Driver final : public DeskWindow {
   void hold(const glm::vec2& place) {
     point(place);
     step({event(WindowEvent::Kind::button_down)});
+  }
+  /// Notches of the wheel, towards the user is negative.
+  void turn_wheel(const glm::vec2& place, float notches) {
+    point(place);
+    WindowEvent turned = event(WindowEvent::Kind::wheel);
+    turned.wheel = notches;
+    step({turned});
+    settle();
   }
   /// A key with what is held, pressed and released.
   void press(Key key, bool control = false, bool shift = false, bool alt = false) {

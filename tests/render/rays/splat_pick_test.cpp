@@ -132,6 +132,22 @@ TEST_CASE("Backs of discs are met where they are drawn") {
   CHECK_FALSE(pick_surface(cloud, kHere, along));
 }
 
+TEST_CASE("A disc that is met tells its colour, if it has one of its own") {
+  qnv::Cloud cloud = disc_at({0, 0, 1});
+  const auto plain = pick_disc(cloud, kHere, down(0, 0));
+  REQUIRE(plain);
+  CHECK(plain->distance == Approx(4));
+  CHECK_FALSE(plain->color);
+  cloud.colors = {{1, 2, 3}};
+  CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{1, 2, 3});
+  // Of two the one in front.
+  add(cloud, {0, 0, 2}, {0, 0, 1}, 3.14f);
+  cloud.colors.push_back({7, 8, 9});
+  CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{7, 8, 9});
+  cloud.colors.pop_back();
+  CHECK_FALSE(pick_disc(cloud, kHere, down(0, 0))->color);  // arrays that do not fit together
+}
+
 TEST_CASE("Distances are the world's under any affine matrix, discs the node's") {
   const qnv::Cloud cloud = disc_at({0, 0, 1});
   const glm::mat4 place = glm::translate(glm::mat4(1), {10, 0, 0}) * glm::scale(glm::mat4(1), {3, 0.5f, 2});

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -268,6 +269,30 @@ TEST_CASE("a picked point lies on a triangle, whose nearest corner is told") {
   CHECK(hit->normal.z > 0.3f);
   CHECK(glm::length(glm::dvec3(hit->vertex) - point) < 2 * nearest + 1e-9);
   CHECK(!pick_patches(surface, {{3, 3, 5}, {0, 0, -1}}, 0.001f));
+  CHECK(!hit->color);
+}
+
+TEST_CASE("a picked point has a colour between those of the corners") {
+  const auto color = [](const glm::vec3& p) { return p.z > 0 ? qnv::Rgb8{200, 100, 50} : qnv::Rgb8{0, 0, 255}; };
+  const qnv::displaced::SurfaceMesh mesh = mesh_of(ball(4, color), true);
+  const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(mesh, 1, 0, true), 1);
+  REQUIRE(surface.parts[0]->colored());
+  const auto hit = pick_patches(surface, {{0.02, 0.01, 5}, {0, 0, -1}}, 0.001f);
+  REQUIRE(hit);
+  REQUIRE(hit->color);
+  float least = 1, most = 0;
+  for (std::size_t patch = 0; patch < surface.parts[0]->size(); ++patch)
+    for (const int level : {0, 1})
+      for (std::size_t k = 0; k < qnv::new_patch_vertices(level); ++k)
+        if (const auto& vertex = surface.parts[0]->vertices(patch, level)[k];
+            std::count(hit->corners.begin(), hit->corners.end(), vertex.position) > 0) {
+          const float red = static_cast<float>(surface.parts[0]->colors(patch, level)[k].r) / 255;
+          least = std::min(least, red);
+          most = std::max(most, red);
+        }
+  CHECK(least <= most);
+  CHECK(hit->color->r >= least - 1e-5f);
+  CHECK(hit->color->r <= most + 1e-5f);
 }
 
 }  // namespace gs::render::patch_raster_test

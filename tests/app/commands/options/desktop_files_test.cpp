@@ -101,6 +101,74 @@ TEST_CASE("bash completes commands, their options, words and files") {
   CHECK(completed("ghostspace --allow \"\"", 2) == "inner ");
 }
 
+// What a terminal of zsh has on its line after each of the arguments but the first and a tab.
+constexpr const char* kZshTerminal = R"(zmodload zsh/zpty
+zpty z zsh -f -i
+zpty -w z "PROMPT=; fpath=($1 \${(M)fpath:#*/Completion(|/Base|/Unix|/Zsh)}); autoload -Uz compinit; compinit -u -D; show() { print -r -- \"<<\$BUFFER>>\" }; zle -N show; bindkey '^I' complete-word; bindkey '^X' show; print re''ady"
+while zpty -r z line; do [[ $line == *ready* ]] && break; done
+shift
+for typed in "$@"; do
+  zpty -w -n z $'\x15'"$typed"$'\t\x18'
+  while zpty -r z line; do [[ $line == *'<<'*'>>'* ]] && { print -r -- "${${line#*<<}%%>>*}"; break }; done
+done
+)";
+
+TEST_CASE("zsh completes commands, their options, words and files, where it is installed") {
+  if (!there_is("zsh")) {
+    WARN("skipped: zsh is not installed");
+    return;
+  }
+  const ScratchFolder folder;
+  folder.write("functions/_ghostspace", zsh_completion());
+  const std::string terminal = folder.write("terminal.zsh", kZshTerminal);
+  folder.write("d/world.wrl", "");
+  folder.write("d/wide.txt", "");
+  folder.write("d/packed.STL.gz", "");
+  folder.write("d/inner/x", "");
+  const std::pair<const char*, const char*> rows[] = {{"ghostspace ser", "ghostspace serve "},
+                                                      {"ghostspace check --scr", "ghostspace check --scripts "},
+                                                      {"ghostspace --scr", "ghostspace --scr"},
+                                                      {"ghostspace --splats c", "ghostspace --splats cpu "},
+                                                      {"ghostspace --display wi", "ghostspace --display wireframe "},
+                                                      {"ghostspace check w", "ghostspace check world.wrl "},
+                                                      {"ghostspace info p", "ghostspace info packed.STL.gz "},
+                                                      {"ghostspace --allow i", "ghostspace --allow inner/"}};
+  std::string command = "cd " + quoted(folder.path("d")) + " && timeout 30 zsh -f " + quoted(terminal) + " " +
+                        quoted(folder.path("functions")),
+              expected;
+  for (const auto& [typed, completed] : rows) {
+    command += " " + quoted(typed);
+    expected += std::string(completed) + "\n";
+  }
+  CHECK(run_shell(command).output == expected);
+}
+
+TEST_CASE("fish completes commands, their options, words and files, where it is installed") {
+  if (!there_is("fish")) {
+    WARN("skipped: fish is not installed");
+    return;
+  }
+  const ScratchFolder folder;
+  const std::string script = folder.write("ghostspace.fish", fish_completion());
+  folder.write("d/world.wrl", "");
+  folder.write("d/inner/x", "");
+  // The first words of what is offered.
+  const auto completed = [&](const std::string& line) {
+    return run_shell("cd " + quoted(folder.path("d")) + " && HOME=" + quoted(folder.path("d")) +
+                     " fish --no-config -c \"source " + script + "; complete -C '" + line +
+                     "'\" | cut -f 1 | tr '\\n' ' '")
+        .output;
+  };
+  CHECK(completed("ghostspace ser") == "serve ");
+  CHECK(completed("ghostspace check --scr") == "--scripts ");
+  CHECK_FALSE(has(completed("ghostspace --scr"), "--scripts"));
+  CHECK(completed("ghostspace --headlight o") == "off on ");
+  CHECK(completed("ghostspace --display wi") == "wireframe ");
+  CHECK(completed("ghostspace --stereo s") == "side-by-side ");
+  CHECK(completed("ghostspace check w") == "world.wrl ");
+  CHECK(completed("ghostspace --allow i") == "inner/ ");
+}
+
 TEST_CASE("desktop prints them, and says which there are") {
   CHECK(run("desktop entry").output == made("entry"));
   const Run wrong = run("desktop nothing");

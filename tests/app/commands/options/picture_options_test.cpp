@@ -136,6 +136,17 @@ TEST_CASE("Slices, colour maps and bars change the picture of a volume, and a se
   const std::string keyed = folder.write(
       "keyed.wrl", std::string(kBox) + "WorldInfo { info \"color key: 0 10 #0000ff #ff0000 pressure (Pa)\" } ");
   CHECK(picture("--color-bar", keyed) != picture("", keyed));
+  // A stream of such a file says it, too, and what is exported of that one.
+  const std::string stream = folder.path("keyed.qnv"), back = folder.path("back.wrl");
+  const std::string surface = folder.write(
+      "keyed.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                   "property float quality\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                   "0 0 0 -5\n1 0 0 0\n1 1 0 5\n0 1 0 0\n3 0 1 2\n3 0 2 3\n");
+  CHECK(run("encode " + quoted(surface) + " " + quoted(stream)).status == 0);
+  CHECK(run("info --json " + quoted(stream)).output.find("\"color key\": \"-5 5 #440154") != std::string::npos);
+  CHECK(picture("--color-bar", stream) != picture("", stream));
+  CHECK(run("export --vrml97 " + quoted(stream) + " " + quoted(back)).status == 0);
+  CHECK(folder.read("back.wrl").find("info \"color key: -5 5 #440154") != std::string::npos);
   CHECK(run(draw + "--transfer grey " + quoted(keyed)).output.find("has no volume") != std::string::npos);
   CHECK(run(draw + "--color-bar " + quoted(folder.write("a.wrl", kBox))).output.find("has no volume") !=
         std::string::npos);

@@ -5,11 +5,15 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::app::color_key_test {
 
+const std::vector<vrml::Color> kRainbow{{0, 0, 1}, {0, 1, 1}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
+
 TEST_CASE("A colour stands for a value, and a value for a colour") {
-  for (const auto& colors : {rainbow_colors(), viridis_colors()}) {
+  for (const auto& colors : {kRainbow, viridis_colors()}) {
     const ColorKey key{"pressure (Pa)", -20, 80, colors};
     CHECK(key.color_of(-20) == colors.front());
     CHECK(key.color_of(80) == colors.back());
@@ -19,8 +23,8 @@ TEST_CASE("A colour stands for a value, and a value for a colour") {
       CHECK(key.value_of(key.color_of(value)) == Approx(value).margin(1e-4));
     CHECK(key.color_of(30) == colors[2]);
   }
-  const ColorKey one{"", 5, 5, rainbow_colors()};
-  CHECK(one.color_of(5) == rainbow_colors()[2]);
+  const ColorKey one{"", 5, 5, kRainbow};
+  CHECK(one.color_of(5) == kRainbow[2]);
   CHECK(one.value_of({1, 0, 0}) == 5);
 }
 
@@ -56,6 +60,21 @@ TEST_CASE("A world says what its colours stand for, whoever has written it") {
   CHECK(key->title == "Mach");
   CHECK(key->high == 2);
   CHECK_FALSE(color_key_of(*world_of("Shape { geometry Box { } }").scene));
+}
+
+TEST_CASE("A stream says in its metadata what its colours stand for") {
+  const ColorKey key{"pressure (Pa)", -0.125, 101325, viridis_colors()};
+  const auto said = color_key_metadata(key);
+  CHECK(said.first == "color key");
+  CHECK(said.second == "-0.125 101325 #440154 #3b528b #21918c #5ec962 #fde725 pressure (Pa)");
+  using Metadata = std::vector<std::pair<std::string, std::string>>;
+  const auto back = color_key_of(Metadata{{"title", "x"}, {"color key", "nonsense"}, said});
+  REQUIRE(back);
+  CHECK(back->title == key.title);
+  CHECK(back->high == key.high);
+  CHECK(back->colors == key.colors);
+  for (const char* wrong : {"", "1", "2 1 #000000 #ffffff", "0 1 #000000", "nan 1 #000000 #ffffff"})
+    CHECK_FALSE(color_key_of(Metadata{{"color key", wrong}}));
 }
 
 }  // namespace gs::app::color_key_test

@@ -1,6 +1,7 @@
 // Large packed streams are read where they lie.
 #include "app/formats/qnv/cloud_reader.h"
 
+#include "app/formats/common/color_key.h"
 #include "app/world/world_loader.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/lod/lod.h"
@@ -99,4 +100,20 @@ TEST_CASE("a stream that cannot be opened where it lies is taken from its bytes"
     CHECK(discs(*cloud->levels, 0) >= cloud->levels->header().vectors);
   }
   CHECK(diagnostics.errors() + diagnostics.warnings() == 0);
+}
+
+TEST_CASE("The scene of a stream has its one colour, and says what its colours stand for") {
+  qnv::Cloud cloud;
+  cloud.color = {51, 102, 204};
+  cloud.description.metadata = {{"title", "a part"}, {"color key", "0 10 #000000 #ffffff heat (K)"}};
+  vrml::SceneGraph scene("stream.qnv");
+  const vrml::NodeId node = add_cloud_shape(scene, cloud, "stream.qnv");
+  REQUIRE(node);
+  const vrml::NodeId appearance = scene.get<vrml::NodeId>(scene.roots().back(), "appearance");
+  const vrml::NodeId material = scene.get<vrml::NodeId>(appearance, "material");
+  CHECK(scene.get<vrml::Color>(material, "diffuseColor") == vrml::Color{0.2f, 0.4f, 0.8f});
+  const auto key = color_key_of(scene);
+  REQUIRE(key);
+  CHECK(key->title == "heat (K)");
+  CHECK(key->high == 10);
 }

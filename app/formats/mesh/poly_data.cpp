@@ -1,0 +1,168 @@
+#include "app/formats/mesh/poly_data.h"
+
+#include "app/formats/common/color_key.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr float kPolyCreaseAngle = 0.5f;  // what bends less is shaded as if round, where a file has no normals
+
+class PolyBuilder {
+ public:
+  PolyBuilder(PolyData data, SceneBuilder& builder) : data_(std::move(data)), builder_(builder) {
+    by_cell_ = data_.of_points.empty() && !data_.of_cells.empty();
+    PolyData::Data& shown = by_cell_ ? data_.of_cells : data_.of_points;
+    if (shown.colors.empty() && !shown.values.empty()) {
+      key_ = color_key_over(shown.values, viridis_colors(), shown.title);
+      draw(builder_.scene(), shown.values.size() * sizeof(vrml::Color));
+      shown.colors.reserve(shown.values.size());
+      for (const float value : shown.values) shown.colors.push_back(key_->color_of(static_cast<double>(value)));
+    }
+    colors_ = std::move(shown.colors);
+  }
+
+  void run() {
+    std::size_t cells = 0;
+    for (std::size_t kind = 0; kind < PolyData::kKinds; ++kind) {
+      first_cell_[kind] = cells;
+      cells += data_.cells[kind].ends.size();
+    }
+    faces();
+    lines();
+    points(cells == 0);
+    if (key_) add_color_key(builder_, *key_);
+  }
+
+ private:
+  [[nodiscard]] vrml::Color color_of(std::size_t place) const {
+    return place < colors_.size() ? colors_[place] : vrml::Color{0.5f, 0.5f, 0.5f};
+  }
+  // Hands over the corners of each cell of a kind, and its number among all cells.
+  template <class Take>
+  void each_cell(PolyData::Kind kind, Take take) const {
+    const PolyCells& cells = data_.cells[kind];
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < cells.ends.size(); ++i) {
+      take(std::span(cells.corners).subspan(begin, cells.ends[i] - begin), first_cell_[kind] + i);
+      begin = cells.ends[i];
+    }
+  }
+  void color_points(Geometry& geometry) {
+    if (by_cell_ || colors_.empty()) return;
+    Appender<vrml::Color> colors(builder_.scene());
+    for (std::size_t i = 0; i < data_.points.size(); ++i) colors.push(color_of(i));
+    geometry.colors = colors.take();
+  }
+  void show(Geometry geometry) {
+    Look look;
+    if (geometry.kind != Geometry::Kind::faces) look = glowing(look);
+    draw(builder_.scene(), geometry.positions.size() * sizeof(glm::vec3));
+    if (const vrml::NodeId node = builder_.geometry(std::move(geometry)))
+      builder_.add_root(builder_.shape(node, builder_.appearance(look)));
+  }
+
+  void faces() {
+    Appender<std::int32_t> index(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
+    bool convex = true;
+    each_cell(PolyData::polygons, [&](std::span<const std::int32_t> corners, std::size_t cell) {
+      if (corners.size() < 3) return void(++left_out_);
+      convex = convex && corners.size() == 3;
+      for (const std::int32_t corner : corners) index.push(corner);
+      index.push(kFaceEnd);
+      if (by_cell_) colors.push(color_of(cell));
+    });
+    // Each corner of a strip but the first two makes a triangle with the two before it, every second turned round.
+    each_cell(PolyData::strips, [&](std::span<const std::int32_t> corners, std::size_t cell) {
+      for (std::size_t i = 2; i < corners.size(); ++i) {
+        const bool turned = i % 2 == 1;
+        index.push(corners[turned ? i - 1 : i - 2]);
+        index.push(corners[turned ? i - 2 : i - 1]);
+        index.push(corners[i]);
+        index.push(kFaceEnd);
+        if (by_cell_) colors.push(color_of(cell));
+      }
+    });
+    if (left_out_ > 0) builder_.note(std::to_string(left_out_) + " polygons of fewer than three corners are left out");
+    if (index.empty()) return;
+    Geometry geometry;
+    geometry.positions = vrml::MFVec3f(std::span<const glm::vec3>(data_.points));
+    if (data_.normals.size() == data_.points.size()) {
+      draw(builder_.scene(), data_.normals.size() * sizeof(glm::vec3));
+      geometry.normals = vrml::MFVec3f(std::span<const glm::vec3>(data_.normals));
+    }
+    geometry.coord_index = index.take();
+    geometry.colors = colors.take();
+    geometry.color_per_vertex = !by_cell_;
+    geometry.convex = convex;
+    geometry.crease_angle = kPolyCreaseAngle;
+    color_points(geometry);
+    show(std::move(geometry));
+  }
+
+  void lines() {
+    Appender<std::int32_t> index(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
+    each_cell(PolyData::lines, [&](std::span<const std::int32_t> corners, std::size_t cell) {
+      if (corners.size() < 2) return;
+      for (const std::int32_t corner : corners) index.push(corner);
+      index.push(kFaceEnd);
+      if (by_cell_) colors.push(color_of(cell));
+    });
+    if (index.empty()) return;
+    Geometry geometry;
+    geometry.kind = Geometry::Kind::lines;
+    geometry.positions = vrml::MFVec3f(std::span<const glm::vec3>(data_.points));
+    geometry.coord_index = index.take();
+    geometry.colors = colors.take();
+    geometry.color_per_vertex = !by_cell_;
+    color_points(geometry);
+    show(std::move(geometry));
+  }
+
+  void points(bool all) {
+    Appender<glm::vec3> places(builder_.scene());
+    Appender<vrml::Color> colors(builder_.scene());
+    const auto add = [&](std::size_t point, std::size_t colored_as) {
+      places.push(data_.points[point]);
+      if (!colors_.empty()) colors.push(color_of(colored_as));
+    };
+    for (std::size_t i = 0; all && i < data_.points.size(); ++i) add(i, i);
+    std::size_t wrong = 0;
+    each_cell(PolyData::vertices, [&](std::span<const std::int32_t> corners, std::size_t cell) {
+      for (const std::int32_t corner : corners) {
+        const auto point = static_cast<std::size_t>(corner);
+        if (corner < 0 || point >= data_.points.size())
+          ++wrong;
+        else
+          add(point, by_cell_ ? cell : point);
+      }
+    });
+    if (wrong > 0) builder_.warn(std::to_string(wrong) + " vertices use points that are not there; they are left out");
+    if (places.empty()) return;
+    Geometry geometry;
+    geometry.kind = Geometry::Kind::points;
+    geometry.positions = places.take();
+    geometry.colors = colors.take();
+    show(std::move(geometry));
+  }
+
+  PolyData data_;
+  SceneBuilder& builder_;
+  std::array<std::size_t, PolyData::kKinds> first_cell_{};
+  std::vector<vrml::Color> colors_;  // of points or cells; empty: none
+  bool by_cell_ = false;
+  std::optional<ColorKey> key_;
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace
+
+void build_poly_data(PolyData data, SceneBuilder& builder) { PolyBuilder(std::move(data), builder).run(); }
+
+}  // namespace gs::app

@@ -1,0 +1,339 @@
+#include "app/formats/mesh/vtk_legacy.h"
+
+#include "app/base/text.h"
+#include "app/formats/common/text_cursor.h"
+#include "app/formats/mesh/poly_data.h"
+#include "app/formats/volume/vtk_xml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+constexpr std::string_view kLegacyMark = "# vtk DataFile Version";
+constexpr double kMostLegacy = 2e9;  // points, cells, numbers of an array
+
+std::optional<StoredType> legacy_type_of(std::string_view name) {
+  static constexpr std::pair<std::string_view, StoredType> kNames[] = {
+      {"unsigned_char", StoredType::u8}, {"char", StoredType::i8},
+      {"signed_char", StoredType::i8},   {"unsigned_short", StoredType::u16},
+      {"short", StoredType::i16},        {"unsigned_int", StoredType::u32},
+      {"int", StoredType::i32},          {"unsigned_long", StoredType::u64},
+      {"long", StoredType::i64},         {"vtktypeuint64", StoredType::u64},
+      {"vtktypeint64", StoredType::i64}, {"vtkidtype", StoredType::i32},
+      {"float", StoredType::f32},        {"double", StoredType::f64}};
+  for (const auto& [type_name, type] : kNames)
+    if (type_name == name) return type;
+  return std::nullopt;
+}
+
+class LegacyImporter {
+ public:
+  LegacyImporter(std::span<const std::byte> bytes, SceneBuilder& builder)
+      : cursor_(bytes), lines_(cursor_.next), builder_(builder) {}
+
+  void run() {
+    (void)cursor_.line();
+    (void)cursor_.line();  // the title
+    const std::string format = lower_case(std::string(trimmed(cursor_.line())));
+    binary_ = format == "binary";
+    if (!binary_ && format != "ascii") return builder_.fail("expected ASCII or BINARY", {3, 1});
+    if (next_line() && word() == "dataset") {
+      const std::string dataset = word();
+      if (dataset != "polydata")
+        return builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA", place());
+    } else {
+      return builder_.fail("expected DATASET POLYDATA", place());
+    }
+    while (problem_.empty() && next_line()) part();
+    if (!problem_.empty()) builder_.fail(problem_, place());
+    if (data_.points.empty()) return builder_.warn("no points in the file");
+    build_poly_data(std::move(data_), builder_);
+  }
+
+ private:
+  [[nodiscard]] vrml::SourceLocation place() { return lines_.location(cursor_.next); }
+
+  // To the next line that is not empty; false at the end.
+  bool next_line() {
+    while (!cursor_.at_end()) {
+      line_ = trimmed(cursor_.line());
+      if (!line_.empty()) return true;
+    }
+    return false;
+  }
+  // The next one of the line, in lower case; a name as it stands. Empty: there is none.
+  std::string name() {
+    const std::size_t end = std::min(line_.find_first_of(" \t"), line_.size());
+    const std::string found(line_.substr(0, std::min<std::size_t>(end, 200)));
+    line_ = trimmed(line_.substr(end));
+    return found;
+  }
+  std::string word() { return lower_case(name()); }
+  // A whole number of the line; nothing: there is none, and `problem_` says so.
+  std::optional<std::uint64_t> count() {
+    const std::string text = name();
+    TextCursor number(text.data(), text.data() + text.size());
+    double value = 0;
+    if (number.number(value) && value >= 0 && value <= kMostLegacy) return static_cast<std::uint64_t>(value);
+    problem_ = "expected a whole number from 0 to 2 000 000 000";
+    return std::nullopt;
+  }
+
+  // The next `count` numbers of the file; false: they are not all there, and `problem_` says so.
+  template <class Take>
+  bool numbers(const std::string& type_name, std::uint64_t count, Take take) {
+    const auto type = legacy_type_of(type_name);
+    if (!type) {
+      problem_ = "the type is '" + type_name.substr(0, 80) + "'; expected char to double";
+      return false;
+    }
+    if (!binary_) {
+      for (std::uint64_t i = 0; i < count; ++i) {
+        if (i % kBetweenStops == 0) draw(builder_.scene(), 0);
+        double value = 0;
+        if (!cursor_.skip_space() || !cursor_.number(value)) return ends(i, count);
+        take(value);
+      }
+      return true;
+    }
+    const std::uint64_t there = static_cast<std::uint64_t>(cursor_.end - cursor_.next) / size_of(*type);
+    StoredVoxels values;
+    values.content.bytes = std::as_bytes(std::span(cursor_.next, static_cast<std::size_t>(cursor_.end - cursor_.next)));
+    values.type = *type;
+    values.big_endian = true;
+    const std::uint64_t read = std::min(there, count);
+    each_number(values, read, take);
+    cursor_.next += read * size_of(*type);
+    return read == count || ends(read, count);
+  }
+  bool ends(std::uint64_t read, std::uint64_t count) {
+    problem_ = "there are " + std::to_string(read) + " numbers, or something else stands there; expected " +
+               std::to_string(count);
+    return false;
+  }
+  // Memory for as many as the file can have.
+  void draw_for(std::uint64_t count, std::uint64_t each) {
+    const auto left = static_cast<std::uint64_t>(cursor_.end - cursor_.next);
+    draw(builder_.scene(), std::min(count, left) * each);
+  }
+
+  void part() {
+    static constexpr std::pair<std::string_view, PolyData::Kind> kKinds[] = {{"vertices", PolyData::vertices},
+                                                                             {"lines", PolyData::lines},
+                                                                             {"polygons", PolyData::polygons},
+                                                                             {"triangle_strips", PolyData::strips}};
+    const std::string keyword = word();
+    for (const auto& [name, kind] : kKinds)
+      if (keyword == name) return cells(data_.cells[kind]);
+    if (keyword == "points") return points();
+    if (keyword == "metadata") return metadata();
+    if (keyword == "point_data" || keyword == "cell_data") {
+      of_points_ = keyword == "point_data";
+      if (const auto found = count()) rows_ = *found;
+      return;
+    }
+    if (keyword == "field") return field();
+    if (!rows_) {
+      problem_ = "'" + keyword.substr(0, 80) + "' stands there; expected POINTS, POLYGONS, POINT_DATA and the like";
+      return;
+    }
+    attribute(keyword);
+  }
+
+  void points() {
+    const auto found = count();
+    if (!found) return;
+    draw_for(*found, sizeof(glm::vec3));
+    (void)vectors(word(), *found, data_.points);
+  }
+  bool vectors(const std::string& type, std::uint64_t count, std::vector<glm::vec3>& to) {
+    glm::vec3 vector(0);
+    int axis = 0;
+    return numbers(type, count * 3, [&](double value) {
+      vector[axis] = static_cast<float>(value);
+      if (++axis < 3) return;
+      to.push_back(vector);
+      axis = 0;
+    });
+  }
+
+  // "POLYGONS cells numbers", then each cell's corners behind their count; from version 5.1 on "POLYGONS offsets
+  // corners", OFFSETS, from 0, and CONNECTIVITY.
+  void cells(PolyCells& cells) {
+    const auto rows = count(), all = rows ? count() : std::nullopt;
+    if (!all) return;
+    const auto corner_of = [&](double corner) {
+      return corner >= 0 && corner < static_cast<double>(data_.points.size()) ? static_cast<std::int32_t>(corner)
+                                                                              : kBadIndex;
+    };
+    draw_for(*all, sizeof(std::int32_t) + sizeof(std::size_t));
+    const TextCursor before = cursor_;
+    if (next_line() && word() == "offsets") {
+      std::vector<std::size_t> ends;
+      bool rising = true;
+      const std::string type = word();
+      const bool whole = numbers(type, *rows, [&](double end) {
+        rising =
+            rising && end >= (ends.empty() ? 0 : static_cast<double>(ends.back())) && end <= static_cast<double>(*all);
+        if (rising) ends.push_back(static_cast<std::size_t>(end));
+      });
+      if (!whole) return;
+      if (!rising || !next_line() || word() != "connectivity") {
+        problem_ = "expected OFFSETS that rise, and CONNECTIVITY";
+        return;
+      }
+      (void)numbers(word(), *all, [&](double corner) { cells.corners.push_back(corner_of(corner)); });
+      for (std::size_t i = 1; i < ends.size() && ends[i] <= cells.corners.size(); ++i) cells.ends.push_back(ends[i]);
+      return;
+    }
+    cursor_ = before;
+    std::uint64_t left = 0;  // of the cell that is read
+    bool in_cell = false;
+    (void)numbers("int", *all, [&](double value) {
+      if (!in_cell) {
+        left = value >= 0 && value <= kMostLegacy ? static_cast<std::uint64_t>(value) : 0;
+        in_cell = true;
+      } else {
+        cells.corners.push_back(corner_of(value));
+        --left;
+      }
+      if (left > 0) return;
+      cells.ends.push_back(cells.corners.size());
+      in_cell = false;
+    });
+    // The last one may have been cut off.
+    cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
+  }
+
+  void metadata() {
+    while (!cursor_.at_end() && !trimmed(cursor_.line()).empty()) {
+    }
+  }
+
+  // What is there of points or cells, and how good it is to be shown: the least rank goes before.
+  enum Rank : int { scalars, one_number, several, nothing };
+
+  void attribute(const std::string& keyword) {
+    const std::string title = name();
+    if (keyword == "scalars") {
+      const std::string type = word();
+      std::uint64_t components = 1;
+      if (!line_.empty()) components = count().value_or(0);
+      const TextCursor before = cursor_;
+      if (!next_line() || word() != "lookup_table") cursor_ = before;
+      return values(title, type, components, scalars, false);
+    }
+    if (keyword == "color_scalars") {
+      const auto components = count();
+      if (components) values(title, binary_ ? "unsigned_char" : "float", *components, scalars, true);
+      return;
+    }
+    if (keyword == "lookup_table") {
+      const auto size = count();
+      if (size) (void)numbers(binary_ ? "unsigned_char" : "float", *size * 4, [](double) {});
+      return;
+    }
+    if (keyword == "normals" && of_points_) {
+      draw_for(*rows_, sizeof(glm::vec3));
+      (void)vectors(word(), *rows_, data_.normals);
+      return;
+    }
+    if (keyword == "vectors" || keyword == "normals" || keyword == "global_ids" || keyword == "pedigree_ids") {
+      const bool ids = keyword.ends_with("ids");
+      return values(title, word(), ids ? 1 : 3, keyword == "vectors" ? several : nothing, false);
+    }
+    if (keyword == "tensors" || keyword == "tensors6")
+      return values(title, word(), keyword == "tensors" ? 9 : 6, nothing, false);
+    if (keyword == "texture_coordinates") {
+      const auto components = count();
+      if (components) values(title, word(), *components, nothing, false);
+      return;
+    }
+    problem_ = "'" + keyword.substr(0, 80) + "' stands there; expected SCALARS, VECTORS, NORMALS, FIELD and the like";
+  }
+
+  void field() {
+    (void)name();
+    const auto arrays = count();
+    for (std::uint64_t i = 0; arrays && i < *arrays && problem_.empty(); ++i) {
+      if (!next_line()) return void(ends(i, *arrays));
+      if (lower_case(std::string(line_)).starts_with("metadata")) {
+        metadata();
+        if (!next_line()) return void(ends(i, *arrays));
+      }
+      const std::string title = name();
+      const auto components = count(), rows = components ? count() : std::nullopt;
+      if (!rows) return;
+      const bool shown = rows_ && *rows == *rows_ && *components > 0;
+      if (shown)
+        values(title, word(), *components, *components == 1 ? one_number : several, false);
+      else
+        (void)numbers(word(), *components * *rows, [](double) {});
+    }
+  }
+
+  void values(const std::string& title, const std::string& type, std::uint64_t components, Rank rank, bool colors) {
+    constexpr std::uint64_t kMostComponents = 64;
+    if (components == 0 || components > kMostComponents) {
+      problem_ = std::to_string(components) + " components; expected 1 to " + std::to_string(kMostComponents);
+      return;
+    }
+    Rank& shown = of_points_ ? points_rank_ : cells_rank_;
+    const bool better = rank < shown;
+    PolyData::Data data;
+    data.title = title.substr(0, 80) + (components > 1 && !colors ? " (length)" : "");
+    if (better) draw_for(*rows_, colors ? sizeof(vrml::Color) : sizeof(float));
+    std::array<double, kMostComponents> parts{};
+    std::size_t part = 0;
+    const double most = binary_ ? 255 : 1;
+    const bool whole = numbers(type, *rows_ * components, [&](double value) {
+      parts[part] = value;
+      if (++part < components) return;
+      part = 0;
+      if (!better) return;
+      if (colors) {
+        const auto share = [&](std::size_t i) {
+          return std::clamp(static_cast<float>(parts[components > 2 ? i : 0] / most), 0.0f, 1.0f);
+        };
+        data.colors.emplace_back(share(0), share(1), share(2));
+        return;
+      }
+      double length = 0;
+      for (std::size_t i = 0; i < components; ++i) length += parts[i] * parts[i];
+      data.values.push_back(static_cast<float>(components == 1 ? parts[0] : std::sqrt(length)));
+    });
+    if (!better || (!whole && data.empty())) return;
+    shown = rank;
+    (of_points_ ? data_.of_points : data_.of_cells) = std::move(data);
+  }
+
+  static constexpr std::uint64_t kBetweenStops = std::uint64_t{1} << 17;
+
+  TextCursor cursor_;
+  LineCounter lines_;
+  SceneBuilder& builder_;
+  std::string_view line_;  // what is left of it
+  bool binary_ = false, of_points_ = true;
+  std::optional<std::uint64_t> rows_;  // of point or cell data
+  Rank points_rank_ = nothing, cells_rank_ = nothing;
+  PolyData data_;
+  std::string problem_;
+};
+
+}  // namespace
+
+bool is_vtk_legacy(std::span<const std::byte> bytes) { return text_of(bytes).starts_with(kLegacyMark); }
+
+void import_vtk_legacy(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  if (!is_vtk_legacy(bytes)) return builder.fail("expected '" + std::string(kLegacyMark) + "'", {1, 1});
+  LegacyImporter(bytes, builder).run();
+}
+
+}  // namespace gs::app

@@ -1,0 +1,213 @@
+#include "app/formats/mesh/vtp.h"
+
+#include "app/formats/mesh/poly_data.h"
+#include "app/formats/volume/vtk_xml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace gs::app {
+namespace {
+
+constexpr std::uint64_t kMostPolyPoints = static_cast<std::uint64_t>(kBadIndex);
+
+class VtpImporter {
+ public:
+  VtpImporter(std::span<const std::byte> bytes, const VtkXmlHeader& header, SceneBuilder& builder)
+      : file_{nullptr, bytes}, header_(header), builder_(builder) {}
+
+  void run() {
+    if (header_.piece_count > header_.pieces.size())
+      builder_.fail(std::to_string(header_.piece_count) + " pieces; the first " +
+                    std::to_string(header_.pieces.size()) + " are read");
+    shown_of_points_ = chosen(VtkSection::point_data, header_.point_scalars);
+    if (!shown_of_points_) shown_of_cells_ = chosen(VtkSection::cell_data, header_.cell_scalars);
+    for (std::size_t i = 0; i < header_.pieces.size(); ++i) piece(i);
+    finish(data_.of_points, data_.points.size());
+    std::size_t cells = 0;
+    for (const PolyCells& one : data_.cells) cells += one.ends.size();
+    finish(data_.of_cells, cells);
+    if (data_.points.empty()) return builder_.warn("no points in the file");
+    build_poly_data(std::move(data_), builder_);
+  }
+
+ private:
+  // Of the arrays of a section the one of this name, else the first of one component, else the first.
+  [[nodiscard]] const VtkArray* chosen(VtkSection section, const std::string& active) const {
+    const VtkArray *single = nullptr, *first = nullptr;
+    for (const VtkArray& array : header_.arrays) {
+      if (array.section != section || !vtk_type_of(array.type) || array.components == 0 || is_normals(array)) continue;
+      if (!active.empty() && array.name == active) return &array;
+      if (!single && array.components == 1) single = &array;
+      if (!first) first = &array;
+    }
+    return single ? single : first;
+  }
+  [[nodiscard]] bool is_normals(const VtkArray& array) const {
+    return array.section == VtkSection::point_data && array.components == 3 && array.name == header_.point_normals &&
+           !array.name.empty();
+  }
+  [[nodiscard]] const VtkArray* array_of(std::size_t piece, VtkSection section, std::string_view name) const {
+    for (const VtkArray& array : header_.arrays)
+      if (array.piece == piece && array.section == section && (name.empty() || array.name == name)) return &array;
+    return nullptr;
+  }
+  // Nothing: it was told why.
+  std::optional<StoredVoxels> numbers(const VtkArray& array, std::uint64_t count) {
+    auto values = vtk_values(file_, header_, array, count, builder_.scene().budget());
+    if (auto* found = std::get_if<StoredVoxels>(&values)) return std::move(*found);
+    builder_.fail("the array '" + array.name.substr(0, 80) + "': " + std::get<std::string>(values));
+    return std::nullopt;
+  }
+
+  void piece(std::size_t number) {
+    const VtkPiece& piece = header_.pieces[number];
+    if (piece.points == 0) return;
+    const std::size_t first = data_.points.size();
+    if (piece.points > kMostPolyPoints - first)
+      return builder_.fail("a piece of " + std::to_string(piece.points) + " points; expected less than 2^31 in all");
+    const VtkArray* const places = array_of(number, VtkSection::points, {});
+    if (!places || places->components != 3) return builder_.fail("a piece has no Points with three components");
+    if (!read_vectors(*places, piece.points, data_.points)) return;
+    const VtkArray* const normals =
+        header_.point_normals.empty() ? nullptr : array_of(number, VtkSection::point_data, header_.point_normals);
+    if (normals && normals->components == 3 && data_.normals.size() == first)
+      (void)read_vectors(*normals, piece.points, data_.normals);
+    if (shown_of_points_) read_data(number, *shown_of_points_, first, piece.points, data_.of_points);
+    const std::pair<VtkSection, std::uint64_t> kinds[] = {{VtkSection::vertices, piece.vertices},
+                                                          {VtkSection::lines, piece.lines},
+                                                          {VtkSection::polygons, piece.polygons},
+                                                          {VtkSection::strips, piece.strips}};
+    std::uint64_t cells = 0;
+    bool whole = true;
+    for (std::size_t kind = 0; kind < PolyData::kKinds; ++kind) {
+      cells += kinds[kind].second;
+      whole = read_cells(number, kinds[kind].first, kinds[kind].second, first, data_.cells[kind]) && whole;
+    }
+    // Data of cells are told apart by their order, which pieces interleave.
+    if (!shown_of_cells_ || !whole) return;
+    if (header_.pieces.size() == 1)
+      read_data(number, *shown_of_cells_, 0, cells, data_.of_cells);
+    else if (number == 0)
+      builder_.note("data of cells in several pieces are not shown");
+  }
+
+  bool read_vectors(const VtkArray& array, std::uint64_t count, std::vector<glm::vec3>& to) {
+    const auto values = numbers(array, count * 3);
+    if (!values) return false;
+    draw(builder_.scene(), count * sizeof(glm::vec3));
+    glm::vec3 vector(0);
+    int axis = 0;
+    each_number(*values, count * 3, [&](double value) {
+      vector[axis] = static_cast<float>(value);
+      if (++axis < 3) return;
+      to.push_back(vector);
+      axis = 0;
+    });
+    return true;
+  }
+
+  // The array of this piece that is called like the one that is shown; `first`: how many points or cells stand before
+  // it.
+  void read_data(std::size_t piece, const VtkArray& shown, std::size_t first, std::uint64_t count,
+                 PolyData::Data& data) {
+    const VtkArray* const array = array_of(piece, shown.section, shown.name);
+    constexpr std::uint64_t kMostComponents = 64;
+    if (!array || array->components == 0 || array->components > kMostComponents || count > kMostPolyPoints) return;
+    const auto values = numbers(*array, count * array->components);
+    if (!values) return;
+    const bool colors = array->type == "uint8" && (array->components == 3 || array->components == 4);
+    draw(builder_.scene(), count * (colors ? sizeof(vrml::Color) : sizeof(float)));
+    if (data.title.empty())
+      data.title = array->name.substr(0, 80) + (array->components > 1 ? " (length)" : "") +
+                   (array->units.empty() ? "" : " (" + array->units + ")");
+    if (colors)
+      data.colors.resize(first, {0.5f, 0.5f, 0.5f});
+    else
+      data.values.resize(first, NAN);
+    std::array<double, kMostComponents> parts{};
+    std::size_t part = 0;
+    each_number(*values, count * array->components, [&](double value) {
+      parts[part] = value;
+      if (++part < array->components) return;
+      part = 0;
+      if (colors) {
+        const auto share = [&](std::size_t i) { return static_cast<float>(parts[i] / 255); };
+        data.colors.emplace_back(share(0), share(1), share(2));
+        return;
+      }
+      double length = parts[0];
+      if (array->components > 1) {
+        length = 0;
+        for (std::size_t i = 0; i < array->components; ++i) length += parts[i] * parts[i];
+        length = std::sqrt(length);
+      }
+      data.values.push_back(static_cast<float>(length));
+    });
+  }
+  // What later pieces do not have.
+  static void finish(PolyData::Data& data, std::size_t count) {
+    if (!data.colors.empty()) data.colors.resize(count, {0.5f, 0.5f, 0.5f});
+    if (!data.values.empty()) data.values.resize(count, NAN);
+  }
+
+  // False: they are not all there.
+  bool read_cells(std::size_t piece, VtkSection section, std::uint64_t count, std::size_t first, PolyCells& cells) {
+    if (count == 0) return true;
+    const VtkArray* const ends = array_of(piece, section, "offsets");
+    const VtkArray* const corners = array_of(piece, section, "connectivity");
+    if (!ends || !corners || count > kMostPolyPoints) {
+      builder_.fail("cells without 'connectivity' and 'offsets'");
+      return false;
+    }
+    const auto end_values = numbers(*ends, count);
+    if (!end_values) return false;
+    draw(builder_.scene(), count * sizeof(std::size_t));
+    const std::size_t before = cells.corners.size();
+    std::uint64_t last = 0;
+    bool rising = true;
+    std::vector<std::size_t> read;
+    each_number(*end_values, count, [&](double end) {
+      rising = rising && end >= static_cast<double>(last) && end < static_cast<double>(kMostPolyPoints);
+      if (!rising) return;
+      last = static_cast<std::uint64_t>(end);
+      read.push_back(before + static_cast<std::size_t>(last));
+    });
+    if (!rising) {
+      builder_.fail("the offsets of cells fall, or are none");
+      return false;
+    }
+    const auto corner_values = numbers(*corners, last);
+    if (!corner_values) return false;
+    draw(builder_.scene(), last * sizeof(std::int32_t));
+    each_number(*corner_values, last, [&](double corner) {
+      const bool good = corner >= 0 && corner < static_cast<double>(data_.points.size() - first);
+      cells.corners.push_back(good ? static_cast<std::int32_t>(first + static_cast<std::size_t>(corner)) : kBadIndex);
+    });
+    cells.ends.insert(cells.ends.end(), read.begin(), read.end());
+    return true;
+  }
+
+  SharedBytes file_;
+  const VtkXmlHeader& header_;
+  SceneBuilder& builder_;
+  const VtkArray* shown_of_points_ = nullptr;
+  const VtkArray* shown_of_cells_ = nullptr;
+  PolyData data_;
+};
+
+}  // namespace
+
+bool is_vtp(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "PolyData"); }
+
+void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  const auto header = read_vtk_xml(bytes, "PolyData");
+  if (const auto* problem = std::get_if<std::string>(&header)) return builder.fail(*problem);
+  VtpImporter(bytes, std::get<VtkXmlHeader>(header), builder).run();
+}
+
+}  // namespace gs::app

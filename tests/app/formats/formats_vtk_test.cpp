@@ -1,0 +1,329 @@
+// Surfaces of VTK: XML PolyData and legacy files.
+#include "app/formats/common/color_key.h"
+#include "app/formats/content_types.h"
+#include "app/formats/mesh/vtk_legacy.h"
+#include "app/formats/mesh/vtp.h"
+
+#include "tests/app/formats_helpers.h"
+#include "tests/app/volume_files.h"
+
+#include <string>
+#include <vector>
+
+namespace gs::app::vtk_test {
+
+using namespace gs::test;
+using vrml::Color;
+
+/// Writes DataArrays in one of the ways that the format has.
+struct VtpWriter {
+  enum class Way : std::uint8_t { ascii, base64_inside, appended_raw, appended_base64 };
+  Way way = Way::ascii;
+  bool packed = false, big_endian = false, wide = false;
+  std::string appended = {};
+
+  template <class T>
+  [[nodiscard]] std::string array(const std::string& type, const std::string& name, const std::vector<T>& values,
+                                  int components = 1) {
+    std::string text = "<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
+                       std::to_string(components) + "\" format=\"";
+    if (way == Way::ascii) {
+      text += "ascii\">";
+      for (const T value : values) text += " " + std::to_string(value);
+      return text + "</DataArray>\n";
+    }
+    Bytes data;
+    for (const T value : values) big_endian ? put_big(data, value) : put(data, value);
+    if (way == Way::base64_inside) return text + "binary\">\n" + body(data, true) + "</DataArray>\n";
+    const std::string body_text = body(data, way == Way::appended_base64);
+    text += "appended\" offset=\"" + std::to_string(appended.size()) + "\"/>\n";
+    appended += body_text;
+    return text;
+  }
+  [[nodiscard]] std::string file(const std::string& pieces) const {
+    std::string text =
+        std::string("<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"") +
+        (big_endian ? "BigEndian" : "LittleEndian") + "\" header_type=\"" + (wide ? "UInt64" : "UInt32") + "\"" +
+        (packed ? " compressor=\"vtkZLibDataCompressor\"" : "") + "><PolyData>\n" + pieces + "</PolyData>\n";
+    if (way == Way::appended_raw) text += "<AppendedData encoding=\"raw\">\n_" + appended + "\n</AppendedData>";
+    if (way == Way::appended_base64) text += "<AppendedData encoding=\"base64\">\n_" + appended + "\n</AppendedData>";
+    return text + "</VTKFile>\n";
+  }
+
+ private:
+  void put_word(Bytes& to, std::size_t value) const {
+    const auto narrow = static_cast<std::uint32_t>(value);
+    const auto whole = static_cast<std::uint64_t>(value);
+    if (wide)
+      big_endian ? put_big(to, whole) : put(to, whole);
+    else
+      big_endian ? put_big(to, narrow) : put(to, narrow);
+  }
+  [[nodiscard]] std::string body(const Bytes& data, bool as_base64) const {
+    Bytes head, content = data;
+    if (packed) {
+      content = zlib_packed(data);
+      for (const std::size_t word : {std::size_t{1}, data.size(), std::size_t{0}, content.size()}) put_word(head, word);
+    } else {
+      put_word(head, data.size());
+    }
+    if (!as_base64) return string_of(head + content);
+    return packed ? base64(head) + base64(content) : base64(head + content);
+  }
+};
+
+const std::vector<float> kSquare = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+
+// A polygon, a strip of two triangles, a line and a vertex over a square, with temperatures at its corners.
+std::string square_piece(VtpWriter& writer, const std::string& data) {
+  std::string text =
+      "<Piece NumberOfPoints=\"4\" NumberOfVerts=\"1\" NumberOfLines=\"1\" NumberOfStrips=\"1\" "
+      "NumberOfPolys=\"1\">\n" +
+      data;
+  text += "<Points>" + writer.array<float>("Float32", "Points", kSquare, 3) + "</Points>\n";
+  const auto cells = [&](const std::string& element, const std::vector<std::int64_t>& corners) {
+    text += "<" + element + ">" + writer.array<std::int64_t>("Int64", "connectivity", corners) +
+            writer.array<std::int32_t>("Int32", "offsets", {static_cast<std::int32_t>(corners.size())}) + "</" +
+            element + ">\n";
+  };
+  cells("Verts", {3});
+  cells("Lines", {0, 2});
+  cells("Strips", {0, 1, 3, 2});
+  cells("Polys", {0, 1, 2, 3});
+  return text + "</Piece>\n";
+}
+std::string square_file(VtpWriter writer) {
+  const std::string data =
+      "<PointData Scalars=\"temperature\" Normals=\"n\">" + writer.array<std::int16_t>("Int16", "other", {9, 9, 9, 9}) +
+      writer.array<double>("Float64", "temperature", {-20, 30, 80, 80}) +
+      writer.array<float>("Float32", "n", {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3) + "</PointData>\n";
+  const std::string piece = square_piece(writer, data);
+  return writer.file(piece);
+}
+
+void check_square(const Imported& result) {
+  CHECK(result.messages().empty());
+  const auto faces = result.only("IndexedFaceSet"), lines = result.only("IndexedLineSet"),
+             points = result.only("PointSet");
+  const auto& scene = *result.scene;
+  const auto& corners = scene.get<vrml::MFInt32>(faces, "coordIndex");
+  CHECK(std::vector<std::int32_t>(corners.begin(), corners.end()) ==
+        std::vector<std::int32_t>{0, 1, 2, 3, -1, 0, 1, 3, -1, 3, 1, 2, -1});
+  const auto& ends = scene.get<vrml::MFInt32>(lines, "coordIndex");
+  CHECK(std::vector<std::int32_t>(ends.begin(), ends.end()) == std::vector<std::int32_t>{0, 2, -1});
+  const auto& place = scene.get<vrml::MFVec3f>(scene.get<vrml::NodeId>(points, "coord"), "point");
+  REQUIRE(place.size() == 1);
+  CHECK(place[0] == glm::vec3(0, 1, 0));
+  const auto key = color_key_of(scene);
+  REQUIRE(key);
+  CHECK(key->title == "temperature");
+  CHECK(key->low == -20);
+  CHECK(key->high == 80);
+  const auto& colors = scene.get<vrml::MFColor>(scene.get<vrml::NodeId>(faces, "color"), "color");
+  REQUIRE(colors.size() == 4);
+  CHECK(colors[0] == viridis_colors().front());
+  CHECK(colors[1] == viridis_colors()[2]);
+  CHECK(colors[3] == viridis_colors().back());
+  CHECK(scene.get<vrml::MFVec3f>(scene.get<vrml::NodeId>(faces, "normal"), "vector").size() == 4);
+}
+
+TEST_CASE("VTP: every way in which arrays are written") {
+  using Way = VtpWriter::Way;
+  check_square(imported(import_vtp, bytes_of(square_file({Way::ascii}))));
+  for (const Way way : {Way::base64_inside, Way::appended_raw, Way::appended_base64})
+    for (const bool packed : {false, true})
+      for (const bool big_endian : {false, true})
+        for (const bool wide : {false, true}) {
+          INFO(static_cast<int>(way) << packed << big_endian << wide);
+          check_square(imported(import_vtp, bytes_of(square_file({way, packed, big_endian, wide}))));
+        }
+}
+
+TEST_CASE("VTP: values of cells, lengths of vectors, colours in bytes, and points alone") {
+  VtpWriter writer;
+  const Imported cells =
+      imported(import_vtp,
+               bytes_of(writer.file(square_piece(
+                   writer, "<CellData>" + writer.array<std::int32_t>("Int32", "part", {0, 0, 1, 2}) + "</CellData>"))));
+  // VTK counts vertices, lines, polygons, strips.
+  const auto faces = cells.only("IndexedFaceSet");
+  CHECK_FALSE(cells.scene->get<bool>(faces, "colorPerVertex"));
+  const auto& colors = cells.scene->get<vrml::MFColor>(cells.scene->get<vrml::NodeId>(faces, "color"), "color");
+  CHECK(std::vector<Color>(colors.begin(), colors.end()) ==
+        std::vector<Color>{viridis_colors()[2], viridis_colors().back(), viridis_colors().back()});
+  CHECK(color_key_of(*cells.scene)->title == "part");
+
+  const Imported vectors = imported(
+      import_vtp,
+      bytes_of(writer.file(square_piece(
+          writer, "<PointData>" + writer.array<float>("Float32", "wind", {3, 4, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0}, 3) +
+                      "</PointData>"))));
+  REQUIRE(color_key_of(*vectors.scene));
+  CHECK(color_key_of(*vectors.scene)->title == "wind (length)");
+  CHECK(color_key_of(*vectors.scene)->high == 5);
+
+  const Imported bytes = imported(
+      import_vtp, bytes_of(writer.file(square_piece(
+                      writer, "<PointData Scalars=\"c\">" +
+                                  writer.array<std::int32_t>("UInt8", "c", {255, 0, 51, 0, 0, 0, 0, 0, 0, 0, 0, 0}, 3) +
+                                  "</PointData>"))));
+  CHECK_FALSE(color_key_of(*bytes.scene));
+  CHECK(bytes.scene->get<vrml::MFColor>(bytes.scene->get<vrml::NodeId>(bytes.only("IndexedFaceSet"), "color"),
+                                        "color")[0] == Color{1, 0, 0.2f});
+
+  const Imported alone = imported(
+      import_vtp, bytes_of(writer.file("<Piece NumberOfPoints=\"4\"><Points>" +
+                                       writer.array<float>("Float32", "p", kSquare, 3) + "</Points></Piece>")));
+  CHECK(alone.all("IndexedFaceSet").empty());
+  CHECK(alone.points().size() == 4);
+}
+
+TEST_CASE("VTP: pieces stand together, and those that lack an array are grey") {
+  VtpWriter writer;
+  const std::string piece = square_piece(writer, ""),
+                    with = square_piece(writer, "<PointData Scalars=\"t\">" +
+                                                    writer.array<float>("Float32", "t", {1, 2, 3, 4}) + "</PointData>");
+  const Imported result = imported(import_vtp, bytes_of(writer.file(piece + with)));
+  CHECK(result.messages().empty());
+  const auto faces = result.only("IndexedFaceSet");
+  const auto& corners = result.scene->get<vrml::MFInt32>(faces, "coordIndex");
+  CHECK(std::vector<std::int32_t>(corners.begin(), corners.end()) ==
+        std::vector<std::int32_t>{0, 1, 2, 3, -1, 4, 5, 6, 7, -1, 0, 1, 3, -1, 3, 1, 2, -1, 4, 5, 7, -1, 7, 5, 6, -1});
+  const auto& colors = result.scene->get<vrml::MFColor>(result.scene->get<vrml::NodeId>(faces, "color"), "color");
+  REQUIRE(colors.size() == 8);
+  CHECK(colors[3] == Color{0.5f, 0.5f, 0.5f});
+  CHECK(colors[4] == viridis_colors().front());
+}
+
+TEST_CASE("VTP: what is wrong is said, and what is there shows") {
+  const auto told = [](const std::string& text, const std::string& said) {
+    INFO(text);
+    const Imported result = imported(import_vtp, bytes_of(text));
+    INFO(result.messages());
+    CHECK(result.messages().find(said) != std::string::npos);
+    return result.all("Shape").size();
+  };
+  VtpWriter writer;
+  const std::string good = square_file({});
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  CHECK(told("<VTKFile type=\"ImageData\"></VTKFile>", "ImageData") == 0);
+  CHECK(told("<VTKFile type=\"PolyData\"", "XML") == 0);
+  CHECK(told("<VTKFile type=\"PolyData\"></VTKFile>", "no points") == 0);
+  CHECK(told(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"100000000000\""), "2^31") == 0);
+  CHECK(told(changed("NumberOfPoints=\"4\"", "NumberOfPoints=\"2000000000\""), "cannot hold") == 0);
+  CHECK(told(changed("NumberOfPolys=\"1\"", "NumberOfPolys=\"2000000000\""), "offsets") == 3);
+  CHECK(told(changed("> 0 1 2 3</DataArray>", "> 0 1 2 77</DataArray>"), "") == 3);
+  CHECK(told(changed("type=\"Float64\" Name=\"temperature\"", "type=\"String\" Name=\"temperature\""), "") == 3);
+  CHECK(told(changed("type=\"Int32\" Name=\"offsets\" NumberOfComponents=\"1\" format=\"ascii\"> 4",
+                     "type=\"Int32\" Name=\"offsets\" NumberOfComponents=\"1\" format=\"ascii\"> -4"),
+             "offsets") == 3);
+  CHECK(told(changed("<Points>", "<Punkte>"), "") == 0);
+}
+
+TEST_CASE("VTP: no prefix and no flipped bit does harm") {
+  using Way = VtpWriter::Way;
+  VtpWriter small{Way::ascii};
+  const auto make = [](VtpWriter writer) {
+    const std::string piece = "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><PointData>" +
+                              writer.array<std::int8_t>("Int8", "t", {1, 2, 3}) + "</PointData><Points>" +
+                              writer.array<float>("Float32", "p", {0, 0, 0, 1, 0, 0, 0, 1, 0}, 3) + "</Points><Polys>" +
+                              writer.array<std::int32_t>("Int32", "connectivity", {0, 1, 2}) +
+                              writer.array<std::int32_t>("Int32", "offsets", {3}) + "</Polys></Piece>";
+    return bytes_of(writer.file(piece));
+  };
+  check_prefixes_and_flips(import_vtp, make({Way::ascii}));
+  check_prefixes_and_flips(import_vtp, make({Way::appended_raw, true}));
+}
+
+const std::string kLegacy =
+    "# vtk DataFile Version 3.0\na square\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+    "0 0 0 1 0 0 1 1 0\n0 1 0\n";
+const std::string kLegacyCells =
+    "VERTICES 1 2\n1 3\nLINES 1 3\n2 0 2\nPOLYGONS 1 5\n4 0 1 2 3\n"
+    "TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n";
+const std::string kLegacyData =
+    "POINT_DATA 4\nSCALARS temperature double\nLOOKUP_TABLE default\n-20 30 80 80\n"
+    "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\n";
+
+TEST_CASE("legacy VTK: text, of old and new versions") {
+  check_square(imported(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData)));
+  const auto cells = [](const std::string& name, const std::string& corners, int count) {
+    return name + " 2 " + std::to_string(count) + "\nOFFSETS vtktypeint64\n0 " + std::to_string(count) +
+           "\nCONNECTIVITY vtktypeint64\n" + corners + "\n";
+  };
+  const std::string of_51 = cells("VERTICES", "3", 1) + cells("LINES", "0 2", 2) + cells("POLYGONS", "0 1 2 3", 4) +
+                            cells("TRIANGLE_STRIPS", "0 1 3 2", 4);
+  check_square(imported(import_vtk_legacy,
+                        bytes_of(kLegacy + "METADATA\nINFORMATION 0\n\n" + of_51 +
+                                 "\nPOINT_DATA 4\nFIELD FieldData 2\n"
+                                 "wind 3 4 float\n1 2 3 4 5 6 7 8 9 10 11 12\ntemperature 1 4 int\n-20 30 80 80\n"
+                                 "NORMALS n float\n0 0 1 0 0 1 0 0 1 0 0 1\nMETADATA\nNAME x\n\n")));
+}
+
+TEST_CASE("legacy VTK: binary, which is big-endian") {
+  Bytes file = bytes_of("# vtk DataFile Version 4.2\na square\nBINARY\nDATASET POLYDATA\nPOINTS 4 float\n");
+  for (const float value : kSquare) put_big(file, value);
+  const auto cells = [&](const std::string& line, const std::vector<std::int32_t>& values) {
+    file = file + bytes_of("\n" + line + "\n");
+    for (const std::int32_t value : values) put_big(file, value);
+  };
+  cells("VERTICES 1 2", {1, 3});
+  cells("LINES 1 3", {2, 0, 2});
+  cells("POLYGONS 1 5", {4, 0, 1, 2, 3});
+  cells("TRIANGLE_STRIPS 1 5", {4, 0, 1, 3, 2});
+  file = file + bytes_of("\nPOINT_DATA 4\nSCALARS temperature short 1\nLOOKUP_TABLE default\n");
+  for (const std::int16_t value : {-20, 30, 80, 80}) put_big(file, value);
+  file = file + bytes_of("\nNORMALS n float\n");
+  for (int i = 0; i < 4; ++i)
+    for (const float value : {0.0f, 0.0f, 1.0f}) put_big(file, value);
+  check_square(imported(import_vtk_legacy, file));
+  Bytes colored = file + bytes_of("\nCELL_DATA 4\nCOLOR_SCALARS c 3\n");
+  for (int i = 0; i < 12; ++i) colored.push_back(std::byte{51});
+  check_square(imported(import_vtk_legacy, colored));
+}
+
+TEST_CASE("legacy VTK: what is wrong is said, and what is there shows") {
+  const auto told = [](const std::string& text, const std::string& said) {
+    INFO(text);
+    const Imported result = imported(import_vtk_legacy, bytes_of(text));
+    INFO(result.messages());
+    CHECK(result.messages().find(said) != std::string::npos);
+    return result.all("Shape").size();
+  };
+  CHECK(told("#VRML V2.0 utf8\n", "vtk DataFile") == 0);
+  CHECK(told("# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n", "unstructured_grid") == 0);
+  CHECK(told("# vtk DataFile Version 3.0\nx\nEBCDIC\n", "ASCII or BINARY") == 0);
+  CHECK(told(kLegacy + "POLYGONS 2 9\n3 0 1 2\n4 0 1", "numbers") == 1);
+  CHECK(told(kLegacy + "POLYGONS 1 -5\n", "whole number") == 1);
+  CHECK(told(kLegacy + "POLYGONS 2000000000 2000000000\n3 0 1 2", "numbers") == 1);
+  CHECK(told(kLegacy + "POLYGONS 2 3\nOFFSETS int\n0 9\nCONNECTIVITY int\n0 1 2\n", "OFFSETS") == 1);
+  CHECK(told(kLegacy + "POLYGONS 1 4\n3 0 1 9\nCHEESE 1\n", "cheese") == 0);
+  CHECK(told(kLegacy + "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 4\nSCALARS s bit\n", "bit") == 1);
+}
+
+TEST_CASE("legacy VTK: no prefix and no flipped bit does harm") {
+  check_prefixes_and_flips(import_vtk_legacy, bytes_of(kLegacy + kLegacyCells + kLegacyData));
+  Bytes binary = bytes_of("# vtk DataFile Version 5.1\nb\nBINARY\nDATASET POLYDATA\nPOINTS 3 float\n");
+  for (const float value : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) put_big(binary, value);
+  binary = binary + bytes_of("\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n");
+  for (const std::int64_t end : {0, 3}) put_big(binary, end);
+  binary = binary + bytes_of("\nCONNECTIVITY vtktypeint64\n");
+  for (const std::int64_t corner : {0, 1, 2}) put_big(binary, corner);
+  CHECK(imported(import_vtk_legacy, binary).corners() == std::vector<std::int32_t>{0, 1, 2, -1});
+  check_prefixes_and_flips(import_vtk_legacy, binary);
+}
+
+TEST_CASE("Files of VTK are known by what they say") {
+  CHECK(content_type_of("a", bytes_of("<VTKFile type=\"PolyData\">")).name == "VTK PolyData");
+  CHECK(content_type_of("a", bytes_of("<?xml?><VTKFile type='ImageData'>")).name == "VTK ImageData");
+  CHECK(content_type_of("a", bytes_of(kLegacy)).name == "legacy VTK");
+  CHECK(content_type_of("a.vtp", {}).name == "VTK PolyData");
+  CHECK(content_type_of("a.VTK", {}).name == "legacy VTK");
+}
+
+}  // namespace gs::app::vtk_test

@@ -1,0 +1,103 @@
+// The menus, as somebody uses them in a small window.
+#include "app/view/actions.h"
+
+#include "app/interface/panels/panels.h"
+#include "tests/app/interface/driver.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace gs::app::menus_test {
+
+using driver::Driver;
+
+constexpr glm::ivec2 kSmall{640, 480};
+
+// What a row is called in its menu, as far as a menu of a small window shows it.
+std::string words_of(const ActionRow& row) {
+  const auto panel = panel_of(row.action);
+  return std::string(panel ? panel_rows()[*panel].title : row.help).substr(0, 28);
+}
+
+// Whether all of a line is in the window, after the wheel was turned if need be.
+bool can_be_seen(Driver& user, const std::string& words, const glm::vec2& menu) {
+  for (const float direction : {-4.0f, 4.0f})
+    for (int i = 0; i < 4; ++i) {
+      if (const auto place = user.find(words)) {
+        const auto letters = driver::seen_characters();
+        bool whole = place->x > 0 && place->x < kSmall.x;
+        for (const driver::SeenCharacter& one : letters)
+          if (std::abs((one.top + one.bottom) / 2 - place->y) < 1)
+            whole = whole && one.top >= 0 && one.bottom <= kSmall.y;
+        if (whole && place->y > 20) return true;
+      }
+      user.turn_wheel(menu, direction);
+    }
+  return false;
+}
+
+TEST_CASE("Every entry of every menu can be reached in a window of 640 x 480") {
+  Driver user({}, kSmall);
+  user.show_world("Viewpoint {} Viewpoint {} Shape { geometry Box {} }");
+  for (std::size_t i = 0; i < kMenus; ++i) {
+    const auto menu = static_cast<Menu>(i);
+    const std::string title(title_of(menu));
+    INFO(title);
+    const auto head = user.find(title);
+    REQUIRE(head);
+    user.click(*head);
+    const glm::vec2 inside = *head + glm::vec2(20, 60);
+    for (const ActionRow& row : actions()) {
+      if (row.menu != menu) continue;
+      INFO(row.help << " in " << user.screen());
+      CHECK(can_be_seen(user, words_of(row), inside));
+    }
+    user.press(Key::escape);
+    user.press(Key::escape);
+  }
+}
+
+TEST_CASE("A menu in a menu does what its entry says") {
+  Driver user({}, {1200, 600});
+  user.click("View");
+  const auto words = user.find("Size of text");
+  REQUIRE(words);
+  CHECK_FALSE(user.sees("Larger text and buttons"));
+  user.click(*words);
+  // It stands beside the menu, not over the entry that was clicked.
+  REQUIRE(user.find("Larger text and buttons"));
+  CHECK(user.find("Larger text and buttons")->x > words->x + 100);
+  CHECK_FALSE(user.actions().run);
+  user.click("Larger text and buttons");
+  REQUIRE(user.actions().run);
+  CHECK(*user.actions().run == Action::larger_text);
+}
+
+TEST_CASE("Quit is the last entry of its menu") {
+  Driver user({}, {1000, 500});
+  user.click("File");
+  const auto quit = user.find("Quit"), pictures = user.find("Pictures"), recent = user.find("Open recent");
+  REQUIRE((quit && pictures && recent));
+  CHECK(quit->y > pictures->y);
+  CHECK(quit->y > recent->y);
+}
+
+TEST_CASE("A series that plays is not said to be loading all the time") {
+  Driver user;
+  user.show_world("Shape { geometry Box {} }");
+  bool playing = false;
+  user.set_model([&](UiModel& model) {
+    REQUIRE_FALSE(model.viewports.empty());
+    model.viewports[0].loading = "run.%04d.qnv";
+    model.tools.playing = playing;
+  });
+  user.settle();
+  CHECK(user.sees("Loading run"));
+  playing = true;
+  user.settle();
+  CHECK_FALSE(user.sees("Loading run"));
+}
+
+}  // namespace gs::app::menus_test
