@@ -20,10 +20,10 @@ EncodeProblem set_vectors(Options& options, const std::string& value) {
 
 EncodeProblem set_exact(Options& options, const std::string& value) {
   constexpr int kUsualBits = 11;
-  options.exact_bits = kUsualBits;
-  const bool good = value.empty() || (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kLeastBits &&
+  options.exact_bits = value == "none" ? 0 : kUsualBits;
+  const bool good = value.empty() || value == "none" || (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kLeastBits &&
                                       options.exact_bits <= qnv::exact::kMostBits);
-  return good ? EncodeProblem{} : "expected a number of bits from 8 to 20";
+  return good ? EncodeProblem{} : "expected a number of bits from 8 to 20, or none";
 }
 
 EncodeProblem set_fraction(Options& options, const std::string& value) {
