@@ -52,10 +52,14 @@ constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent at most, as a part of it: with more the whole would be larger than it need be.
-constexpr double kBeforeTail = 1.0 / 6;
-// What is shown until the tail is there counts by so much of its bytes: it is worth coming early for more than its distance.
-constexpr double kWorthOfTail = 0.5;
+// Before the mesh itself so much is sent at most, as a part of it. Where the mesh was asked for the whole is to be no
+// larger than it need be; else it is the picture at every size that counts.
+constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 0.25;
+// What is shown until the tail is there counts by so much of its bytes.
+constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
+// A stage that is begun before a tail gets at least this part of what it begins with besides: until then the stage
+// before looks no worse.
+constexpr double kBesidesFront = 0.5;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
 // What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
@@ -145,6 +149,7 @@ struct StageChunks {
   std::vector<OutgoingChunk> chunks;
   std::vector<double> distances;
   std::vector<std::vector<OutgoingChunk>> parity;  // of the front of each stage
+  std::vector<std::size_t> begins, ready;          // the first chunk of each stage, and that behind its front
 };
 StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
@@ -159,6 +164,7 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
     if (i == 0) distances = {left};
     std::size_t needed = 0, bytes = 0, sent = 0;
+    out.begins.push_back(chunks.size());
     if (i > 0) {
       const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
       double then = left;
@@ -178,6 +184,7 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
       front.append(true, out.parity[i]);
       bytes = grouped - stage.bytes.size();
     }
+    out.ready.push_back(chunks.size());
     const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
     for (; sent < stage.clusters.size(); ++sent) {
       StageCluster& cluster = stage.clusters[sent];
@@ -221,15 +228,22 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
 
 /// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
 /// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is there.
-void keep_before(std::vector<OutgoingChunk>& chunks, const std::vector<double>& distances, double bytes, double tail) {
-  std::size_t kept = 0;
-  double least = distances[0] * tail, shown = 0, sum = 0;
+void keep_before(StageChunks& stages, double bytes, double tail) {
+  std::vector<OutgoingChunk>& chunks = stages.chunks;
+  std::size_t kept = 0, stage = 0;
+  double least = stages.distances[0] * tail, shown = 0, sum = 0, began = 0, front = 0;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     const auto more = static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[i].payload.size());
+    if (stage + 1 < stages.begins.size() && i == stages.begins[stage + 1]) {
+      ++stage;
+      began = sum;
+    }
     sum += more;
     if (sum > bytes) break;
-    shown += distances[i] * more;
-    if (const double all = shown + distances[i + 1] * tail; all <= least) {
+    shown += stages.distances[i] * more;
+    if (i + 1 <= stages.ready[stage]) front = sum - began;
+    const bool enough = stage == 0 || sum - began >= (1 + kBesidesFront) * front;
+    if (const double all = shown + stages.distances[i + 1] * tail; enough && all <= least) {
       least = all;
       kept = i + 1;
     }
@@ -247,6 +261,7 @@ std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& so
   if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
   EncodeOptions rest = options;
   rest.most_triangles = 0;
+  rest.exact_bits = 0;
   auto encoded = encode_displaced(std::get<ThinnedSurface>(thinned).source(), rest, progress);
   if (auto* stream = std::get_if<EncodedStream>(&encoded)) stream->thinned = true;
   return encoded;
@@ -329,7 +344,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     step = std::ldexp(step, -displaced::kLayerShift);
   int tail_bits = kTailBits;
   std::size_t tail_size = 0;  // about, with the bits behind it
-  const auto room = [&] { return exact ? kBeforeTail * static_cast<double>(tail_size) : 1e300; };
+  const auto room = [&] { return exact ? (chosen ? kBeforeChosenTail : kBeforeTail) * static_cast<double>(tail_size) : 1e300; };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;
@@ -359,7 +374,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
             true};
     }
     if (stages.empty() && exact) {
-      if (options.exact_bits > 0) tail_bits = fewest_tail_bits(*exact);
+      tail_bits = options.exact_bits > 0 ? fewest_tail_bits(*exact) : first_tail_bits(*exact);
       tail_size = rough_tail_size(*exact, tail_bits);
       if (tail_size > exact::kMostTailBytes)
         return EncodeError{"the mesh takes " + std::to_string(tail_size) + " bytes; expected at most " +
@@ -396,8 +411,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
   std::vector<OutgoingChunk>& chunks = sent.chunks;
   if (exact)
-    keep_before(chunks, sent.distances, room() - static_cast<double>(encode_header(header).size()),
-                kWorthOfTail * static_cast<double>(tail_size));
+    keep_before(sent, room() - static_cast<double>(encode_header(header).size()),
+                (chosen ? kWorthOfChosenTail : kWorthOfTail) * static_cast<double>(tail_size));
   if (exact) {
     if (progress) progress->stage = "joining";
     // As it is shown before the tail comes.

@@ -16,10 +16,10 @@ namespace gs::qnv {
 namespace {
 
 // An edge of the mean length has so many places of a lattice that is chosen; between so many bits.
-constexpr float kPlacesAnEdge = 48;
+constexpr float kPlacesAnEdge = 96;
 constexpr int kFewestChosenBits = 11, kMostChosenBits = 14;
-// With parity: bytes of a tail that are read at once, and of what parity stands for together.
-constexpr std::size_t kReadTogether = 2048, kGroupBytes = 120 * kAimedPieceBytes;
+// With parity: bytes of a tail that are read at once, between these and about so many times, and of what parity stands for together.
+constexpr std::size_t kLeastReadTogether = 512, kMostReadTogether = 4096, kReads = 24, kGroupBytes = 120 * kAimedPieceBytes;
 // Else, of a tail's pieces.
 constexpr std::size_t kLeastTailPiece = 4096, kTailPieces = 12;
 // Parity of n pieces is this part of n, and this times its root besides: with 30 % lost they all come back in 99 of 100
@@ -104,6 +104,11 @@ std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits) {
   return exact::encode_tail(coarse, true).size() + low;
 }
 
+int first_tail_bits(const exact::ExactMesh& mesh) {
+  // Normals of faces by themselves are further off than means of those around a corner.
+  return mesh.shading.rule == exact::Shading::Rule::faces ? kTailBits : kTailBits - 1;
+}
+
 int fewest_tail_bits(const exact::ExactMesh& mesh) {
   int best = std::min(kTailBits, mesh.bits);
   auto least = static_cast<double>(rough_tail_size(mesh, best));
@@ -130,7 +135,8 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   if (tail.cover) append(ChunkType::cover, exact::encode_cover(*tail.cover));
   const std::size_t most = tail.cover ? std::clamp(tail.bytes.size() / kTailPieces, kLeastTailPiece, exact::kTailPieceBytes)
                                       : exact::kTailPieceBytes;
-  std::vector<std::vector<std::byte>> payloads = exact::pieces_of(tail.bytes, tail.parity ? kReadTogether : most);
+  const std::size_t together = std::clamp(tail.bytes.size() / kReads, kLeastReadTogether, kMostReadTogether);
+  std::vector<std::vector<std::byte>> payloads = exact::pieces_of(tail.bytes, tail.parity ? together : most);
   Pieces pieces, low{tail.low_bits, {}};
   if (tail.parity) {
     pieces = pieces_with_parity(kGroupsOfTails, payloads);

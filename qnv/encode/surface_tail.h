@@ -34,6 +34,8 @@ struct SurfaceTail {
                                   exact::TailOrder* order = nullptr);
 /// About how many bytes a tail takes, with what comes behind it.
 [[nodiscard]] std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits);
+/// How many bits are in the tail itself where it is to be there soon; what is finer comes behind it.
+[[nodiscard]] int first_tail_bits(const exact::ExactMesh& mesh);
 /// With how many bits in the tail itself it takes about the fewest bytes; fewer where that is no matter.
 [[nodiscard]] int fewest_tail_bits(const exact::ExactMesh& mesh);
 

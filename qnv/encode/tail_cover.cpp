@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace gs::qnv {
@@ -19,6 +20,8 @@ constexpr std::size_t kRankCells = std::size_t{1} << 3 * kRankCellBits;
 constexpr int kCoverParts = 64;
 // What lies opposite to a place is looked for so far away first, on the same side of what is thin.
 constexpr float kCoverReach = 0.02f, kCoverSide = -0.2f, kAnyReach = 4;
+// What a component is that no stage stands for, of the area.
+constexpr double kLeastPartBeside = 2e-4;
 // How far off a place counts beside the square of how far off its normal is: what it does to outlines.
 constexpr float kOutlineWorth = 0.4f, kOutlineUnit = 0.003f;
 // How much cells beside count in what a cell is worth.
@@ -26,6 +29,40 @@ constexpr double kBesideCell = 0.3;
 
 std::size_t cell_at(const exact::ExactMesh& mesh, std::uint32_t vertex) {
   return exact::cell_of(mesh.vertices[vertex], mesh.bits, kRankCellBits);
+}
+
+/// The triangles of a mesh but for those of components that have less than this part of its area: stages leave them out,
+/// and they come last. All of them where no component has more.
+std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& mesh, double least_part,
+                                                 std::vector<std::uint32_t>& numbers) {
+  std::vector<std::uint32_t> root(mesh.positions.size());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  std::vector<double> areas(root.size(), 0);
+  const auto area = [&](const displaced::Corners& t) {
+    const glm::vec3 a = mesh.positions[t[0]];
+    return static_cast<double>(glm::length(glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a)));
+  };
+  double all = 0;
+  for (const displaced::Corners& t : mesh.triangles)
+    for (std::size_t k = 1; k < 3; ++k) root[find(t[k])] = find(t[0]);
+  for (const displaced::Corners& t : mesh.triangles) {
+    areas[find(t[0])] += area(t);
+    all += area(t);
+  }
+  std::vector<displaced::Corners> large;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (areas[find(mesh.triangles[t][0])] >= least_part * all) {
+      large.push_back(mesh.triangles[t]);
+      numbers.push_back(t);
+    }
+  if (!large.empty()) return large;
+  numbers.resize(mesh.triangles.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  return mesh.triangles;
 }
 
 /// Every sum with a part of those of the cells beside it.
@@ -60,6 +97,8 @@ TailCover::TailCover(const exact::ExactMesh& mesh, const displaced::Surface& sur
     const glm::vec3 n = glm::cross(lattice.positions[t[1]] - a, lattice.positions[t[2]] - a);
     for (const std::uint32_t v : t) normals[v] += n;
   }
+  std::vector<std::uint32_t> numbers;
+  lattice.triangles = large_components(lattice, kLeastPartBeside, numbers);
   const displaced::TriangleTree tree(lattice, threads);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
@@ -76,12 +115,12 @@ TailCover::TailCover(const exact::ExactMesh& mesh, const displaced::Surface& sur
           displaced::SurfacePoint there = tree.nearest(from, kCoverReach, facing[slot], kCoverSide);
           const bool opposite = there.triangle != displaced::kNone;
           if (!opposite) there = tree.nearest(from, kAnyReach, facing[slot], -1.0f);
-          triangle[slot] = there.triangle;
+          triangle[slot] = there.triangle == displaced::kNone ? displaced::kNone : numbers[there.triangle];
           if (!opposite) continue;
           const glm::vec3 weights = tree.weights(there);
           glm::vec3 normal(0);
           for (int k = 0; k < 3; ++k) {
-            const glm::vec3& n = normals[mesh.triangles[there.triangle][static_cast<std::size_t>(k)]];
+            const glm::vec3& n = normals[lattice.triangles[there.triangle][static_cast<std::size_t>(k)]];
             const float length = glm::length(n);
             if (length > 0) normal += weights[k] / length * n;
           }

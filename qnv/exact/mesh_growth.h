@@ -35,7 +35,7 @@ inline constexpr int kMostCellBits = 5;
 [[nodiscard]] constexpr std::size_t cell_of(const glm::ivec3& place, int bits, int cell_bits) {
   const int shift = bits - cell_bits;
   const auto part = [&](int c) { return static_cast<std::size_t>(c >> shift); };
-  return ((part(place.z) << cell_bits) + part(place.y) << cell_bits) + part(place.x);
+  return (part(place.z) << 2 * cell_bits) + (part(place.y) << cell_bits) + part(place.x);
 }
 
 /// A colour as luma and two chromas, without loss (H. Malvar, G. Sullivan, YCoCg-R, 2003).

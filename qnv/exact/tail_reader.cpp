@@ -26,6 +26,8 @@ struct TailReader::Growing {
 TailReader::TailReader(std::size_t length, std::size_t most_vertices)
     : length_(length), most_vertices_(most_vertices), growing_(std::make_unique<Growing>()) {}
 
+TailReader::TailReader(TailReader&&) noexcept = default;
+TailReader& TailReader::operator=(TailReader&&) noexcept = default;
 TailReader::~TailReader() = default;
 
 void TailReader::push(std::span<const std::byte> more) {

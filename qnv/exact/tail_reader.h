@@ -22,6 +22,8 @@ class TailReader {
 
   /// `length`: of the whole tail, bytes.
   TailReader(std::size_t length, std::size_t most_vertices);
+  TailReader(TailReader&&) noexcept;
+  TailReader& operator=(TailReader&&) noexcept;
   ~TailReader();
   /// The next bytes. Those behind the end are passed over.
   void push(std::span<const std::byte> bytes);

@@ -36,7 +36,12 @@ struct Sample {
 Triangles rough_sheet() {
   Triangles sheet = displaced::sheet(140);
   for (Triangle& t : sheet)
-    for (glm::vec3& p : t.positions) p.z += 0.02f * std::sin(9000 * p.x + 7000 * p.y);
+    for (glm::vec3& p : t.positions) {
+      const glm::vec3 by(std::sin(9000 * p.x + 7000 * p.y), std::sin(8000 * p.x + 9100 * p.y),
+                         std::sin(7700 * p.x + 8300 * p.y));
+      const glm::vec3 noise = 40000.0f * by;
+      p += 0.002f * (noise - glm::floor(noise));
+    }
   return sheet;
 }
 

@@ -3,6 +3,7 @@
 #include "qnv/decode/decoder.h"
 #include "qnv/exact/cover.h"
 #include "qnv/exact/tail_reader.h"
+#include "qnv/stream/piece_group.h"
 #include "tests/qnv/exact/exact_shapes.h"
 #include "tests/watched.h"
 
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <span>
 #include <variant>
@@ -33,19 +35,51 @@ TailRanks some_ranks() {
 }
 
 Triangles bumpy_ball() {
-  Triangles ball = displaced::ball(48);
+  Triangles ball = displaced::ball(24);
   for (Triangle& t : ball)
     for (glm::vec3& p : t.positions)
       p *= 1 + 0.05f * std::sin(7 * p.x) * std::cos(5 * p.y) + 0.01f * std::sin(60 * p.z) * std::sin(55 * p.x);
   return ball;
 }
 
-Bytes stream_of(const Triangles& triangles, int bits) {
-  EncodeOptions options;
-  options.exact_bits = bits;
-  auto made = encode_displaced(source_of(triangles), options);
-  REQUIRE(std::holds_alternative<EncodedStream>(made));
-  return std::get<EncodedStream>(made).bytes;
+/// As it is encoded where nothing is said of it: in pieces, with low bits and parity.
+const Bytes& stream() {
+  static const Bytes bytes = [] {
+    EncodeOptions options;
+    options.exact_bits = kExactWherePays;
+    auto made = encode_displaced(source_of(bumpy_ball()), options);
+    REQUIRE(std::holds_alternative<EncodedStream>(made));
+    return std::get<EncodedStream>(made).bytes;
+  }();
+  return bytes;
+}
+
+struct Chunk {
+  ChunkType type = ChunkType::displaced;
+  Bytes payload;
+};
+/// Those of the stream, those in pieces as they were before they were cut.
+std::vector<Chunk> chunks_whole() {
+  std::vector<Chunk> chunks;
+  std::map<int, PieceGroup> groups;
+  StreamReader reader;
+  (void)reader.push(stream(), [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    const auto piece = type == ChunkType::piece ? read_piece_header(payload) : std::nullopt;
+    if (!piece) {
+      chunks.push_back({type, Bytes(payload.begin(), payload.end())});
+      return;
+    }
+    REQUIRE(groups[piece->group].add(*piece, payload));
+    for (Bytes& each : groups[piece->group].take()) chunks.push_back({type_of_group(piece->group), std::move(each)});
+  });
+  return chunks;
+}
+
+std::size_t header_bytes() {
+  std::size_t header = 0;
+  bool more = false;
+  (void)decode_header(stream(), header, more);
+  return header;
 }
 
 /// Whether the line from a place to another one meets a triangle.
@@ -165,14 +199,14 @@ TEST_CASE("a table of covered patches comes back, and none that is not one is ta
 }
 
 TEST_CASE("while a tail comes, patches give way to what is there of the mesh, and no hole is between them") {
-  const Bytes stream = stream_of(bumpy_ball(), 12);
   StreamDecoder decoder;
   std::size_t mixed = 0, last = 0;
   std::mt19937 random(6);
   std::normal_distribution<float> normal;
-  const std::size_t step = stream.size() / 24;
-  for (std::size_t at = 0; at < stream.size(); at += step) {
-    REQUIRE(decoder.push(std::span(stream).subspan(at, std::min(step, stream.size() - at))));
+  const std::span<const std::byte> bytes(stream());
+  const std::size_t step = bytes.size() / 30;
+  for (std::size_t at = 0; at < bytes.size(); at += step) {
+    REQUIRE(decoder.push(bytes.subspan(at, std::min(step, bytes.size() - at))));
     if (!decoder.exact().cover()) continue;
     ++mixed;
     const Cloud cloud = decoder.cloud();
@@ -186,41 +220,37 @@ TEST_CASE("while a tail comes, patches give way to what is there of the mesh, an
     const std::size_t patches = cloud.triangles.size() / 3 - decoder.exact().triangles();
     CHECK((mixed == 1 || patches <= last));
     last = patches;
-    for (std::size_t i = 0; i < 300; i += watched_step(30)) {
+    for (std::size_t i = 0; i < 60; i += watched_step(20)) {
       const glm::vec3 way = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
       const glm::vec3 aside = 0.3f * glm::vec3(normal(random), normal(random), normal(random));
       REQUIRE_EACH(meets(cloud, 3.0f * way, 0.3f * aside));
     }
   }
-  CHECK(mixed > 8);
+  CHECK(mixed > 5);
   CHECK(last < decoder.cloud().triangles.size() / 3);
   CHECK(decoder.exact().whole());
 }
 
 TEST_CASE("without the table, or beside another stage than it says, a tail is nothing until all of it has come") {
-  const Bytes stream = stream_of(bumpy_ball(), 12);
-  StreamReader reader;
-  std::size_t header = 0;
-  bool more = false;
-  (void)decode_header(stream, header, more);
+  const std::vector<Chunk> chunks = chunks_whole();
   for (const int which : {0, 1, 2}) {
     StreamDecoder decoder;
-    REQUIRE(decoder.push(std::span(stream).first(header)));
+    REQUIRE(decoder.push(std::span(stream()).first(header_bytes())));
     std::size_t pieces = 0;
-    StreamReader chunks;
-    (void)chunks.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
-      if (type == ChunkType::exact && ++pieces > 1) return;
-      Bytes changed(payload.begin(), payload.end());
+    for (const auto& [type, payload] : chunks) {
+      if (type == ChunkType::low_bits || (type == ChunkType::exact && ++pieces > 4)) continue;
+      Bytes changed = payload;
       if (type == ChunkType::cover) {
-        if (which == 0) return;
+        if (which == 0) continue;
         auto cover = decode_cover(payload);
         REQUIRE(cover);
         if (which == 1) cover->stage = 9;
         if (which == 2) cover->patches.pop_back();
         changed = encode_cover(*cover);
       }
-      if (type != ChunkType::low_bits) decoder.add(type, changed);
-    });
+      decoder.add(type, changed);
+    }
+    REQUIRE(pieces > 5);
     CHECK(decoder.exact().triangles() > 100);
     CHECK(!decoder.has_arrays());
     const Cloud cloud = decoder.cloud();
@@ -231,29 +261,28 @@ TEST_CASE("without the table, or beside another stage than it says, a tail is no
 }
 
 TEST_CASE("where it pays a surface ends with the mesh, with bits as its edges are long, and losses do not stop it") {
-  const Bytes stream = stream_of(bumpy_ball(), kExactWherePays);
   StreamDecoder decoder;
-  REQUIRE(decoder.push(stream));
+  REQUIRE(decoder.push(stream()));
   decoder.finish();
   REQUIRE(decoder.is_mesh());
   CHECK(decoder.exact().bits() >= 11);
   CHECK(decoder.exact().bits() <= 14);
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     StreamDecoder lossy;
-    REQUIRE(lossy.push(drop_packets(stream, 0.3, seed)));
+    REQUIRE(lossy.push(drop_packets(stream(), 0.3, seed)));
     lossy.finish();
     CHECK(lossy.exact().whole());
   }
   // One that may not take so much has none.
   EncodeOptions options;
   options.exact_bits = kExactWherePays;
-  options.max_bytes = 4000;
-  const auto small = encode_displaced(source_of(bumpy_ball()), options);
+  options.max_bytes = 2500;
+  const auto small = encode_displaced(source_of(displaced::ball(14)), options);
   REQUIRE(std::holds_alternative<EncodedStream>(small));
   StreamDecoder few;
   REQUIRE(few.push(std::get<EncodedStream>(small).bytes));
   CHECK(few.exact().length() == 0);
-  CHECK(std::get<EncodedStream>(small).bytes.size() <= 4000);
+  CHECK(std::get<EncodedStream>(small).bytes.size() <= 2500);
 }
 
 }  // namespace gs::qnv::exact::prefix_test
