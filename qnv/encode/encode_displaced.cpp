@@ -54,7 +54,7 @@ constexpr float kFinestStep = 1.0f / 14;
 
 // Before the mesh itself so much is sent at most, as a part of it. Where the mesh was asked for the whole is to be no
 // larger than it need be; else it is the picture at every size that counts.
-constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 0.25;
+constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
 // What is shown until the tail is there counts by so much of its bytes.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
 // A stage that is begun before a tail gets at least this part of what it begins with besides: until then the stage
@@ -421,9 +421,11 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     const SurfaceStages::Shown main = shown.stages().main();
     last = main.number;
     const TailCover beside(*exact, *main.surface, main.level, options.threads);
-    const exact::TailRanks ranks = beside.ranks();
+    // Where few bytes are asked for, it grows as it takes the fewest.
+    std::optional<exact::TailRanks> ranks;
+    if (options.exact_bits <= 0) ranks = beside.ranks();
     exact::TailOrder order;
-    SurfaceTail tail = tail_of(*exact, tail_bits, &ranks, &order);
+    SurfaceTail tail = tail_of(*exact, tail_bits, ranks ? &*ranks : nullptr, &order);
     tail.cover = beside.cover(main.number, order);
     tail.parity = options.exact_bits <= 0;
     append_tail(tail, s.box, chunks);

@@ -204,7 +204,7 @@ TEST_CASE("while a tail comes, patches give way to what is there of the mesh, an
   std::mt19937 random(6);
   std::normal_distribution<float> normal;
   const std::span<const std::byte> bytes(stream());
-  const std::size_t step = bytes.size() / 30;
+  const std::size_t step = bytes.size() / 90;
   for (std::size_t at = 0; at < bytes.size(); at += step) {
     REQUIRE(decoder.push(bytes.subspan(at, std::min(step, bytes.size() - at))));
     if (!decoder.exact().cover()) continue;
@@ -276,13 +276,13 @@ TEST_CASE("where it pays a surface ends with the mesh, with bits as its edges ar
   // One that may not take so much has none.
   EncodeOptions options;
   options.exact_bits = kExactWherePays;
-  options.max_bytes = 2500;
+  options.max_bytes = 1700;
   const auto small = encode_displaced(source_of(displaced::ball(14)), options);
   REQUIRE(std::holds_alternative<EncodedStream>(small));
   StreamDecoder few;
   REQUIRE(few.push(std::get<EncodedStream>(small).bytes));
   CHECK(few.exact().length() == 0);
-  CHECK(std::get<EncodedStream>(small).bytes.size() <= 2500);
+  CHECK(std::get<EncodedStream>(small).bytes.size() <= 1700);
 }
 
 }  // namespace gs::qnv::exact::prefix_test
