@@ -25,6 +25,8 @@ constexpr std::size_t kLeastTailPiece = 4096, kTailPieces = 12;
 // Parity of n pieces is this part of n, and this times its root besides: with 30 % lost they all come back in 99 of 100
 // cases (the mean of a binomial distribution and 2.3 of its deviations).
 constexpr double kGroupParity = 0.43, kGroupParityRoot = 1.9;
+// Faces that are no farther apart are shaded by themselves where the angle is less, degrees.
+constexpr int kFacesApart = 30;
 // Fewer bits in the tail are worth so much of its bytes.
 constexpr double kWorthOfFewBits = 1.01;
 
@@ -106,7 +108,8 @@ std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits) {
 
 int first_tail_bits(const exact::ExactMesh& mesh) {
   // Normals of faces by themselves are further off than means of those around a corner.
-  return mesh.shading.rule == exact::Shading::Rule::faces ? kTailBits : kTailBits - 1;
+  const bool apart = mesh.shading.rule == exact::Shading::Rule::faces && mesh.shading.angle < kFacesApart;
+  return apart ? kTailBits : kTailBits - 1;
 }
 
 int fewest_tail_bits(const exact::ExactMesh& mesh) {
@@ -131,7 +134,11 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
     chunk.entry.box = box;
     chunk.payload = std::move(payload);
   };
-  if (tail.shading.rule != exact::Shading::Rule::edges) append(ChunkType::shading, exact::encode_shading(tail.shading));
+  const auto append_shading = [&] {
+    if (tail.shading.rule != exact::Shading::Rule::edges)
+      append(ChunkType::shading, exact::encode_shading(tail.shading));
+  };
+  append_shading();
   if (tail.cover) append(ChunkType::cover, exact::encode_cover(*tail.cover));
   const std::size_t most = tail.cover ? std::clamp(tail.bytes.size() / kTailPieces, kLeastTailPiece, exact::kTailPieceBytes)
                                       : exact::kTailPieceBytes;
@@ -151,8 +158,11 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   last.replaced = std::min(replaced, last.entry.vectors);
   for (std::vector<std::byte>& piece : low.data)
     append(tail.parity ? ChunkType::piece : ChunkType::low_bits, std::move(piece));
+  // Two bytes without which all of the mesh looks otherwise: again where other packets hold them.
+  if (tail.parity) append_shading();
   for (auto* parity : {&pieces.parity, &low.parity})
     for (std::vector<std::byte>& piece : *parity) append(ChunkType::piece, std::move(piece));
+  if (tail.parity) append_shading();
 }
 
 }  // namespace gs::qnv
