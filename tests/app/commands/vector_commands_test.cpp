@@ -90,7 +90,7 @@ TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
             .status == kFailed);
 }
 
-TEST_CASE("encode: a smooth surface ends with the mesh itself, but for --exact=none; info tells how much has come") {
+TEST_CASE("encode: a smooth surface ends with the mesh itself, but for --exact=none, and info tells how much has come") {
   const ScratchFolder folder;
   std::string text;
   constexpr int kSide = 60;
