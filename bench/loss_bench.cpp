@@ -41,6 +41,7 @@ bool measure(Studio& studio, const std::string& file, unsigned seeds) {
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
   // As the program encodes what it is told nothing of; what it would make an octree of is displaced all the same.
   options.only_if_suited = true;
+  options.exact_bits = qnv::kExactWherePays;
   auto made = qnv::encode_displaced(source, options);
   if (std::exchange(options.only_if_suited, false) && std::holds_alternative<qnv::EncodeError>(made))
     made = qnv::encode_displaced(source, options);

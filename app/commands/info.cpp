@@ -182,6 +182,9 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
     if (exact.whole()) {
       tail.put("bits", exact.bits());
       tail.put("triangles", cloud.triangles.size() / 3);
+    } else if (exact.cover()) {
+      tail.put("triangles", exact.cover()->triangles);
+      tail.put("triangles_come", exact.triangles());
     }
     facts.put("exact", std::move(tail));
   }

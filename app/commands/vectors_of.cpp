@@ -198,7 +198,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   const bool counted = encode_options.vectors > 0;
   encode_options.exact_bits = options.exact_bits;
   encode_options.most_triangles = most_encoded_triangles(options.limits);
-  encode_options.only_if_suited = !options.displaced && options.exact_bits == 0;
+  encode_options.only_if_suited = !options.displaced && options.exact_bits <= 0;
   auto encoded = encode_as(options.records                                     ? qnv::Payload::records
                            : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
                                                                                : qnv::Payload::displaced);

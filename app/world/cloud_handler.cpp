@@ -153,7 +153,7 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
 // much as they become more.
 void CloudHandler::show_records(bool last) {
   // Meshes are counted when they are made.
-  const bool mesh = decoder_->exact().whole() || decoder_->progressive().begun();
+  const bool mesh = decoder_->exact().whole() || decoder_->progressive().begun() || decoder_->exact().cover();
   const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
   const std::uint64_t revision = decoder_->revision();
   const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;

@@ -81,7 +81,7 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
 }
 
 // All chunks of a payload are of one type.
-constexpr std::array<ChunkType, 6> only(ChunkType type) { return {type, type, type, type, type, type}; }
+constexpr std::array<ChunkType, 7> only(ChunkType type) { return {type, type, type, type, type, type, type}; }
 
 constexpr std::array<PayloadRow, 5> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
@@ -90,7 +90,8 @@ constexpr std::array<PayloadRow, 5> kRows = {{
     {Payload::outlines,
      "outlines",
      PayloadReader::polygons,
-     {ChunkType::outlines, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner},
+     {ChunkType::outlines, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner,
+      ChunkType::inner},
      0,
      0,
      0,
@@ -100,7 +101,7 @@ constexpr std::array<PayloadRow, 5> kRows = {{
      "displaced",
      PayloadReader::vectors,
      {ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::splits,
-      ChunkType::low_bits},
+      ChunkType::low_bits, ChunkType::cover},
      0,
      0,
      0,

@@ -49,7 +49,7 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
-  std::array<ChunkType, 6> chunks;  // the types of its chunks; often one and the same
+  std::array<ChunkType, 7> chunks;  // the types of its chunks; often one and the same
   std::size_t head_bytes;           // of a chunk's payload, of which nothing may be missing
   std::size_t record_bytes;         // behind them, each of use by itself; 0: a chunk is of use only as a whole
   std::size_t packet_records;       // that travel together and are lost together

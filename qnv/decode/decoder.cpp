@@ -98,6 +98,8 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     exact_.add_shading(payload);
   } else if (type == ChunkType::low_bits && header()->payload == Payload::displaced) {
     exact_.add_low_bits(payload);
+  } else if (type == ChunkType::cover && header()->payload == Payload::displaced) {
+    exact_.add_cover(payload);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
@@ -163,7 +165,7 @@ Cloud StreamDecoder::cloud() const {
   else if (progressive_.begun())
     progressive_.shown().append(cloud, header()->colored);
   else
-    surface_.append(cloud, header()->colored);
+    append_surface(cloud);
   packed_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
     append_discs(cluster, first, count, header()->cube, cloud);
   });
@@ -174,8 +176,36 @@ Cloud StreamDecoder::cloud() const {
   return cloud;
 }
 
+std::vector<bool> StreamDecoder::covered() const {
+  const exact::Cover* cover = exact_.cover();
+  const SurfaceStages::Shown main = surface_.main();
+  if (!cover || progressive_.begun() || !main.surface || main.number != cover->stage ||
+      main.surface->patches().size() != cover->patches.size() ||
+      surface_.count().vectors + exact_.vectors() > most_vectors_)
+    return {};
+  std::vector<bool> covered;
+  for (std::size_t p = 0; p < cover->patches.size(); ++p) covered.push_back(cover->covered(p, exact_.triangles()));
+  return covered;
+}
+
+void StreamDecoder::append_surface(Cloud& cloud) const {
+  const std::vector<bool> without = covered();
+  surface_.append(cloud, header()->colored, without);
+  if (!without.empty()) exact_.append(cloud, header()->colored);
+}
+
+std::size_t StreamDecoder::surface_vectors() const {
+  const std::vector<bool> without = covered();
+  return without.empty() ? surface_.count().vectors : surface_.vectors(without) + exact_.vectors();
+}
+
+bool StreamDecoder::has_arrays() const {
+  return !header() || header()->payload != Payload::displaced || exact_.whole() || progressive_.begun() ||
+         !covered().empty();
+}
+
 Cloud StreamDecoder::cloud_to_draw() {
-  if (!header() || header()->payload != Payload::displaced || exact_.whole() || progressive_.begun()) return cloud();
+  if (has_arrays()) return cloud();
   Cloud cloud;
   cloud.description = header()->description;
   cloud.color = header()->color;

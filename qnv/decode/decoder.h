@@ -49,7 +49,7 @@ class StreamDecoder {
     return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
            (exact_.whole()          ? exact_.vectors()
             : progressive_.begun() ? progressive_.shown().positions.size()
-                                   : surface_.count().vectors);
+                                   : surface_vectors());
   }
   /// Changes whenever `cloud` would.
   [[nodiscard]] std::uint64_t revision() const {
@@ -62,6 +62,10 @@ class StreamDecoder {
   [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }
   /// Whether what is there is the mesh itself, all of it.
   [[nodiscard]] bool is_mesh() const { return exact_.finest() || progressive_.mesh().whole(); }
+  /// The stages of a displaced surface.
+  [[nodiscard]] const SurfaceStages& stages() const { return surface_; }
+  /// Whether `cloud_to_draw` gives arrays, not patches.
+  [[nodiscard]] bool has_arrays() const;
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
   /// Everything that has arrived, each place at its finest; discs that were refined are gone. Of voxels in an order in
@@ -77,6 +81,10 @@ class StreamDecoder {
   void add_piece(std::span<const std::byte> payload);
   void add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing);
   void append_records(Cloud& cloud) const;
+  void append_surface(Cloud& cloud) const;
+  /// Where a part of the mesh is shown beside the patches that it does not cover: those that it does; else empty.
+  [[nodiscard]] std::vector<bool> covered() const;
+  [[nodiscard]] std::size_t surface_vectors() const;
 
   StreamReader reader_;
   std::size_t most_vectors_, records_vectors_ = 0, refused_chunks_ = 0;

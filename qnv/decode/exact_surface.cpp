@@ -12,18 +12,40 @@ void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::
     ++count_.refused;
     return;
   }
-  const auto tail = pieces_.take();
-  if (!tail) return;
-  done_ = true;
+  if (!reader_) reader_.emplace(pieces_.length(), most_vectors);
   box_ = box;
   most_vectors_ = most_vectors;
-  const auto size = exact::tail_size(*tail);
-  if (size && (size->vertices > most_vectors || size->triangles / 2 > most_vectors)) {
-    count_.full = true;
+  const std::size_t before = reader_->triangles();
+  reader_->push(pieces_.next());
+  using State = exact::TailReader::State;
+  const State state = reader_->state();
+  if (reader_->triangles() != before || state != State::growing) shown_.reset();
+  if (state == State::growing) {
+    if (cover() && reader_->triangles() != before) ++count_.taken;
     return;
   }
-  mesh_ = exact::decode_tail(*tail, most_vectors);
-  ++(mesh_ ? count_.taken : count_.refused);
+  done_ = true;
+  if (state == State::full) count_.full = true;
+  if (state == State::whole) mesh_ = reader_->mesh();
+  if (state != State::full) ++(mesh_ ? count_.taken : count_.refused);
+  reader_.reset();
+  (void)pieces_.take();
+}
+
+void ExactSurface::add_cover(std::span<const std::byte> payload) {
+  auto cover = exact::decode_cover(payload);
+  if (!cover) {
+    ++count_.refused;
+    return;
+  }
+  if (cover_) return;
+  cover_ = std::move(cover);
+  if (this->cover()) ++count_.taken;
+}
+
+const exact::Cover* ExactSurface::cover() const {
+  return cover_ && reader_ && reader_->triangles() > 0 && reader_->all_triangles() == cover_->triangles ? &*cover_
+                                                                                                        : nullptr;
 }
 
 void ExactSurface::add_shading(std::span<const std::byte> payload) {
@@ -35,7 +57,7 @@ void ExactSurface::add_shading(std::span<const std::byte> payload) {
   if (shading_) return;
   shading_ = shading;
   shown_.reset();
-  if (mesh_) ++count_.taken;
+  if (mesh_ || cover()) ++count_.taken;
 }
 
 void ExactSurface::add_low_bits(std::span<const std::byte> payload) {
@@ -44,14 +66,14 @@ void ExactSurface::add_low_bits(std::span<const std::byte> payload) {
     return;
   }
   shown_.reset();
-  if (mesh_) ++count_.taken;
+  if (mesh_ || cover()) ++count_.taken;
 }
 
 bool ExactSurface::finest() const { return mesh_ && low_bits_.complete(*mesh_); }
 
 const ShadedVertices& ExactSurface::shown() const {
   if (shown_) return *shown_;
-  exact::ExactMesh mesh = *mesh_;
+  exact::ExactMesh mesh = mesh_ ? *mesh_ : reader_->mesh();
   low_bits_.apply(mesh);
   const exact::Shading own{exact::Shading::Rule::edges, mesh.crease_angle};
   shown_ = shaded_vertices(mesh, shading_.value_or(own), box_);

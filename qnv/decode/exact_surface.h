@@ -2,9 +2,11 @@
 
 #include "qnv/base/cloud.h"
 #include "qnv/decode/shaded_mesh.h"
+#include "qnv/exact/cover.h"
 #include "qnv/exact/exact_mesh.h"
 #include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
+#include "qnv/exact/tail_reader.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -15,8 +17,9 @@
 
 namespace gs::qnv {
 
-/// The mesh at the end of a displaced stream: nothing until all of its tail has come, then as it was. One thread; safe
-/// for untrusted bytes.
+/// The mesh at the end of a displaced stream. It grows triangle by triangle as its tail comes; once a table says which
+/// patches of a stage it covers, what is there of it can be shown beside the others. One thread; safe for untrusted
+/// bytes.
 class ExactSurface {
  public:
   struct Count {
@@ -30,8 +33,16 @@ class ExactSurface {
   void add_shading(std::span<const std::byte> payload);
   /// The bits of finer lattices; they may come before the tail.
   void add_low_bits(std::span<const std::byte> payload);
+  /// The table of what patches it covers; it may come behind the tail.
+  void add_cover(std::span<const std::byte> payload);
   /// Whether it is there; its places may still become finer.
   [[nodiscard]] bool whole() const { return mesh_.has_value(); }
+  /// The patches that are covered, where some of it is there and not all; null: it is nothing yet.
+  [[nodiscard]] const exact::Cover* cover() const;
+  /// How many triangles have come.
+  [[nodiscard]] std::size_t triangles() const {
+    return mesh_ ? mesh_->triangles.size() : reader_ ? reader_->triangles() : 0;
+  }
   /// Whether they are as fine as they will be.
   [[nodiscard]] bool finest() const;
   /// How many bytes of the tail have come, and how many there are; 0: none have.
@@ -39,11 +50,11 @@ class ExactSurface {
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
   /// Places an axis, as a power of two; 0: it is not there.
   [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
-  /// Its vertices, one a side where it has a crease, and the triangles between them. `colored`: they have colours, that
-  /// of the cloud where it has none.
+  /// The vertices that have come, one a side where it has a crease, and the triangles between them. `colored`: they have
+  /// colours, that of the cloud where it has none.
   void append(Cloud& cloud, bool colored) const;
   /// How many vertices it is shown with.
-  [[nodiscard]] std::size_t vectors() const { return whole() ? shown().positions.size() : 0; }
+  [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
@@ -51,7 +62,9 @@ class ExactSurface {
   [[nodiscard]] const ShadedVertices& shown() const;
 
   exact::TailPieces pieces_;
-  std::optional<exact::ExactMesh> mesh_;  // of the tail, once all of it has come
+  std::optional<exact::TailReader> reader_;  // until all of it has come
+  std::optional<exact::ExactMesh> mesh_;     // from then on
+  std::optional<exact::Cover> cover_;
   std::optional<exact::Shading> shading_;
   exact::LowBits low_bits_;
   Box box_;

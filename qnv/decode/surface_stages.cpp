@@ -33,6 +33,18 @@ std::size_t most_slots(const displaced::Surface& surface) {
   return surface.slots().vertices_at(surface.header().depth);
 }
 
+/// Which slots some patch has that is not left out.
+std::vector<bool> used_slots(const displaced::Surface& surface, int level, const std::vector<bool>& without) {
+  std::vector<bool> used(surface.slots().vertices_at(level), false);
+  std::vector<std::uint32_t> grid;
+  for (std::uint32_t p = 0; p < surface.slots().size(); ++p) {
+    if (without[p]) continue;
+    surface.slots().grid(p, level, grid);
+    for (const std::uint32_t slot : grid) used[slot] = true;
+  }
+  return used;
+}
+
 std::size_t slots_shown(const displaced::Surface& surface) { return surface.slots().vertices_at(shown_level(surface)); }
 
 }  // namespace
@@ -155,8 +167,26 @@ void SurfaceStages::recount() {
   for (const auto& [number, surface] : all_shown()) count_.vectors += slots_shown(*surface);
 }
 
-void SurfaceStages::append(Cloud& cloud, bool colored) const {
-  for (const auto& [number, surface] : all_shown()) append(*surface, cloud, colored);
+void SurfaceStages::append(Cloud& cloud, bool colored, const std::vector<bool>& without) const {
+  bool main = true;
+  for (const auto& [number, surface] : all_shown()) {
+    append(*surface, cloud, colored, main ? without : std::vector<bool>());
+    main = false;
+  }
+}
+
+std::size_t SurfaceStages::vectors(const std::vector<bool>& without) const {
+  const Shown stage = main();
+  if (!stage.surface || without.empty()) return count_.vectors;
+  const std::vector<bool> used = used_slots(*stage.surface, stage.level, without);
+  return count_.vectors - static_cast<std::size_t>(std::ranges::count(used, false));
+}
+
+SurfaceStages::Shown SurfaceStages::main() const {
+  const auto all = all_shown();
+  if (all.empty()) return {};
+  const auto& [number, surface] = all.front();
+  return {number, surface, shown_level(*surface)};
 }
 
 std::shared_ptr<const SurfacePatches> SurfaceStages::patches() {
@@ -167,29 +197,40 @@ std::shared_ptr<const SurfacePatches> SurfaceStages::patches() {
   return patches;
 }
 
-void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool colored) const {
+void SurfaceStages::append(const displaced::Surface& surface, Cloud& cloud, bool colored,
+                           const std::vector<bool>& without) const {
   const int level = shown_level(surface);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<Rgb8> colors = surface.vertex_colors(level);
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
   const auto start = static_cast<std::uint32_t>(cloud.positions.size());
-  cloud.positions.reserve(start + vertex_of.size());
+  // What none of the patches needs is not there.
+  std::vector<std::uint32_t> numbers;  // of slots
+  std::uint32_t count = start;
+  std::vector<bool> used;
+  if (!without.empty()) used = used_slots(surface, level, without);
+  numbers.reserve(vertex_of.size());
+  for (std::size_t slot = 0; slot < vertex_of.size(); ++slot)
+    numbers.push_back(used.empty() || used[slot] ? count++ : displaced::kNone);
+  cloud.positions.reserve(count);
+  cloud.normals.reserve(count);
+  if (colored) cloud.colors.reserve(count);
   const displaced::Frame frame(box_);
-  for (const std::uint32_t v : vertex_of) {
-    const glm::vec3 p = frame.outside(places[v]);
+  for (std::size_t slot = 0; slot < vertex_of.size(); ++slot) {
+    if (numbers[slot] == displaced::kNone) continue;
+    const std::uint32_t v = vertex_of[slot];
+    const glm::vec3 p = frame.outside(places[v]), n = normals[slot];
     cloud.positions.push_back(finite(p) ? p : frame.lower);
-  }
-  cloud.normals.reserve(start + normals.size());
-  for (const glm::vec3& n : normals) cloud.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
-  if (colored) {
-    cloud.colors.reserve(start + vertex_of.size());
-    for (const std::uint32_t v : vertex_of) cloud.colors.push_back(colors.empty() ? cloud.color : colors[v]);
+    cloud.normals.push_back(n == glm::vec3(0) ? glm::vec3(0, 0, 1) : n);
+    if (colored) cloud.colors.push_back(colors.empty() ? cloud.color : colors[v]);
   }
   const std::size_t first = cloud.triangles.size();
   const std::vector<std::uint32_t> triangles = surface.triangles(level);
+  const std::size_t corners = std::size_t{3} << 2 * level;  // of a patch
   cloud.triangles.reserve(first + triangles.size());
-  for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    if (without.empty() || !without[i / corners]) cloud.triangles.push_back(numbers[triangles[i]]);
   weigh_by_triangles(cloud, start, first);
 }
 

@@ -28,8 +28,18 @@ class SurfaceStages {
   /// The payload of a chunk.
   void add(std::span<const std::byte> payload);
   /// What is shown of all that has come: vertices, and triangles between them. `colored`: they have colours, those
-  /// whose have not come that of the cloud.
-  void append(Cloud& cloud, bool colored) const;
+  /// whose have not come that of the cloud. `without`: patches of the main stage that are left out, by number; empty:
+  /// none are.
+  void append(Cloud& cloud, bool colored, const std::vector<bool>& without = {}) const;
+  /// How many vertices that has.
+  [[nodiscard]] std::size_t vectors(const std::vector<bool>& without) const;
+  /// The stage that is shown in the place of those before: its number, what it is, and at which level; null: none.
+  struct Shown {
+    int number = 0;
+    const displaced::Surface* surface = nullptr;
+    int level = 0;
+  };
+  [[nodiscard]] Shown main() const;
   /// The same for who draws it. Shares with what it gave before what did not change.
   [[nodiscard]] std::shared_ptr<const SurfacePatches> patches();
   [[nodiscard]] const Count& count() const { return count_; }
@@ -44,7 +54,7 @@ class SurfaceStages {
   [[nodiscard]] const displaced::Surface* shown() const;
   /// All that are shown together, the main one first.
   [[nodiscard]] std::vector<std::pair<int, const displaced::Surface*>> all_shown() const;
-  void append(const displaced::Surface& surface, Cloud& cloud, bool colored) const;
+  void append(const displaced::Surface& surface, Cloud& cloud, bool colored, const std::vector<bool>& without) const;
 
   Box box_;
   std::size_t most_vectors_ = 0, waiting_bytes_ = 0;

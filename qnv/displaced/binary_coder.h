@@ -106,6 +106,10 @@ class BinaryDecoder {
 
   /// Whether more was needed than there is: then the bytes are none that an encoder wrote.
   [[nodiscard]] bool exhausted() const { return at_ > bytes_.size() + kSparedZeros; }
+  /// More of the same bytes have come: all of them again, maybe elsewhere. Whoever goes on as long as enough are
+  /// `unread` reads what he would read of all.
+  void extend(std::span<const std::byte> bytes) { bytes_ = bytes; }
+  [[nodiscard]] std::size_t unread() const { return bytes_.size() - std::min(at_, bytes_.size()); }
 
  private:
   bool decide(std::uint32_t bound) {

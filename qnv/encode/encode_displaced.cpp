@@ -1,13 +1,13 @@
 #include "qnv/base/parallel.h"
+#include "qnv/decode/decoder.h"
 #include "qnv/displaced/simplify/simplify.h"
 #include "qnv/displaced/stage/stage_encode.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
+#include "qnv/encode/surface_tail.h"
 #include "qnv/encode/survey.h"
+#include "qnv/encode/tail_cover.h"
 #include "qnv/encode/thin_surface.h"
-#include "qnv/exact/exact_tail.h"
-#include "qnv/exact/low_bits.h"
-#include "qnv/exact/tail_pieces.h"
 #include "qnv/progressive/progressive.h"
 #include "qnv/stream/piece_group.h"
 
@@ -52,17 +52,21 @@ constexpr std::size_t kCoarseTriangles = 30'000;
 // A step of the finest layer is at most this part of an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Before the mesh itself so much is sent at most, as a part of it: with more the whole would be larger than it need be.
-constexpr double kBeforeTail = 1.0 / 6;
-// What is shown until the tail is there counts by so much of its bytes: it is worth coming early for more than its distance.
-constexpr double kWorthOfTail = 0.5;
+// Before the mesh itself so much is sent at most, as a part of it. Where the mesh was asked for the whole is to be no
+// larger than it need be; else it is the picture at every size that counts.
+constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
+// What is shown until the tail is there counts by so much of its bytes.
+constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
+// A stage that is begun before a tail gets at least this part of what it begins with besides: until then the stage
+// before looks no worse.
+constexpr double kBesidesFront = 0.5;
 // Of this a later stage's base takes at most so much; a stage that shows little beside its base is not worth it.
 constexpr double kBasesBeforeTail = 0.5;
 // What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
 constexpr int kFewBits = 12;
-// What of places is finer than this comes behind the tail: it cannot be predicted, and any part of it makes the mesh finer.
-constexpr int kTailBits = 12;
+// A smooth surface of at most so many triangles ends with the mesh itself without being asked.
+constexpr std::size_t kMostChosenTriangles = 300'000;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -140,11 +144,19 @@ class StageFront {
 };
 
 /// Stage by stage: of all but the last only as much as is worth it until the next one is there. `places`: of the
-/// source. `distances`: set to how far what is shown is from it, as clusters gain, before the chunks and behind each of them.
-std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places,
-                                     std::vector<double>& distances) {
+/// source. `distances`: how far what is shown is from it, as clusters gain, before the chunks and behind each of them.
+struct StageChunks {
+  std::vector<OutgoingChunk> chunks;
+  std::vector<double> distances;
+  std::vector<std::vector<OutgoingChunk>> parity;  // of the front of each stage
+  std::vector<std::size_t> begins, ready;          // the first chunk of each stage, and that behind its front
+};
+StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
-  std::vector<OutgoingChunk> chunks, parity;
+  StageChunks out;
+  std::vector<OutgoingChunk>& chunks = out.chunks;
+  std::vector<double>& distances = out.distances;
+  out.parity.resize(stages.size());
   double shown = 0;  // how far the stage before is from the source, as clusters gain
   for (std::size_t i = 0; i < stages.size(); ++i) {
     EncodedStage& stage = stages[i];
@@ -152,6 +164,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     for (const StageCluster& cluster : stage.clusters) left += cluster.gain;
     if (i == 0) distances = {left};
     std::size_t needed = 0, bytes = 0, sent = 0;
+    out.begins.push_back(chunks.size());
     if (i > 0) {
       const std::size_t most = std::min<std::size_t>(stage.clusters.size(), 255);
       double then = left;
@@ -168,10 +181,10 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
       front.append(false, chunks);
       distances.resize(chunks.size(), shown);
       distances.push_back(left);
-      // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
-      if (i + 1 == stages.size() || stages[i + 1].header.beside) front.append(true, parity);
+      front.append(true, out.parity[i]);
       bytes = grouped - stage.bytes.size();
     }
+    out.ready.push_back(chunks.size());
     const double most = i + 1 < stages.size() ? static_cast<double>(stages[i + 1].bytes.size()) * kBeforeNext : 1e300;
     for (; sent < stage.clusters.size(); ++sent) {
       StageCluster& cluster = stage.clusters[sent];
@@ -183,43 +196,7 @@ std::vector<OutgoingChunk> chunks_of(std::vector<EncodedStage> stages, const Box
     }
     shown = left;
   }
-  std::move(parity.begin(), parity.end(), std::back_inserter(chunks));
-  return chunks;
-}
-
-/// The mesh itself.
-struct Tail {
-  std::vector<std::byte> bytes;  // none: there is no tail
-  std::size_t vertices = 0;
-  exact::Shading shading;
-  std::vector<std::vector<std::byte>> low_bits;  // behind it
-  std::size_t low_bytes = 0;
-  bool parity = false;
-  /// With what comes behind it.
-  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes; }
-};
-
-exact::ExactMesh mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame, bool colored, int bits) {
-  displaced::SurfaceMesh all = builder.welded();
-  for (glm::vec3& p : all.positions) p = frame.inside(p);
-  if (!colored) all.colors.clear();
-  return exact::quantized(std::move(all), bits);
-}
-
-/// `bits`: of the tail itself; those of the mesh that are finer come behind it.
-Tail tail_of(const exact::ExactMesh& mesh, int bits) {
-  Tail tail;
-  tail.vertices = mesh.vertices.size();
-  tail.shading = mesh.shading;
-  exact::ExactMesh coarse = mesh;
-  coarse.bits = std::min(bits, mesh.bits);
-  coarse.finest = mesh.bits;
-  for (glm::ivec3& p : coarse.vertices) p >>= mesh.bits - coarse.bits;
-  std::vector<std::uint32_t> numbers;
-  tail.bytes = exact::encode_tail(coarse, false, &numbers);
-  tail.low_bits = exact::low_bits_of(mesh, coarse.bits, numbers);
-  for (const auto& payload : tail.low_bits) tail.low_bytes += payload.size();
-  return tail;
+  return out;
 }
 
 /// Parts that become themselves vertex by vertex, whose first mesh stands in the header: in pieces, so that losses do
@@ -249,42 +226,24 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
   return chunks;
 }
 
-/// In pieces. `others`: the chunks before it, whose place it takes.
-void append_tail(const Tail& tail, const Box& box, std::vector<OutgoingChunk>& others) {
-  std::uint32_t replaced = 0;
-  for (const OutgoingChunk& chunk : others) replaced += chunk.entry.vectors;
-  const auto append = [&](ChunkType type, std::vector<std::byte> payload) {
-    OutgoingChunk& chunk = others.emplace_back();
-    chunk.type = type;
-    chunk.entry.parent = 0xffffffff;
-    chunk.entry.box = box;
-    chunk.payload = std::move(payload);
-  };
-  if (tail.shading.rule != exact::Shading::Rule::edges) append(ChunkType::shading, exact::encode_shading(tail.shading));
-  std::vector<std::vector<std::byte>> pieces = exact::pieces_of(tail.bytes);
-  CutGroup group;
-  if (tail.parity) group = cut_group(kGroupsOfTails, pieces, kParity, kParityBesides);
-  if (tail.parity) pieces = std::move(group.data);
-  const ChunkType type = tail.parity ? ChunkType::piece : ChunkType::exact;
-  for (std::vector<std::byte>& piece : pieces) append(type, std::move(piece));
-  OutgoingChunk& last = others.back();
-  last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
-  last.replaced = std::min(replaced, last.entry.vectors);
-  for (std::vector<std::byte>& piece : group.parity) append(type, std::move(piece));
-  for (const std::vector<std::byte>& payload : tail.low_bits) append(ChunkType::low_bits, payload);
-}
-
 /// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
 /// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is there.
-void keep_before(std::vector<OutgoingChunk>& chunks, const std::vector<double>& distances, double bytes, double tail) {
-  std::size_t kept = 0;
-  double least = distances[0] * tail, shown = 0, sum = 0;
+void keep_before(StageChunks& stages, double bytes, double tail) {
+  std::vector<OutgoingChunk>& chunks = stages.chunks;
+  std::size_t kept = 0, stage = 0;
+  double least = stages.distances[0] * tail, shown = 0, sum = 0, began = 0, front = 0;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     const auto more = static_cast<double>(kChunkHeaderBytes + kDirectoryEntryBytes + chunks[i].payload.size());
+    if (stage + 1 < stages.begins.size() && i == stages.begins[stage + 1]) {
+      ++stage;
+      began = sum;
+    }
     sum += more;
     if (sum > bytes) break;
-    shown += distances[i] * more;
-    if (const double all = shown + distances[i + 1] * tail; all <= least) {
+    shown += stages.distances[i] * more;
+    if (i + 1 <= stages.ready[stage]) front = sum - began;
+    const bool enough = stage == 0 || sum - began >= (1 + kBesidesFront) * front;
+    if (const double all = shown + stages.distances[i + 1] * tail; enough && all <= least) {
       least = all;
       kept = i + 1;
     }
@@ -295,13 +254,14 @@ void keep_before(std::vector<OutgoingChunk>& chunks, const std::vector<double>& 
 /// What memory has no room for, thinned.
 std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
-  if (options.exact_bits != 0)
+  if (options.exact_bits > 0)
     return EncodeError{"the mesh itself has more than " + std::to_string(options.most_triangles) +
                        " triangles, which is what memory has room for; expected a smaller mesh, or more memory"};
   auto thinned = thin_surface(source, options.most_triangles, progress);
   if (auto* error = std::get_if<EncodeError>(&thinned)) return std::move(*error);
   EncodeOptions rest = options;
   rest.most_triangles = 0;
+  rest.exact_bits = 0;
   auto encoded = encode_displaced(std::get<ThinnedSurface>(thinned).source(), rest, progress);
   if (auto* stream = std::get_if<EncodedStream>(&encoded)) stream->thinned = true;
   return encoded;
@@ -333,17 +293,14 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     return EncodeError{"the surface has colours of its own; expected one of one colour", true};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
-  Tail tail;
-  if (options.exact_bits != 0) {
-    tail = tail_of(mesh_of(builder, frame, s.colored, options.exact_bits), kTailBits);
-    if (tail.bytes.size() > exact::kMostTailBytes)
-      return EncodeError{"the mesh takes " + std::to_string(tail.bytes.size()) + " bytes; expected at most " +
-                         std::to_string(exact::kMostTailBytes)};
-  }
+  const bool chosen = options.exact_bits == kExactWherePays;
+  std::optional<exact::ExactMesh> exact;
+  if (options.exact_bits > 0 || (chosen && s.triangles <= kMostChosenTriangles))
+    exact = exact_mesh_of(builder, frame, s.colored, std::max(options.exact_bits, 0));
   // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
   std::optional<exact::ExactMesh> small;
-  if (options.only_if_suited && tail.bytes.empty() && s.triangles <= kFewTriangles)
-    small = mesh_of(builder, frame, s.colored, kFewBits);
+  if (options.only_if_suited && options.exact_bits <= 0 && s.triangles <= kFewTriangles)
+    small = exact_mesh_of(builder, frame, s.colored, kFewBits);
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
@@ -385,9 +342,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
-  const auto room = [&tail] {
-    return tail.bytes.empty() ? 1e300 : kBeforeTail * static_cast<double>(tail.size());
-  };
+  int tail_bits = kTailBits;
+  std::size_t tail_size = 0;  // about, with the bits behind it
+  const auto room = [&] { return exact ? (chosen ? kBeforeChosenTail : kBeforeTail) * static_cast<double>(tail_size) : 1e300; };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;
@@ -399,21 +356,30 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (cancelled()) return EncodeError{"cancelled"};
     const bool follows = stage.bytes.size() <= kMostFirstBytes && stage.error <= kMostFirstError;
     if (stages.empty() && options.only_if_suited && !follows) {
+      bool fits = false;
       if (small) {
         if (auto split = progressive::encode_progressive(*small, stage_options.most_bytes)) {
           header.base = std::move(split->front);
           return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
         }
-        tail = tail_of(*small, small->bits);
-        tail.parity = true;
+        const std::size_t bytes = rough_tail_size(*small, small->bits);
+        fits = bytes <= kMostSmallTail && stage.bytes.size() <= kMostFirstBytes &&
+               (options.max_bytes == 0 || bytes * 5 / 4 + kMostFirstBytes <= options.max_bytes);
+        exact = std::move(small);
       }
-      const std::size_t with_tail = tail.bytes.size() * 5 / 4 + kMostFirstBytes;
-      if (tail.bytes.empty() || tail.bytes.size() > kMostSmallTail || stage.bytes.size() > kMostFirstBytes ||
-          (options.max_bytes != 0 && with_tail > options.max_bytes))
+      if (!fits)
         return EncodeError{
             "the surface falls into too many parts, or too sharp ones, for a base to follow it; expected "
             "a smooth surface",
             true};
+    }
+    if (stages.empty() && exact) {
+      tail_bits = options.exact_bits > 0 ? fewest_tail_bits(*exact) : first_tail_bits(*exact);
+      tail_size = rough_tail_size(*exact, tail_bits);
+      if (tail_size > exact::kMostTailBytes)
+        return EncodeError{"the mesh takes " + std::to_string(tail_size) + " bytes; expected at most " +
+                           std::to_string(exact::kMostTailBytes)};
+      if (chosen && options.max_bytes != 0 && tail_size > options.max_bytes) exact.reset();
     }
     if (stages.empty() && stage.bytes.size() > kMostHeaderBytes / 2)
       return EncodeError{"the base takes " + std::to_string(stage.bytes.size()) + " bytes; expected at most " +
@@ -427,7 +393,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);
   // Crumbs, as they are.
-  if (tail.bytes.empty() && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
+  if (!exact && !parts.large.triangles.empty() && !parts.small.triangles.empty()) {
     stage_options.number = static_cast<int>(stages.size());
     stage_options.triangles = parts.small.triangles.size();
     stage_options.most_bytes = 0;
@@ -441,13 +407,34 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  std::vector<double> distances;
-  std::vector<OutgoingChunk> chunks = chunks_of(std::move(stages), s.box, target.mesh().positions.size(), distances);
-  if (!tail.bytes.empty()) {
-    keep_before(chunks, distances, room() - static_cast<double>(encode_header(header).size()),
-                kWorthOfTail * static_cast<double>(tail.bytes.size()));
+  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // that takes the others' place
+  StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
+  std::vector<OutgoingChunk>& chunks = sent.chunks;
+  if (exact)
+    keep_before(sent, room() - static_cast<double>(encode_header(header).size()),
+                (chosen ? kWorthOfChosenTail : kWorthOfTail) * static_cast<double>(tail_size));
+  if (exact) {
+    if (progress) progress->stage = "joining";
+    // As it is shown before the tail comes.
+    StreamDecoder shown;
+    (void)shown.push(write_stream(header, chunks, 0).bytes);
+    const SurfaceStages::Shown main = shown.stages().main();
+    last = main.number;
+    const TailCover beside(*exact, *main.surface, main.level, options.threads);
+    // Where few bytes are asked for, it grows as it takes the fewest.
+    std::optional<exact::TailRanks> ranks;
+    if (options.exact_bits <= 0) ranks = beside.ranks();
+    exact::TailOrder order;
+    SurfaceTail tail = tail_of(*exact, tail_bits, ranks ? &*ranks : nullptr, &order);
+    tail.cover = beside.cover(main.number, order);
+    tail.parity = options.exact_bits <= 0;
     append_tail(tail, s.box, chunks);
   }
+  // All of a stage is lost without its front. Of one that another one follows, that is no great loss.
+  if (options.exact_bits <= 0)
+    for (std::size_t i = 0; i < sent.parity.size(); ++i)
+      if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))
+        std::ranges::move(sent.parity[i], std::back_inserter(chunks));
   return write_stream(std::move(header), std::move(chunks), options.max_bytes);
 }
 

@@ -16,6 +16,10 @@ namespace gs::qnv {
 /// could not, or the sink wanted no more.
 using TriangleSource = std::function<bool(const TriangleSink&)>;
 
+/// In place of EncodeOptions::exact_bits: where a smooth surface is small enough for it, with bits chosen by how fine its
+/// triangles are, and parity for losses.
+inline constexpr int kExactWherePays = -1;
+
 struct EncodeOptions {
   Payload payload = Payload::packed;
   std::size_t vectors = 0;    // about so many at full detail; 0: chosen
@@ -25,7 +29,8 @@ struct EncodeOptions {
   bool two_sided = false;
   bool only_if_suited = false;  // displaced: give up (EncodeError::unsuited) where an octree follows the surface better
   std::size_t most_triangles = 0;  // displaced: held in memory; a surface of more is thinned to so many. 0: any number
-  int exact_bits = 0;    // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it
+  int exact_bits = 0;  // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it,
+                       // or kExactWherePays
   glm::dvec3 origin{0};  // of triangles: from which they count (Description::origin); vectors say it themselves
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;

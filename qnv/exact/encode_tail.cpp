@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace gs::qnv::exact {
@@ -90,18 +91,24 @@ class Fit {
 /// The mesh that is written, as MeshGrowth asks for it: by halves, which are its sides, three a triangle.
 class MeshGuide {
  public:
-  MeshGuide(const ExactMesh& mesh, const std::vector<std::uint32_t>& twins, Fit& fit)
+  /// `starts`: triangles in the order in which components begin with them; none: in their own.
+  MeshGuide(const ExactMesh& mesh, const std::vector<std::uint32_t>& twins, const TailRanks* ranks,
+            const std::vector<std::uint32_t>& starts, Fit& fit)
       : mesh_(mesh),
         twins_(twins),
+        ranks_(ranks),
+        starts_(starts),
         fit_(fit),
         numbers_(mesh.vertices.size(), kNone),
         sides_(mesh.triangles.size() * 3, kNone) {
     halves_.reserve(sides_.size());
   }
   std::uint32_t start() {
-    while (done(3 * next_)) ++next_;
-    return 3 * next_;
+    const auto half = [&] { return 3 * (starts_.empty() ? next_ : starts_[next_]); };
+    while (done(half())) ++next_;
+    return half();
   }
+  [[nodiscard]] std::uint32_t rank(std::size_t cell) const { return ranks_->of[cell]; }
   /// The next vertex is corner k, from where a half begins.
   glm::ivec3 fresh(std::uint32_t half, std::size_t k) {
     now_ = corner(half, k);
@@ -136,7 +143,12 @@ class MeshGuide {
       halves_.push_back(half);
     }
   }
-  [[nodiscard]] std::vector<std::uint32_t> take_numbers() { return std::move(numbers_); }
+  [[nodiscard]] TailOrder take_order() {
+    TailOrder order{std::move(numbers_), {}};
+    order.triangles.reserve(halves_.size() / 3);
+    for (std::size_t side = 0; side < halves_.size(); side += 3) order.triangles.push_back(halves_[side] / 3);
+    return order;
+  }
   void learn(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is,
              std::uint32_t spread) {
     fit_.add(situation, near, is, spread);
@@ -152,11 +164,24 @@ class MeshGuide {
 
   const ExactMesh& mesh_;
   const std::vector<std::uint32_t>& twins_;
+  const TailRanks* ranks_;
+  const std::vector<std::uint32_t>& starts_;
   Fit& fit_;
   std::vector<std::uint32_t> numbers_;         // of vertices
   std::vector<std::uint32_t> halves_, sides_;  // of sides, of halves
   std::uint32_t next_ = 0, now_ = 0, count_ = 0;
 };
+
+// Triangles, those of low ranks first.
+std::vector<std::uint32_t> starts_of(const ExactMesh& mesh, const TailRanks& ranks) {
+  std::vector<std::uint32_t> starts(mesh.triangles.size());
+  std::iota(starts.begin(), starts.end(), 0u);
+  const auto rank = [&](std::uint32_t t) {
+    return ranks.of[cell_of(mesh.vertices[mesh.triangles[t][0]], mesh.bits, ranks.cell_bits)];
+  };
+  std::ranges::stable_sort(starts, {}, rank);
+  return starts;
+}
 
 // The angle that parts the corners that are shaded apart from those that are not, with the fewest edges wrong.
 int crease_angle_of(const displaced::SurfaceMesh& mesh) {
@@ -222,7 +247,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   return out;
 }
 
-std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, std::vector<std::uint32_t>* numbers) {
+std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, const TailRanks* ranks, TailOrder* order) {
   TailHeader header;
   header.bits = mesh.bits;
   header.finest = std::max(mesh.finest, mesh.bits);
@@ -232,19 +257,21 @@ std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, std::vecto
   header.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   header.usual = usual;
   header.weights = kUsualWeights;
+  header.cell_bits = ranks ? ranks->cell_bits : 0;
+  const std::vector<std::uint32_t> starts = ranks ? starts_of(mesh, *ranks) : std::vector<std::uint32_t>();
   const std::vector<std::uint32_t> twins = twins_of(mesh.triangles);
   std::vector<std::byte> body;
   for (int pass = usual ? kFits : 0; pass <= kFits; ++pass) {
     BinaryEncoder encoder;
     Fit fit;
-    MeshGuide guide(mesh, twins, fit);
-    MeshGrowth<BinaryEncoder, MeshGuide> growth(encoder, header, guide);
+    MeshGuide guide(mesh, twins, ranks, starts, fit);
+    MeshGrowth<BinaryEncoder, MeshGuide> growth(encoder, header, guide, mesh.triangles.size());
     if (!growth.run()) return {};
     if (pass < kFits)
       header.weights = fit.weights(kUsualWeights);
     else
       body = encoder.finish();
-    if (numbers) *numbers = guide.take_numbers();
+    if (order) *order = guide.take_order();
   }
   std::vector<std::byte> bytes = encode_tail_header(header);
   bytes.insert(bytes.end(), body.begin(), body.end());

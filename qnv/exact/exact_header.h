@@ -28,6 +28,9 @@ inline constexpr std::size_t kMostTrianglesAByte = 64;
 
 [[nodiscard]] std::vector<std::byte> encode_tail_header(const TailHeader& header);
 /// Nothing where a field is out of its range, or promises more than the bytes can hold. Safe for untrusted bytes.
-[[nodiscard]] std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail);
+/// `length`: of the whole tail, of which these bytes are the first.
+[[nodiscard]] std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, std::size_t length);
+/// Bytes of the header that begins with these; 0: more are needed to tell.
+[[nodiscard]] std::size_t tail_header_bytes(std::span<const std::byte> tail);
 
 }  // namespace gs::qnv::exact

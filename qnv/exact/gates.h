@@ -72,25 +72,26 @@ class Gates {
   std::vector<State> states_;
 };
 
-/// Open sides by how narrow the gap behind them is; of those alike the one that came first. One that has another side
-/// behind it by now, or is no longer open, is passed over.
+/// Open sides by the rank of where they lead to, then by how narrow the gap behind them is; of those alike the one that
+/// came first. One that has another side behind it by now, or is no longer open, is passed over.
 class GateQueue {
  public:
-  static constexpr std::uint32_t kGrades = 129;
+  static constexpr std::uint32_t kGrades = 129, kRanks = 8;
   struct Gate {
     std::uint32_t side = 0, gap = 0;
   };
 
-  void push(std::uint32_t side, std::uint32_t behind, std::uint32_t gap) {
-    queues_[gap].waiting.emplace_back(side, behind);
-    least_ = std::min(least_, gap);
+  void push(std::uint32_t side, std::uint32_t behind, std::uint32_t gap, std::uint32_t rank) {
+    const std::uint32_t at = rank * kGrades + gap;
+    queues_[at].waiting.emplace_back(side, behind);
+    least_ = std::min(least_, at);
   }
   std::optional<Gate> pop(const Gates& gates) {
-    for (; least_ < kGrades; ++least_) {
+    for (; least_ < queues_.size(); ++least_) {
       Queue& queue = queues_[least_];
       while (queue.first < queue.waiting.size()) {
         const auto [side, behind] = queue.waiting[queue.first++];
-        if (gates.open(side) && gates.next(side) == behind) return Gate{side, least_};
+        if (gates.open(side) && gates.next(side) == behind) return Gate{side, least_ % kGrades};
       }
       queue.waiting.clear();
       queue.first = 0;
@@ -103,8 +104,8 @@ class GateQueue {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> waiting;  // side, the one behind it
     std::size_t first = 0;
   };
-  std::array<Queue, kGrades> queues_;
-  std::uint32_t least_ = kGrades;
+  std::array<Queue, kGrades * kRanks> queues_;
+  std::uint32_t least_ = kGrades * kRanks;
 };
 
 }  // namespace gs::qnv::exact

@@ -26,8 +26,17 @@ struct TailHeader {
   bool usual = false;      // the weights are the usual ones, and not told
   int crease_angle = 180;  // of ExactMesh
   std::uint32_t vertices = 0, triangles = 0;
-  Weights weights{};  // of 2^kWeightBits
+  Weights weights{};   // of 2^kWeightBits
+  int cell_bits = 0;   // cells of 2^-cell_bits of the lattice have ranks; 0: they have none
 };
+
+/// Cells are the highest bits of places; a mesh that has ranks grows where they are low first.
+inline constexpr int kMostCellBits = 5;
+[[nodiscard]] constexpr std::size_t cell_of(const glm::ivec3& place, int bits, int cell_bits) {
+  const int shift = bits - cell_bits;
+  const auto part = [&](int c) { return static_cast<std::size_t>(c >> shift); };
+  return (part(place.z) << 2 * cell_bits) + (part(place.y) << cell_bits) + part(place.x);
+}
 
 /// A colour as luma and two chromas, without loss (H. Malvar, G. Sullivan, YCoCg-R, 2003).
 [[nodiscard]] constexpr glm::ivec3 luma_of(Rgb8 c) {
@@ -53,17 +62,27 @@ inline constexpr std::uint32_t kEndMark = 0x5143;
 template <class Coder, class Guide>
 class MeshGrowth {
  public:
-  MeshGrowth(Coder& coder, const TailHeader& header, Guide& guide)
+  /// `room`: for so many triangles at once.
+  MeshGrowth(Coder& coder, const TailHeader& header, Guide& guide, std::size_t room)
       : decisions_(coder), header_(header), guide_(guide), models_(std::make_unique<Models>()) {
-    gates_.reserve(header.triangles);
-    places_.reserve(header.vertices);
-    marks_.reserve(header.vertices);
-    if (header.colored) colors_.reserve(header.vertices);
+    const std::size_t vertices = std::min<std::size_t>(header.vertices, room);
+    gates_.reserve(std::min<std::size_t>(header.triangles, room));
+    places_.reserve(vertices);
+    marks_.reserve(vertices);
+    if (header.colored) colors_.reserve(vertices);
+    if (header.cell_bits > 0) ranks_.assign(std::size_t{1} << 3 * header.cell_bits, kNoRank);
   }
-  /// False where the decisions are none of a mesh.
-  bool run();
+  enum class Growth { growing, whole, wrong };  // wrong: the decisions are none of a mesh
+  /// Goes on as long as `more` says that a step of so many bytes at most may be taken.
+  template <class More>
+  Growth run(const More& more);
+  bool run() {
+    return run([](std::size_t) { return true; }) == Growth::whole;
+  }
 
   [[nodiscard]] std::vector<std::uint32_t> twins() const { return gates_.twins(); }
+  [[nodiscard]] const std::vector<displaced::Corners>& triangles() const { return gates_.triangles(); }
+  [[nodiscard]] const std::vector<glm::ivec3>& places() const { return places_; }
   [[nodiscard]] std::vector<displaced::Corners> take_triangles() { return gates_.take_triangles(); }
   [[nodiscard]] std::vector<glm::ivec3> take_places() { return std::move(places_); }
   [[nodiscard]] const std::vector<glm::ivec3>& colors() const { return colors_; }
@@ -71,6 +90,10 @@ class MeshGrowth {
  private:
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
   static constexpr std::size_t kRanks = 40, kGaps = 33, kTurns = 10;
+  static constexpr std::uint8_t kNoRank = 255;
+  // What a step takes at most: no decision takes more than 10 bits, no number more than 24 of them and 42 bits besides,
+  // a vertex has three, and three more as its colour; a component has three vertices.
+  static constexpr std::size_t kStepBytes = 288, kComponentBytes = 704;
 
   /// How far a vertex was from where it was expected, and how many triangles it has.
   struct Mark {
@@ -92,6 +115,7 @@ class MeshGrowth {
     std::array<std::array<Lengths, 16>, 3> colors;
     std::array<std::array<Lengths, 10>, 3> colors_before;
     std::array<Digits, 3> color_digits;
+    std::array<std::array<TwoRates, GateQueue::kRanks>, GateQueue::kRanks> ranks;  // by the one before
   };
   /// What is known of where a new vertex comes.
   struct Site {
@@ -106,8 +130,9 @@ class MeshGrowth {
   [[nodiscard]] std::size_t turns(std::uint32_t v) const { return std::min<std::size_t>(marks_[v].triangles, 9); }
   [[nodiscard]] std::uint32_t gap_behind(std::uint32_t side) const;
   void wait(std::uint32_t side) {
-    if (gates_.open(side)) queue_.push(side, gates_.next(side), gap_behind(side));
+    if (gates_.open(side)) queue_.push(side, gates_.next(side), gap_behind(side), rank_at(gates_.to(side)));
   }
+  std::uint32_t rank_at(std::uint32_t vertex);
   bool add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t half, std::uint32_t& side);
   bool add_vertex(const glm::ivec3& place, const glm::ivec3& color, Mark mark);
   bool component();
@@ -129,16 +154,46 @@ class MeshGrowth {
   GateQueue queue_;
   std::vector<glm::ivec3> places_, colors_;
   std::vector<Mark> marks_;
+  std::vector<std::uint8_t> ranks_;  // by cell
+  std::uint32_t last_rank_ = 0;
+  bool in_component_ = false;
 };
 
 template <class Coder, class Guide>
-bool MeshGrowth<Coder, Guide>::run() {
-  while (gates_.triangles().size() < header_.triangles) {
-    if (!component()) return false;
-    while (const auto gate = queue_.pop(gates_))
-      if (!beside(*gate) || !decisions_.good()) return false;
+template <class More>
+typename MeshGrowth<Coder, Guide>::Growth MeshGrowth<Coder, Guide>::run(const More& more) {
+  while (in_component_ || gates_.triangles().size() < header_.triangles) {
+    if (!in_component_) {
+      if (!more(kComponentBytes)) return Growth::growing;
+      if (!component()) return Growth::wrong;
+      in_component_ = true;
+    }
+    while (in_component_) {
+      if (!more(kStepBytes)) return Growth::growing;
+      const auto gate = queue_.pop(gates_);
+      in_component_ = gate.has_value();
+      if (gate && (!beside(*gate) || !decisions_.good())) return Growth::wrong;
+    }
   }
-  return places_.size() == header_.vertices && decisions_.bits(kEndMark, 16) == kEndMark && decisions_.good();
+  if (!more(kStepBytes)) return Growth::growing;
+  const bool good =
+      places_.size() == header_.vertices && decisions_.bits(kEndMark, 16) == kEndMark && decisions_.good();
+  return good ? Growth::whole : Growth::wrong;
+}
+
+/// That of the cell in which a vertex lies; it is told when it is asked for.
+template <class Coder, class Guide>
+std::uint32_t MeshGrowth<Coder, Guide>::rank_at(std::uint32_t vertex) {
+  if (header_.cell_bits == 0) return 0;
+  const std::size_t cell = cell_of(places_[vertex], header_.bits, header_.cell_bits);
+  if (ranks_[cell] != kNoRank) return ranks_[cell];
+  std::uint32_t is = 0, node = 1;
+  if constexpr (kWrites) is = guide_.rank(cell);
+  for (int bit = 2; bit >= 0; --bit)
+    node = 2 * node + (decisions_.bit(models_->ranks[last_rank_][node], (is >> bit & 1) != 0) ? 1 : 0);
+  last_rank_ = node - GateQueue::kRanks;
+  ranks_[cell] = static_cast<std::uint8_t>(last_rank_);
+  return last_rank_;
 }
 
 // 32 |a - r|^2 / (|a - b|^2 + |r - b|^2) at b, from 0 to 64: 0 where both edges are one, 32 where they are at right

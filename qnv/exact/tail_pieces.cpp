@@ -9,14 +9,14 @@
 namespace gs::qnv::exact {
 namespace {
 
-constexpr std::size_t kPieceBytes = 16384, kPieceHeaderBytes = 8;
+constexpr std::size_t kPieceHeaderBytes = 8;
 
 }  // namespace
 
-std::vector<std::vector<std::byte>> pieces_of(std::span<const std::byte> tail) {
+std::vector<std::vector<std::byte>> pieces_of(std::span<const std::byte> tail, std::size_t bytes) {
   std::vector<std::vector<std::byte>> pieces;
-  for (std::size_t at = 0; at < tail.size(); at += kPieceBytes) {
-    const auto part = tail.subspan(at, std::min(kPieceBytes, tail.size() - at));
+  for (std::size_t at = 0; at < tail.size(); at += bytes) {
+    const auto part = tail.subspan(at, std::min(bytes, tail.size() - at));
     std::vector<std::byte>& piece = pieces.emplace_back();
     ByteWriter out(piece);
     out.integer(static_cast<std::uint32_t>(at));
@@ -41,6 +41,15 @@ bool TailPieces::add(std::span<const std::byte> payload) {
   come_ += bytes.size();
   pieces_.emplace_hint(behind, at, std::vector<std::byte>(bytes.begin(), bytes.end()));
   return true;
+}
+
+std::vector<std::byte> TailPieces::next() {
+  std::vector<std::byte> front;
+  for (auto piece = pieces_.find(given_); piece != pieces_.end() && piece->first == given_; ++piece) {
+    front.insert(front.end(), piece->second.begin(), piece->second.end());
+    given_ += piece->second.size();
+  }
+  return front;
 }
 
 std::optional<std::vector<std::byte>> TailPieces::take() {

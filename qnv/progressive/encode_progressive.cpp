@@ -88,7 +88,7 @@ struct FirstMesh {
 };
 
 FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, const exact::ExactMesh& mesh, int bits) {
-  std::vector<std::uint32_t> places, numbers;
+  std::vector<std::uint32_t> places;
   exact::ExactMesh coarse;
   coarse.bits = bits;
   coarse.crease_angle = mesh.crease_angle;
@@ -99,10 +99,11 @@ FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, cons
   for (std::size_t v = 0; v < places.size(); ++v)
     if (places[v] != kNone) coarse.vertices[places[v]] = mesh.vertices[v] >> (mesh.bits - bits);
   FirstMesh first;
-  first.bytes = exact::encode_tail(coarse, true, &numbers);
+  exact::TailOrder order;
+  first.bytes = exact::encode_tail(coarse, true, nullptr, &order);
   first.numbers.assign(places.size(), kNone);
   for (std::size_t v = 0; v < places.size(); ++v)
-    if (places[v] != kNone) first.numbers[v] = numbers[places[v]];
+    if (places[v] != kNone) first.numbers[v] = order.vertices[places[v]];
   return first;
 }
 

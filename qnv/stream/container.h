@@ -42,11 +42,12 @@ enum class ChunkType : std::uint8_t {
   shading = 8,
   splits = 9,
   low_bits = 10,
+  cover = 11,
   directory = 254
 };
 /// Whether a chunk's type is one of these; others are passed over.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
-  return type <= static_cast<std::uint8_t>(ChunkType::low_bits) ||
+  return type <= static_cast<std::uint8_t>(ChunkType::cover) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 

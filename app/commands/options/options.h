@@ -80,7 +80,7 @@ struct Options {
   bool max_bytes_given = false;  // `max_bytes` bounds what is written, too
   std::optional<double> isovalue;
   bool packed = false, records = false, displaced = false;
-  int exact_bits = 0;  // of the mesh at the end of the stream; 0: not asked for
+  int exact_bits = -1;  // of the mesh at the end of the stream; 0: without it, -1: where it pays
   bool outlines = false;
   std::optional<double> tolerance;  // of outline groups, units; none: by the model's size
   double merge = 0;                 // of their polygons, units

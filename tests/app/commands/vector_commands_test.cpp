@@ -90,6 +90,37 @@ TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {
             .status == kFailed);
 }
 
+TEST_CASE("encode: a smooth surface ends with the mesh itself, but for --exact=none, and info tells how much has come") {
+  const ScratchFolder folder;
+  std::string text;
+  constexpr int kSide = 60;
+  for (int i = 0; i < kSide * kSide; ++i)
+    text += "v " + std::to_string(i % kSide) + ' ' + std::to_string(i / kSide) + ' ' +
+            std::to_string(4 * std::sin(0.2 * (i % kSide)) * std::cos(0.15 * (i / kSide))) + '\n';
+  for (int i = 0; i + kSide < kSide * kSide; ++i)
+    if (i % kSide != kSide - 1)
+      text += "f " + std::to_string(i + 1) + ' ' + std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 1) + "\nf " +
+              std::to_string(i + 2) + ' ' + std::to_string(i + kSide + 2) + ' ' + std::to_string(i + kSide + 1) + '\n';
+  const std::string mesh = folder.write("waves.obj", text), out = folder.path("waves.qnv");
+  REQUIRE(run("encode " + quoted(mesh) + " " + quoted(out)).status == kDone);
+  const nlohmann::json facts = info(out);
+  CHECK(facts["payload"] == "displaced");
+  CHECK(facts["exact"]["triangles"] == 2 * (kSide - 1) * (kSide - 1));
+  CHECK(facts["exact"]["bits"] >= 11);
+  bool partly = false;
+  const std::string bytes = folder.read("waves.qnv");
+  for (std::size_t part = 1; part < 16; ++part) {
+    const nlohmann::json of = info(folder.write("part.qnv", bytes.substr(0, bytes.size() * part / 16)));
+    if (!of.contains("exact") || !of["exact"].contains("triangles_come")) continue;
+    partly = true;
+    CHECK(of["exact"]["triangles_come"] < of["exact"]["triangles"]);
+  }
+  CHECK(partly);
+  REQUIRE(run("encode --exact=none " + quoted(mesh) + " " + quoted(out)).status == kDone);
+  CHECK(!info(out).contains("exact"));
+  CHECK(info(out)["triangles"] != facts["exact"]["triangles"]);
+}
+
 TEST_CASE("encode: a mesh that is larger than memory is read out of its file, and thinned") {
   const ScratchFolder folder;
   // A sheet with waves, as binary STL.

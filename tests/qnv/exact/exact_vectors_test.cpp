@@ -1,4 +1,5 @@
 #include "qnv/decode/decoder.h"
+#include "qnv/exact/cover.h"
 #include "qnv/exact/low_bits.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/stream/piece_group.h"
@@ -8,7 +9,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -117,6 +120,61 @@ TEST_CASE("low bits behind a tail come to their pinned places") {
   low_bits.apply(*mesh);
   CHECK(mesh->bits == 14);
   CHECK(mesh->vertices == wanted);
+}
+
+// The same of displaced_covered, whose tail has ranks and says what it covers, in pieces; so are its low bits.
+TEST_CASE("a tail with ranks and its table of covered patches come back as they were pinned") {
+  std::vector<glm::ivec3> wanted;
+  std::vector<displaced::Corners> faces;
+  std::vector<int> covered;
+  int stage = -1, parts = 0, bits = 0;
+  std::uint32_t triangles = 0;
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_covered.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    glm::ivec3 p(0);
+    displaced::Corners t{};
+    if (kind == "exact") words >> bits;
+    if (kind == "at" && words >> p.x >> p.y >> p.z) wanted.push_back(p);
+    if (kind == "face" && words >> t[0] >> t[1] >> t[2]) faces.push_back(t);
+    if (kind == "cover") words >> stage >> parts >> triangles;
+    for (int is = 0; kind == "covered" && words >> is;) covered.push_back(is);
+  }
+  REQUIRE(wanted.size() > 400);
+  TailPieces pieces;
+  LowBits low_bits;
+  std::map<int, PieceGroup> groups;
+  std::optional<Cover> cover;
+  StreamReader reader;
+  REQUIRE(reader.push(read_bytes("displaced_covered.qnv"),
+                      [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+                        if (type == ChunkType::cover) cover = decode_cover(payload);
+                        const auto piece = type == ChunkType::piece ? read_piece_header(payload) : std::nullopt;
+                        if (!piece) return;
+                        CHECK(groups[piece->group].add(*piece, payload));
+                        for (const auto& each : groups[piece->group].take()) {
+                          if (type_of_group(piece->group) == ChunkType::exact) CHECK(pieces.add(each));
+                          if (type_of_group(piece->group) == ChunkType::low_bits) CHECK(low_bits.add(each));
+                        }
+                      }));
+  const auto tail = pieces.take();
+  REQUIRE(tail);
+  auto mesh = decode_tail(*tail, 1 << 16);
+  REQUIRE(mesh);
+  CHECK(mesh->bits < mesh->finest);
+  CHECK(mesh->finest == bits);
+  low_bits.apply(*mesh);
+  CHECK(mesh->vertices == wanted);
+  CHECK(mesh->triangles == faces);
+  REQUIRE(cover);
+  CHECK(cover->stage == stage);
+  CHECK(cover->parts == parts);
+  CHECK(cover->triangles == triangles);
+  CHECK(triangles == faces.size());
+  CHECK(std::ranges::equal(cover->patches, covered));
+  CHECK(covered.size() > 300);
 }
 
 // The same of displaced_splits, by tests/qnv/vectors/splits.py.

@@ -9,7 +9,7 @@ deepest level, "place VERTEX X Y Z", nine significant digits, and "colour VERTEX
 
 Of an exact tail that has come as a whole then "exact BITS CREASE", "at X Y Z" of each vertex, on the lattice, with "R G B"
 where it has a colour, and "face A B C"; where a chunk says how it is shaded "shading ANGLE", and "normal CORNER X Y Z" of
-every eleventh corner.
+every eleventh corner; where a chunk says which patches it covers "cover STAGE PARTS TRIANGLES" and a number for each.
 
 Vertices of a level: those of the base, those of edges in their order (from `from` on), those inside of patches in
 their order, j = 1 first.
@@ -525,18 +525,22 @@ class Tail:
 
     def __init__(self, data):
         flags, self.b, self.crease, self.count, self.most = struct.unpack_from("<BBBII", data, 0)
-        if flags > 7 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
+        if flags > 15 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
             raise Refused("tail")
         self.colored = flags & 1 == 1
         if flags & 2:
             self.weights = [[2048, -2048, 2048, -2048] + [0] * 4] * 2 + [[4096, -4096] + [0] * 6] * 4
         else:
-            weights = struct.unpack_from("<48h", data, 12 if flags & 4 else 11)
+            weights = struct.unpack_from("<48h", data, 11 + (flags >> 2 & 1) + (flags >> 3))
             self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
         self.finest = data[11] if flags & 4 else self.b
         if not self.b <= self.finest <= 20:
             raise Refused("finest")
-        self.coder = Coder(data[(11 if flags & 2 else 107) + (flags >> 2):])
+        self.cell_bits = data[11 + (flags >> 2 & 1)] if flags & 8 else 0
+        if flags & 8 and not 1 <= self.cell_bits <= 5:
+            raise Refused("cells")
+        self.ranks, self.last_rank, self.rank_models = {}, 0, Table(doubles)
+        self.coder = Coder(data[(11 if flags & 2 else 107) + (flags >> 2 & 1) + (flags >> 3):])
         self.places, self.colours, self.marks, self.turns, self.triangles = [], [], [], [], []
         self.state, self.behind, self.before = [], [], []
         self.waiting, self.clock = {}, 0  # (gap, when) -> (side, behind)
@@ -615,9 +619,21 @@ class Tail:
     def wait(self, *sides):
         for side in sides:
             if self.state[side] == "open":
-                self.waiting[(self.gap(side), self.clock)] = (side, self.behind[side])
-                heapq.heappush(self.queue, (self.gap(side), self.clock))
+                key = (self.rank(self.places[self.end(side)]), self.gap(side), self.clock)
+                self.waiting[key] = (side, self.behind[side])
+                heapq.heappush(self.queue, key)
                 self.clock += 1
+
+    def rank(self, place):
+        if not self.cell_bits:
+            return 0
+        cell = tuple(c >> (self.b - self.cell_bits) for c in place)
+        if cell not in self.ranks:
+            node = 1
+            for _ in range(3):
+                node = 2 * node + self.yes(self.rank_models[self.last_rank][node])
+            self.ranks[cell] = self.last_rank = node - 8
+        return self.ranks[cell]
 
     def gap(self, side):
         a, b, o, r = (self.places[v] for v in (self.start(side), self.end(side), self.opposite(side),
@@ -650,7 +666,7 @@ class Tail:
                 key = heapq.heappop(self.queue)
                 side, behind = self.waiting.pop(key)
                 if self.state[side] == "open" and self.behind[side] == behind:
-                    self.beside(side, key[0])
+                    self.beside(side, key[1])
         if len(self.places) != self.count or self.coder.bits(16) != 0x5143:
             raise Refused("end")
 
@@ -806,6 +822,23 @@ class Tail:
         self.vertex(tuple(place), colour, [min(4 * q, 4000), min(8 * abs(off), 4000), mark])
 
 
+def cover_of(payload):
+    """Covered patches: the stage, into how many parts the triangles are divided, and of each patch a number of them."""
+    stage, parts, patches, triangles = struct.unpack_from("<BBII", payload)
+    coder = Coder(payload[10:])
+    changes, less, number = [Model(), Model()], Model(), Number()
+    changed, last, out = False, 0, []
+    for _ in range(patches):
+        changed = coder.get(changes[changed])
+        if changed:
+            sign = -1 if coder.get(less) else 1
+            last += sign * (number.get(coder) + 1)
+        out.append(last)
+        if not 0 <= last <= parts:
+            raise Refused("cover")
+    return stage, parts, triangles, out
+
+
 def refine(tail, low_bits):
     """Low bits: {(layer, first vertex): bytes}."""
     known = [0] * len(tail.places)
@@ -941,7 +974,7 @@ def main(name):
     assert zlib.crc32(data[:16] + bytes(4) + data[20:header]) == struct.unpack_from("<I", data, 16)[0]
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
-    stages, pieces, groups, origin, shading, low_bits = {}, {}, {}, None, None, {}
+    stages, pieces, groups, origin, shading, low_bits, cover = {}, {}, {}, None, None, {}, None
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
@@ -961,6 +994,8 @@ def main(name):
             pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
         if kind == 10:
             low_bits.setdefault(struct.unpack_from("<BI", payload), payload[5:])
+        if kind == 11:
+            cover = cover_of(payload)
         if kind == 8:
             assert payload[0] == 1
             shading = payload[1]
@@ -971,6 +1006,9 @@ def main(name):
     for which, group in sorted(groups.items()):
         if which < 16:
             payloads += payloads_of(group)
+        elif which >= 48:
+            for payload in payloads_of(group):
+                low_bits.setdefault(struct.unpack_from("<BI", payload), payload[5:])
         else:
             for payload in payloads_of(group):
                 pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
@@ -1011,6 +1049,9 @@ def main(name):
             print("at", *p, *(tail.rgb(tail.colours[v]) if tail.colored else ()))
         for t in tail.triangles:
             print("face", *t)
+        if cover:
+            print("cover", *cover[:3])
+            print("covered", *cover[3])
         if shading is not None:
             print("shading", shading)
             for corner, n in list(enumerate(shaded(tail, shading)))[::11]:

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "qnv/displaced/surface.h"
+#include "qnv/encode/stream_writer.h"
+#include "qnv/exact/cover.h"
+#include "qnv/exact/exact_tail.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace gs::qnv {
+
+/// The mesh itself, as it comes at the end of a displaced stream.
+struct SurfaceTail {
+  std::vector<std::byte> bytes;  // none: there is no tail
+  std::size_t vertices = 0;
+  exact::Shading shading;
+  std::optional<exact::Cover> cover;  // what of the stage before it covers
+  std::vector<std::vector<std::byte>> low_bits;  // behind it
+  std::size_t low_bytes = 0;
+  bool parity = false;
+  /// With what comes behind it.
+  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes; }
+};
+
+/// All of a source on a lattice of so many bits an axis; `bits` 0: of as many as its triangles are worth.
+[[nodiscard]] exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame,
+                                             bool colored, int bits);
+
+/// `bits`: of the tail itself; those of the mesh that are finer come behind it. `ranks`, `order`: as encode_tail has
+/// them.
+[[nodiscard]] SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRanks* ranks = nullptr,
+                                  exact::TailOrder* order = nullptr);
+/// About how many bytes a tail takes, with what comes behind it.
+[[nodiscard]] std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits);
+/// How many bits are in the tail itself where it is to be there soon; what is finer comes behind it.
+[[nodiscard]] int first_tail_bits(const exact::ExactMesh& mesh);
+/// With how many bits in the tail itself it takes about the fewest bytes; fewer where that is no matter.
+[[nodiscard]] int fewest_tail_bits(const exact::ExactMesh& mesh);
+
+/// What of places is finer than this comes behind the tail: any part of it makes the mesh finer.
+inline constexpr int kTailBits = 12;
+
+/// In pieces, behind `others`, whose place it takes.
+void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingChunk>& others);
+
+}  // namespace gs::qnv
