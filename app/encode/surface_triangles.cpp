@@ -5,7 +5,10 @@
 #include <glm/mat3x3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::app {
@@ -14,9 +17,27 @@ namespace {
 using qnv::finite;
 
 constexpr std::size_t kTriangleBatch = 4096;
-// A textured triangle is divided until its pieces are this many texels long, but not more often than this.
+// The edges of a textured triangle are halved until they are this many texels long, but not more often than this.
 constexpr float kTexels = 2;
 constexpr int kMostDivisions = 7;
+
+/// How often each edge of a triangle is halved: that from corner k to corner k + 1.
+using Halvings = std::array<int, 3>;
+/// The two ends of an edge, the lesser first.
+using EdgePlaces = std::array<float, 6>;
+struct HashEdge {
+  std::size_t operator()(const EdgePlaces& edge) const {
+    std::size_t hash = 0;
+    for (const float f : edge) hash = (hash ^ std::hash<float>()(f)) * 0x9e3779b97f4a7c15u + (hash >> 29);
+    return hash;
+  }
+};
+EdgePlaces edge_places(const glm::vec3& a, const glm::vec3& b) {
+  const std::array<float, 3> p{a.x, a.y, a.z}, q{b.x, b.y, b.z};
+  const auto& least = p < q ? p : q;
+  const auto& most = p < q ? q : p;
+  return {least[0], least[1], least[2], most[0], most[1], most[2]};
+}
 
 // One coordinate of a texture, in texels.
 std::uint32_t texel(float at, std::uint32_t size, bool repeat) {
@@ -59,11 +80,17 @@ class Emitter {
 
   bool run() {
     const vrml::Mesh& mesh = *item_.mesh;
+    if (textured_) measure_edges(mesh);
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
       std::array<SurfaceCorner, 3> corners;
       for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
       if (flipped_) std::swap(corners[1], corners[2]);
-      if (!emit(corners, divisions(corners))) return false;
+      Halvings halvings{};
+      for (std::size_t k = 0; k < 3 && !edges_.empty(); ++k) {
+        const auto edge = edges_.find(edge_places(corners[k].position, corners[(k + 1) % 3].position));
+        if (edge != edges_.end()) halvings[k] = edge->second;
+      }
+      if (!emit(corners, halvings, 0)) return false;
     }
     return flush();
   }
@@ -71,7 +98,7 @@ class Emitter {
  private:
   SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
     SurfaceCorner c{};
-    c.position = glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
+    c.position = place_of(mesh, index);
     if (mesh.normals.size() == mesh.positions.size()) {
       const glm::vec3 n = normal_matrix_ * mesh.normals[index];
       const float length = std::sqrt(glm::dot(n, n));
@@ -90,22 +117,34 @@ class Emitter {
     return c;
   }
 
-  int divisions(const std::array<SurfaceCorner, 3>& c) const {
-    if (!textured_) return 0;
-    const glm::vec2 size(static_cast<float>(item_.texture.image->width),
-                         static_cast<float>(item_.texture.image->height));
-    float longest = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const glm::vec2 d = (c[(i + 1) % 3].texture - c[i].texture) * size;
-      longest = std::max(longest, std::sqrt(glm::dot(d, d)));
-    }
-    if (!std::isfinite(longest)) return 0;
+  int halvings_of(const glm::vec2& a, const glm::vec2& b) const {
+    const glm::vec2 d = (b - a) * glm::vec2(static_cast<float>(item_.texture.image->width),
+                                            static_cast<float>(item_.texture.image->height));
+    float length = std::sqrt(glm::dot(d, d));
+    if (!std::isfinite(length)) return 0;
     int n = 0;
-    while (n < kMostDivisions && longest > kTexels) {
-      longest *= 0.5f;
+    while (n < kMostDivisions && length > kTexels) {
+      length *= 0.5f;
       ++n;
     }
     return n;
+  }
+
+  // Two triangles may disagree how long an edge is in the texture: both halve it as often as the one with more texels,
+  // so that the surface stays closed between them.
+  void measure_edges(const vrml::Mesh& mesh) {
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = mesh.indices[i + k], b = mesh.indices[i + (k + 1) % 3];
+        const int halvings = halvings_of(mesh.texture_coordinates[a], mesh.texture_coordinates[b]);
+        if (halvings == 0) continue;
+        int& most = edges_[edge_places(place_of(mesh, a), place_of(mesh, b))];
+        most = std::max(most, halvings);
+      }
+  }
+
+  glm::vec3 place_of(const vrml::Mesh& mesh, std::uint32_t index) const {
+    return glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
   }
 
   SurfaceCorner middle(const SurfaceCorner& a, const SurfaceCorner& b) const {
@@ -119,12 +158,40 @@ class Emitter {
     return c;
   }
 
-  bool emit(const std::array<SurfaceCorner, 3>& c, int divisions) {
-    if (divisions > 0) {
+  // An edge is halved as often as its own number says, whatever the others of the triangle do: so the triangle on its
+  // other side, which does the same, meets it in the same places. `depth`: times that a triangle was divided before.
+  bool emit(const std::array<SurfaceCorner, 3>& c, const Halvings& halvings, int depth) {
+    const auto halved = static_cast<std::size_t>((halvings[0] > 0) + (halvings[1] > 0) + (halvings[2] > 0));
+    if (halved == 0) return put(c);
+    // Edges inside are as long as they are; no triangle is divided more than kMostDivisions times.
+    const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
+      return std::min(halvings_of(a.texture, b.texture), kMostDivisions - depth - 1);
+    };
+    if (halved == 3) {
       const SurfaceCorner ab = middle(c[0], c[1]), bc = middle(c[1], c[2]), ca = middle(c[2], c[0]);
-      return emit({c[0], ab, ca}, divisions - 1) && emit({ab, c[1], bc}, divisions - 1) &&
-             emit({ca, bc, c[2]}, divisions - 1) && emit({ab, bc, ca}, divisions - 1);
+      const int a = halvings[0] - 1, b = halvings[1] - 1, d = halvings[2] - 1;
+      const int near_a = inside(ab, ca), near_b = inside(ab, bc), near_c = inside(bc, ca);
+      return emit({c[0], ab, ca}, {a, near_a, d}, depth + 1) && emit({ab, c[1], bc}, {a, b, near_b}, depth + 1) &&
+             emit({ca, bc, c[2]}, {near_c, b, d}, depth + 1) &&
+             emit({ab, bc, ca}, {near_b, near_c, near_a}, depth + 1);
     }
+    // One edge, or of two the one that the other follows: from corner k on.
+    std::size_t k = 0;
+    while (halvings[k] == 0 || (halved == 2 && halvings[(k + 1) % 3] == 0)) ++k;
+    const SurfaceCorner &p = c[k], &q = c[(k + 1) % 3], &r = c[(k + 2) % 3];
+    const int along = halvings[k] - 1, next = halvings[(k + 1) % 3], last = halvings[(k + 2) % 3];
+    const SurfaceCorner pq = middle(p, q);
+    if (halved == 1) {
+      const int across = inside(pq, r);
+      return emit({p, pq, r}, {along, across, last}, depth + 1) && emit({pq, q, r}, {along, next, across}, depth + 1);
+    }
+    const SurfaceCorner qr = middle(q, r);
+    const int near_q = inside(pq, qr), across = inside(pq, r);
+    return emit({pq, q, qr}, {along, next - 1, near_q}, depth + 1) &&
+           emit({pq, qr, r}, {near_q, next - 1, across}, depth + 1) && emit({p, pq, r}, {along, across, last}, depth + 1);
+  }
+
+  bool put(const std::array<SurfaceCorner, 3>& c) {
     qnv::Triangle triangle;
     for (std::size_t i = 0; i < 3; ++i) {
       if (!finite(c[i].position)) return true;
@@ -147,6 +214,7 @@ class Emitter {
   glm::dmat4 place_;  // from the node's space to the world's from the origin
   glm::mat3 world_from_node_{1.0f}, normal_matrix_{1.0f};
   bool flipped_ = false, textured_ = false;
+  std::unordered_map<EdgePlaces, int, HashEdge> edges_;  // that are halved: how often
   std::vector<qnv::Triangle> batch_;
 };
 
