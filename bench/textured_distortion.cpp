@@ -1,7 +1,7 @@
 // Bytes against picture error of textured models: QNV (as `encode` makes it when told nothing, displaced, packed) beside
 // a simplified mesh with texture coordinates in Draco and its texture, made smaller, as JPEG.
 //
-//   textured_distortion MODEL...
+//   textured_distortion [--streams-alone] MODEL...
 //
 // Prints a Markdown table a model: for every budget PSNR (dB) and SSIM against pictures of the full model from six
 // sides, 800x600, headlight. A budget of a QNV stream is a prefix of one file; mesh and picture need files of their own
@@ -294,10 +294,15 @@ class DracoAndJpeg {
 int main(int count, char** arguments) {
   Studio studio;
   if (count < 2 || !studio.good()) {
-    std::fprintf(stderr, count < 2 ? "usage: textured_distortion MODEL...\n" : "no way to draw here\n");
+    std::fprintf(stderr, count < 2 ? "usage: textured_distortion [--streams-alone] MODEL...\n" : "no way to draw here\n");
     return 2;
   }
+  bool others = true;
   for (int i = 1; i < count; ++i) {
+    if (std::string(arguments[i]) == "--streams-alone") {
+      others = false;
+      continue;
+    }
     app::OpenedWorld world = app::load_world(arguments[i]);
     render::MeshCache cache;
     const render::RenderList full = world.scene ? render::collect(*world.scene, world.images, cache) : render::RenderList{};
@@ -310,10 +315,10 @@ int main(int count, char** arguments) {
     const app::SurfaceSummary summary = app::summarize_surface(full);
     const auto references = studio.pictures(full, full.bounds, kViews);
     std::array<Curve, kCodecs.size()> curves;
-    curves[0] = measure_stream(studio, full, references, qnv::Payload::displaced, summary.two_sided, true);
+    if (others) curves[0] = measure_stream(studio, full, references, qnv::Payload::displaced, summary.two_sided, true);
     curves[1] = measure_stream(studio, full, references, qnv::Payload::displaced, summary.two_sided, false);
-    curves[2] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided, false);
-    curves[3] = DracoAndJpeg(studio, full, *item, references).measured();
+    if (others) curves[2] = measure_stream(studio, full, references, qnv::Payload::packed, summary.two_sided, false);
+    if (others) curves[3] = DracoAndJpeg(studio, full, *item, references).measured();
     std::printf("### %s (%zu triangles, texture of %u x %u)\n\n| budget, bytes |",
                 std::filesystem::path(arguments[i]).filename().c_str(), summary.triangles, item->texture.image->width,
                 item->texture.image->height);
