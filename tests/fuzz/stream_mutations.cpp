@@ -35,8 +35,8 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::size_t kMostBytes = 24576;  // of a mutation: longer ones are slower and reach no more
 constexpr int kMostSeconds = 10;           // of the processor, for one input
 constexpr double kLongSeconds = 1;         // one that takes longer is told of
-// Of streams smaller than this there are three mutations for one of the others, each of which takes as long as five.
-constexpr std::size_t kSmallBytes = 7168;
+// Of streams smaller than this there are several mutations for one of the others, each of which takes as long as five.
+constexpr std::size_t kSmallBytes = 7168, kSmallTurns = 6;
 
 /// A section of the header, or a chunk: what it is, and its bytes.
 struct Part {
@@ -274,7 +274,7 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     return 2;
   }
   std::vector<std::size_t> turns;
-  for (std::size_t i = 0; i < streams.size(); ++i) turns.insert(turns.end(), streams[i].size < kSmallBytes ? 3 : 1, i);
+  for (std::size_t i = 0; i < streams.size(); ++i) turns.insert(turns.end(), streams[i].size < kSmallBytes ? kSmallTurns : 1, i);
   std::map<std::string, Count> counts;
   for (std::size_t i = first; i < count; ++i) {
     Mutator mutator(streams, seed * 1'000'000'007 + i);
