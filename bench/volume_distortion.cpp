@@ -1,6 +1,6 @@
 // Bytes against picture error for volumes: QNV (voxels, records) beside zfp, gzip'd slices and JPEG XL slices.
 //
-//   volume_distortion VOLUME... [--pictures FOLDER]
+//   volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]
 //
 // Prints a Markdown table a volume: for every budget PSNR (dB) and SSIM against pictures of all records (the longest 9
 // % of the gradients) from three sides, 800x600, headlight, as render/volume draws them. A budget of a QNV stream is a
@@ -282,7 +282,7 @@ void measure_stream(const Painter& painter, std::span<const std::byte> stream, C
   }
 }
 
-bool measure(const std::string& path, const std::string& folder) {
+bool measure(const std::string& path, const std::string& folder, bool others) {
   const auto opened = app::open_volume(path);
   const auto* source = std::get_if<qnv::VolumeSource>(&opened);
   if (!source) return false;
@@ -322,6 +322,7 @@ bool measure(const std::string& path, const std::string& folder) {
   const std::string base =
       (std::filesystem::temp_directory_path() / ("volume_distortion." + std::to_string(getpid()))).string();
   Grid level = grid;
+  if (!others) level.values.clear();
   for (int k = 0; k < 5 && level.values.size() > 500; ++k, level = halved(level)) {
     for (const double tolerance : {0.5, 0.2, 0.08, 0.03}) measure_zfp(painter, level, base, tolerance, curves[2]);
     for (const int values : {256, 48, 12, 5}) measure_gzip(painter, level, values, curves[3]);
@@ -366,18 +367,21 @@ bool measure(const std::string& path, const std::string& folder) {
 int main(int count, char** arguments) {
   std::vector<std::string> files;
   std::string folder;
+  bool others = true;
   for (int i = 1; i < count; ++i) {
     if (std::string(arguments[i]) == "--pictures" && i + 1 < count)
       folder = arguments[++i];
+    else if (std::string(arguments[i]) == "--streams-alone")
+      others = false;
     else
       files.emplace_back(arguments[i]);
   }
   if (files.empty()) {
-    std::fprintf(stderr, "usage: volume_distortion VOLUME... [--pictures FOLDER]\n");
+    std::fprintf(stderr, "usage: volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]\n");
     return 2;
   }
   for (const std::string& file : files)
-    if (!measure(file, folder)) {
+    if (!measure(file, folder, others)) {
       std::fprintf(stderr, "volume_distortion: %s cannot be measured\n", file.c_str());
       return 1;
     }

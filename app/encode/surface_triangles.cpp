@@ -5,7 +5,10 @@
 #include <glm/mat3x3.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::app {
@@ -14,9 +17,40 @@ namespace {
 using qnv::finite;
 
 constexpr std::size_t kTriangleBatch = 4096;
-// A textured triangle is divided until its pieces are this many texels long, but not more often than this.
+// The edges of a textured triangle are halved until they are this many texels long, but not more often than this.
 constexpr float kTexels = 2;
 constexpr int kMostDivisions = 7;
+
+// An edge is bent where the normals at its ends are this near to each other, and by this part of its length at most.
+constexpr float kBentCosine = 0.5f, kMostBend = 0.15f;
+
+/// How often an edge is halved, and whether its middle lies on a curve that its normals say or on a line.
+struct EdgeCut {
+  int halvings = 0;
+  bool bent = false;
+};
+/// Of a triangle: the edge from corner k to corner k + 1.
+using EdgeCuts = std::array<EdgeCut, 3>;
+struct SharedEdge {
+  EdgeCut cut;
+  std::array<glm::vec3, 2> normals;  // at its ends, the lesser first
+};
+/// The two ends of an edge, the lesser first.
+using EdgePlaces = std::array<float, 6>;
+struct HashEdge {
+  std::size_t operator()(const EdgePlaces& edge) const {
+    std::size_t hash = 0;
+    for (const float f : edge) hash = (hash ^ std::hash<float>()(f)) * 0x9e3779b97f4a7c15u + (hash >> 29);
+    return hash;
+  }
+};
+bool before(const glm::vec3& a, const glm::vec3& b) {
+  return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
+}
+EdgePlaces edge_places(const glm::vec3& a, const glm::vec3& b) {
+  const glm::vec3 &least = before(a, b) ? a : b, &most = before(a, b) ? b : a;
+  return {least.x, least.y, least.z, most.x, most.y, most.z};
+}
 
 // One coordinate of a texture, in texels.
 std::uint32_t texel(float at, std::uint32_t size, bool repeat) {
@@ -59,19 +93,32 @@ class Emitter {
 
   bool run() {
     const vrml::Mesh& mesh = *item_.mesh;
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-      std::array<SurfaceCorner, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
-      if (flipped_) std::swap(corners[1], corners[2]);
-      if (!emit(corners, divisions(corners))) return false;
-    }
+    const auto each = [&](auto&& work) {
+      for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        std::array<SurfaceCorner, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
+        if (flipped_) std::swap(corners[1], corners[2]);
+        if (!work(corners)) return false;
+      }
+      return true;
+    };
+    if (textured_) (void)each([&](const auto& corners) { return measure_edges(corners); });
+    const bool wanted = each([&](const auto& corners) {
+      EdgeCuts cuts{};
+      for (std::size_t k = 0; k < 3 && !edges_.empty(); ++k) {
+        const auto edge = edges_.find(edge_places(corners[k].position, corners[(k + 1) % 3].position));
+        if (edge != edges_.end()) cuts[k] = edge->second.cut;
+      }
+      return emit(corners, cuts, 0);
+    });
+    if (!wanted) return false;
     return flush();
   }
 
  private:
   SurfaceCorner corner(const vrml::Mesh& mesh, std::uint32_t index) const {
     SurfaceCorner c{};
-    c.position = glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
+    c.position = place_of(mesh, index);
     if (mesh.normals.size() == mesh.positions.size()) {
       const glm::vec3 n = normal_matrix_ * mesh.normals[index];
       const float length = std::sqrt(glm::dot(n, n));
@@ -90,27 +137,53 @@ class Emitter {
     return c;
   }
 
-  int divisions(const std::array<SurfaceCorner, 3>& c) const {
-    if (!textured_) return 0;
-    const glm::vec2 size(static_cast<float>(item_.texture.image->width),
-                         static_cast<float>(item_.texture.image->height));
-    float longest = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const glm::vec2 d = (c[(i + 1) % 3].texture - c[i].texture) * size;
-      longest = std::max(longest, std::sqrt(glm::dot(d, d)));
-    }
-    if (!std::isfinite(longest)) return 0;
+  int halvings_of(const glm::vec2& a, const glm::vec2& b) const {
+    const glm::vec2 d = (b - a) * glm::vec2(static_cast<float>(item_.texture.image->width),
+                                            static_cast<float>(item_.texture.image->height));
+    float length = std::sqrt(glm::dot(d, d));
+    if (!std::isfinite(length)) return 0;
     int n = 0;
-    while (n < kMostDivisions && longest > kTexels) {
-      longest *= 0.5f;
+    while (n < kMostDivisions && length > kTexels) {
+      length *= 0.5f;
       ++n;
     }
     return n;
   }
 
-  SurfaceCorner middle(const SurfaceCorner& a, const SurfaceCorner& b) const {
+  // What all triangles at an edge do with it, so that the surface stays closed between them: they halve it as often as
+  // the one in which it has most texels, and bend it where their normals are the same.
+  bool measure_edges(const std::array<SurfaceCorner, 3>& corners) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SurfaceCorner *least = &corners[k], *most = &corners[(k + 1) % 3];
+      const int halvings = halvings_of(least->texture, most->texture);
+      if (halvings == 0) continue;
+      if (before(most->position, least->position)) std::swap(least, most);
+      const auto [at, fresh] = edges_.try_emplace(edge_places(least->position, most->position));
+      SharedEdge& edge = at->second;
+      if (fresh) {
+        edge.normals = {least->normal, most->normal};
+        edge.cut.bent = glm::dot(least->normal, most->normal) > kBentCosine;
+      }
+      edge.cut.bent = edge.cut.bent && edge.normals[0] == least->normal && edge.normals[1] == most->normal;
+      edge.cut.halvings = std::max(edge.cut.halvings, halvings);
+    }
+    return true;
+  }
+
+  glm::vec3 place_of(const vrml::Mesh& mesh, std::uint32_t index) const {
+    return glm::vec3(place_ * glm::dvec4(mesh.positions[index], 1));
+  }
+
+  SurfaceCorner middle(const SurfaceCorner& a, const SurfaceCorner& b, bool bent) const {
     SurfaceCorner c{};
     c.position = (a.position + b.position) * 0.5f;
+    if (bent) {
+      // Half way to where the planes at both ends are: on a circle, just there.
+      const glm::vec3 half = (b.position - a.position) * 0.5f;
+      const glm::vec3 off = 0.25f * (glm::dot(half, b.normal) * b.normal - glm::dot(half, a.normal) * a.normal);
+      const float size = glm::length(off), most = kMostBend * 2 * glm::length(half);
+      if (size > 0) c.position += size > most ? off * (most / size) : off;
+    }
     const glm::vec3 n = a.normal + b.normal;
     const float length = std::sqrt(glm::dot(n, n));
     if (length > 0) c.normal = n / length;
@@ -119,12 +192,47 @@ class Emitter {
     return c;
   }
 
-  bool emit(const std::array<SurfaceCorner, 3>& c, int divisions) {
-    if (divisions > 0) {
-      const SurfaceCorner ab = middle(c[0], c[1]), bc = middle(c[1], c[2]), ca = middle(c[2], c[0]);
-      return emit({c[0], ab, ca}, divisions - 1) && emit({ab, c[1], bc}, divisions - 1) &&
-             emit({ca, bc, c[2]}, divisions - 1) && emit({ab, bc, ca}, divisions - 1);
+  // Edges are cut as they say, whatever the others of the triangle do: so the triangle on the other side, which does the
+  // same, meets this one in the same places. `depth`: times that a triangle was divided before.
+  bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
+    const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
+    const int halved = is_cut(0) + is_cut(1) + is_cut(2);
+    if (halved == 0) return put(c);
+    // Edges inside are as long as they are; no triangle is divided more than kMostDivisions times.
+    const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
+      return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMostDivisions - depth - 1),
+                     glm::dot(a.normal, b.normal) > kBentCosine};
+    };
+    const auto half = [&](std::size_t k) { return EdgeCut{cuts[k % 3].halvings - 1, cuts[k % 3].bent}; };
+    const auto cut = [&](std::size_t k) {  // the place that two triangles share is worked out from the same end
+      const SurfaceCorner &a = c[k % 3], &b = c[(k + 1) % 3];
+      return before(b.position, a.position) ? middle(b, a, cuts[k % 3].bent) : middle(a, b, cuts[k % 3].bent);
+    };
+    if (halved == 3) {
+      const SurfaceCorner ab = cut(0), bc = cut(1), ca = cut(2);
+      const EdgeCut near_a = inside(ab, ca), near_b = inside(ab, bc), near_c = inside(bc, ca);
+      return emit({c[0], ab, ca}, {half(0), near_a, half(2)}, depth + 1) &&
+             emit({ab, c[1], bc}, {half(0), half(1), near_b}, depth + 1) &&
+             emit({ca, bc, c[2]}, {near_c, half(1), half(2)}, depth + 1) &&
+             emit({ab, bc, ca}, {near_b, near_c, near_a}, depth + 1);
     }
+    // One edge, or of two the one that the other follows: from corner k on.
+    std::size_t k = 0;
+    while (!is_cut(k) || (halved == 2 && !is_cut(k + 1))) ++k;
+    const SurfaceCorner &p = c[k], &q = c[(k + 1) % 3], &r = c[(k + 2) % 3];
+    const SurfaceCorner pq = cut(k);
+    const EdgeCut across = inside(pq, r), last = cuts[(k + 2) % 3];
+    if (halved == 1)
+      return emit({p, pq, r}, {half(k), across, last}, depth + 1) &&
+             emit({pq, q, r}, {half(k), cuts[(k + 1) % 3], across}, depth + 1);
+    const SurfaceCorner qr = cut(k + 1);
+    const EdgeCut near_q = inside(pq, qr);
+    return emit({pq, q, qr}, {half(k), half(k + 1), near_q}, depth + 1) &&
+           emit({pq, qr, r}, {near_q, half(k + 1), across}, depth + 1) &&
+           emit({p, pq, r}, {half(k), across, last}, depth + 1);
+  }
+
+  bool put(const std::array<SurfaceCorner, 3>& c) {
     qnv::Triangle triangle;
     for (std::size_t i = 0; i < 3; ++i) {
       if (!finite(c[i].position)) return true;
@@ -147,6 +255,7 @@ class Emitter {
   glm::dmat4 place_;  // from the node's space to the world's from the origin
   glm::mat3 world_from_node_{1.0f}, normal_matrix_{1.0f};
   bool flipped_ = false, textured_ = false;
+  std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // that are halved
   std::vector<qnv::Triangle> batch_;
 };
 

@@ -13,7 +13,8 @@ namespace gs::app {
 
 /// The triangles of everything that a render list draws, in world space from `origin`, with the colour that a viewer
 /// would see under plain white light baked into the corners: material, vertex colours and textures (large textured
-/// triangles are divided so that the texture is not lost). Lines and points have no surface and are left out. False
+/// triangles are divided so that the texture is not lost: closed surfaces stay closed, and where triangles share their
+/// normals what is put between is as curved as they say). Lines and points have no surface and are left out. False
 /// when the sink wanted no more. Deterministic; reads the list only.
 bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink,
                        const glm::dvec3& origin = glm::dvec3(0));

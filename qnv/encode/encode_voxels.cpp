@@ -26,7 +26,7 @@ constexpr double kOffCentre = 0.05;
 constexpr float kShownOpacity = 2;
 
 // Steps at which no difference is seen at first sight, and those of `compact`.
-constexpr VoxelSteps kFine{20, 16, 6}, kCompact{28, 24, 8};
+constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}}, kCompact{28, 24, 8, {28, 28, 28}};
 
 float middle_weight(const Cloud& cloud) {
   std::vector<float> weights;

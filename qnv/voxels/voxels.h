@@ -69,6 +69,8 @@ struct VoxelSteps {
   int direction = 20;  // 1..64: in 1/64 of the octahedron
   int value = 16;      // 1..255
   int magnitude = 6;   // 1..127: four are an octave
+  /// Directions of the finest levels, the last one first, of which most pixels of a picture are.
+  std::array<int, 3> last_directions{10, 10, 12};
 };
 
 struct VoxelsOptions {

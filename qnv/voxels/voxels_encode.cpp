@@ -143,6 +143,9 @@ class VoxelsEncoder {
   void divide(VolumeNode& node) const {
     const auto children = below(node.truth, node.level);
     VolumeParameters p = parameters();
+    const auto left = static_cast<std::size_t>(deepest() - 1 - node.level);
+    if (left < options_.steps.last_directions.size())
+      p.direction_step = static_cast<std::uint8_t>(options_.steps.last_directions[left]);
     p.trust = kTrust;
     fit_slopes(node.voxels, children, lattice_, p);
     const VolumeSymbols all = quantize_volume(node.voxels, children, edge_below(node.level), lattice_, p);
