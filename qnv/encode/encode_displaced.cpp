@@ -288,9 +288,6 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   }
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read"};
   if (!s.sound()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
-  // The colours of a texture are finer than its triangles.
-  if (options.only_if_suited && s.colored)
-    return EncodeError{"the surface has colours of its own; expected one of one colour", true};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
   const bool chosen = options.exact_bits == kExactWherePays;

@@ -104,7 +104,7 @@ constexpr OptionRow kEncodeOptions[] = {
     {"--exact", "[=BITS]", "11",
      "behind the refinements of a surface the mesh itself, its vertices on 2^BITS places along the longest edge of its "
      "box (8 to 20), in few bytes: who waits for the end gets the file, which export writes. Surfaces of up to 300,000 "
-     "triangles and one colour have it without being asked, with 11 to 14 bits and what stands losses; --exact=none: "
+     "triangles have it without being asked, with 11 to 14 bits and what stands losses; --exact=none: "
      "without it",
      "encode ", set_exact},
     {"--packed", "", "",

@@ -392,7 +392,7 @@ TEST_CASE("what is no surface is refused with a reason") {
   CHECK(std::holds_alternative<EncodeError>(encode_displaced(source_of(line), {})));
   EncodeOptions options;
   options.only_if_suited = true;
-  const auto made = encode_displaced(source_of(random_triangles(600, 1, 5)), options);
+  const auto made = encode_displaced(source_of(random_triangles(3000, 1, 5)), options);
   const auto* error = std::get_if<EncodeError>(&made);
   REQUIRE(error);
   CHECK(error->unsuited);

@@ -49,8 +49,7 @@ const std::vector<Sample>& samples() {
   static const std::vector<Sample> all = [] {
     std::vector<Sample> made;
     // The last one has several pieces.
-    for (const Source& s :
-         {smooth_sources()[3], smooth_sources()[2], Source{"large sheet", rough_sheet()}})
+    for (const Source& s : {smooth_sources()[3], smooth_sources()[2], Source{"large sheet", rough_sheet()}})
       made.push_back({s, made.size() == 2 ? 20 : 11, {}});
     for (Sample& s : made) s.stream = std::get<EncodedStream>(encoded(s.source.triangles, s.bits)).bytes;
     return made;
@@ -114,6 +113,27 @@ std::vector<Turned> triangles_shown(const Cloud& cloud, int bits, bool rgb) {
 }
 
 }  // namespace
+
+TEST_CASE("a surface with colours at its vertices is followed by a base and ends as it is, without being asked") {
+  Triangles ball = displaced::ball(24);
+  for (Triangle& t : ball)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto shade = [](float x) { return static_cast<std::uint8_t>(127 + 120 * std::sin(9 * x)); };
+      const glm::vec3& p = t.positions[k];
+      t.colors[k] = {shade(p.x), shade(p.y), shade(p.z)};
+    }
+  EncodeOptions options;
+  options.exact_bits = kExactWherePays;
+  options.only_if_suited = true;
+  const auto made = encode_displaced(source_of(ball), options);
+  REQUIRE(std::holds_alternative<EncodedStream>(made));
+  const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
+  CHECK(decoder.refused_chunks() == 0);
+  REQUIRE(decoder.exact().whole());
+  const Cloud cloud = decoder.cloud();
+  check_sound(cloud);
+  CHECK(triangles_shown(cloud, decoder.exact().bits(), true) == triangles_in(ball, decoder.exact().bits(), true));
+}
 
 TEST_CASE("the end of an exact stream is the mesh itself") {
   for (const Sample& s : samples()) {
@@ -203,7 +223,8 @@ TEST_CASE("behind the tail places become finer bit by bit, whatever is lost and 
     const Cloud all = with(low, false);
     float most = 0;
     for (std::size_t corner = 0; corner < all.triangles.size(); ++corner)
-      most = std::max(most, glm::length(cloud.positions[cloud.triangles[corner]] - all.positions[all.triangles[corner]]));
+      most =
+          std::max(most, glm::length(cloud.positions[cloud.triangles[corner]] - all.positions[all.triangles[corner]]));
     return most;
   };
   std::mt19937 random(4);
