@@ -169,6 +169,13 @@ click_link() { # BROWSER_WINDOW WORDS
 ghostspace_windows() { xdotool search --onlyvisible --class '^GhostSpace$' 2>/dev/null | wc -l; }
 titled() { xdotool search --onlyvisible --name "$1.*GhostSpace" >/dev/null 2>&1; }
 page_is_there() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
+page_is_there_or_gone() { page_is_there "$1" || ! kill -0 "$2"; }
+# Ends the browser and takes its profile away: the next one must neither find its window nor a profile in use.
+close_browser() {
+  kill "$browser" 2>/dev/null || true
+  wait "$browser" 2>/dev/null || true
+  rm -rf "$work/firefox" "$work/chromium" "$HOME/Downloads" "$XDG_CACHE_HOME/ghostspace"
+}
 no_window() { [ "$(ghostspace_windows)" = 0 ]; }
 
 try() { # BROWSER SERVER URL TITLE_OF_PAGE LOG
@@ -177,9 +184,11 @@ try() { # BROWSER SERVER URL TITLE_OF_PAGE LOG
   : >"$log"
   profile "$1"
   browse "$1" "$3"
-  if ! until_true 60 page_is_there "$4"; then
+  # The first start of a browser takes minutes of a busy machine: as long as it lives, its page may come.
+  if ! until_true 240 page_is_there_or_gone "$4" "$browser" || ! page_is_there "$4"; then
     import -window root "$pictures/$name-page.png"
     wrong "$name: the page does not show (see $pictures/$name-page.png)"
+    close_browser
     return
   fi
   sleep 3
@@ -202,9 +211,7 @@ try() { # BROWSER SERVER URL TITLE_OF_PAGE LOG
     import -window root "$pictures/$name-scheme.png"
     verify "$name: still one window" 1 "$(ghostspace_windows)"
   fi
-  kill "$browser" 2>/dev/null || true
-  wait "$browser" 2>/dev/null || true
-  rm -rf "$work/firefox" "$work/chromium" "$HOME/Downloads" "$XDG_CACHE_HOME/ghostspace"
+  close_browser
   for window in $(xdotool search --onlyvisible --class '^GhostSpace$' 2>/dev/null); do
     xdotool windowfocus --sync "$window" key --window "$window" ctrl+q 2>/dev/null || true
   done
