@@ -40,6 +40,14 @@ void put_metadata(Fact& facts, const std::vector<std::pair<std::string, std::str
   if (!all.empty()) facts.put("metadata", std::move(all));
 }
 
+// As the web writes colours.
+std::string written(const qnv::Rgb8& color) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(color.r), static_cast<unsigned>(color.g),
+                static_cast<unsigned>(color.b));
+  return text;
+}
+
 void put_cloud(Fact& facts, const qnv::Cloud& cloud) {
   const qnv::Description& d = cloud.description;
   const bool volume = d.kind == qnv::Kind::volume;
@@ -53,6 +61,7 @@ void put_cloud(Fact& facts, const qnv::Cloud& cloud) {
   } else {
     facts.put("two_sided", d.two_sided);
     facts.put("colors", cloud.colors.empty() ? "one" : "of each vector");
+    if (cloud.colors.empty()) facts.put("color", written(cloud.color));
   }
   put_box(facts, d.origin + glm::dvec3(d.box.lower), d.origin + glm::dvec3(d.box.upper));
   if (d.origin != glm::dvec3(0)) facts.put("local_origin", fact_of(d.origin));

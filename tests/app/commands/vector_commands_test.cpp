@@ -34,6 +34,8 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(facts["type"] == "QNV");
   CHECK(facts["payload"] == "packed");
   CHECK(facts["kind"] == "surface");
+  CHECK(facts["colors"] == "one");
+  CHECK(facts["color"] == "#ff0000");
   CHECK(facts["area"] == Approx(kBallArea).epsilon(0.02));
   CHECK(facts["metadata"]["title"] == "The ball");
   CHECK(facts["metadata"]["source"] == "ball.wrl");
