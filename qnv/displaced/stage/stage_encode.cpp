@@ -107,7 +107,9 @@ void StageEncoder::make_base(const SurfaceMesh& coarse) {
     out_.header.depth =
         ratio <= 1 ? 0
                    : std::clamp(static_cast<int>(std::ceil(std::log(ratio * 0.8) / std::log(4.0))), 1, kDeepestPatch);
-    if (options_.beside) out_.header.depth = options_.colored ? 1 : 0;
+    if (options_.beside) out_.header.depth = 0;
+    if (options_.colored)
+      out_.header.depth = std::max(out_.header.depth, 1);  // whose clusters have colours of the base
     out_.bytes = encode_stage(out_.header, coded.bytes);
     if (options_.most_bytes == 0 || out_.bytes.size() <= options_.most_bytes) return;
     const std::size_t less = wanted * options_.most_bytes / out_.bytes.size() * 97 / 100;
@@ -266,12 +268,16 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
     for (std::size_t i = 0; i < (n - 1) * (n - 2) / 2; ++i) mine.push_back(inner + i);
     cluster.vertices += static_cast<std::uint32_t>(lines + ((n - 1) * (n - 2) / 2) * 3 / 4);
     if (h.kind == ClusterHeader::Kind::color) {
-      auto& colors = surface.colors(h.level);
-      for (const std::size_t v : mine) {
+      const auto of_colors = [&](int level, std::size_t v) {
+        auto& colors = surface.colors(level);
         of(colors[0], v, kLumaStep / 255.0);
         of(colors[1], v, kChromaStep / 510.0);
         of(colors[2], v, kChromaStep / 510.0);
-      }
+      };
+      for (const std::size_t v : mine) of_colors(h.level, v);
+      // Those of the base come with them, and may be all there is.
+      if (h.level == 1)
+        for (const std::uint32_t v : {grid[0], grid[n], grid[row_start(n, n)]}) of_colors(0, v);
       continue;
     }
     LevelNumbers& numbers = surface.numbers(h.layer, h.level);

@@ -376,6 +376,23 @@ TEST_CASE("small and far surfaces are as near as others") {
   }
 }
 
+TEST_CASE("few triangles keep their colours") {
+  for (const bool striped : {false, true}) {
+    Triangles small = ball(4);
+    for (Triangle& t : small)
+      for (std::size_t k = 0; k < 3; ++k)
+        t.colors[k] = striped && t.positions[k].z > 0 ? Rgb8{20, 220, 40} : Rgb8{230, 20, static_cast<std::uint8_t>(k)};
+    const Cloud cloud = decoded(encode(small)).cloud();
+    REQUIRE(cloud.colors.size() == cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (std::abs(cloud.positions[i].z) < 0.5f) continue;
+      const bool green = striped && cloud.positions[i].z > 0;
+      CHECK(std::abs(cloud.colors[i].r - (green ? 20 : 230)) < 24);
+      CHECK(std::abs(cloud.colors[i].g - (green ? 220 : 20)) < 24);
+    }
+  }
+}
+
 TEST_CASE("the same surface gives the same bytes, whatever the threads") {
   const Sample& s = samples()[4];
   for (const unsigned threads : {1u, 3u}) {
