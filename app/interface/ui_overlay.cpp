@@ -108,8 +108,7 @@ UiActions UiOverlay::build(const UiModel& model) {
       state.failure_card(viewport, model, actions);
     else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
-    // While the ruler is used, its own line stands in their place.
-    else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
+    else if (model.first_steps && viewport.active && !state.dialog.open)
       state.first_steps(viewport, model, actions);
   }
   state.notice_lines();

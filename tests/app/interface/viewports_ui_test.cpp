@@ -343,13 +343,6 @@ TEST_CASE("What a program without arguments shows says in three lines what to do
   user.session().open_in(0, scratch.path("demo.wrl"));
   REQUIRE(user.wait_for([&] { return user.sees("Page Down leads on"); }));
   CHECK(user.sees("Drop a file or press Ctrl+O"));
-  // What the ruler says stands where they are.
-  user.press(letter_key('R'), false, false, true);
-  user.settle();
-  CHECK_FALSE(user.sees("Page Down leads on"));
-  user.press(letter_key('R'), false, false, true);
-  user.settle();
-  CHECK(user.sees("Page Down leads on"));
   user.click("Got it");
   CHECK_FALSE(user.sees("Page Down leads on"));
   CHECK_FALSE(user.desk().kept().settings().first_steps);
