@@ -108,7 +108,8 @@ UiActions UiOverlay::build(const UiModel& model) {
       state.failure_card(viewport, model, actions);
     else if (viewport.label.empty() && !state.dialog.open)
       state.welcome(viewport, i);
-    else if (model.first_steps && viewport.active && !state.dialog.open)
+    // While the ruler is used, its own line stands in their place.
+    else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
       state.first_steps(viewport, model, actions);
   }
   state.notice_lines();

@@ -343,6 +343,14 @@ TEST_CASE("What a program without arguments shows says in three lines what to do
   user.session().open_in(0, scratch.path("demo.wrl"));
   REQUIRE(user.wait_for([&] { return user.sees("Page Down leads on"); }));
   CHECK(user.sees("Drop a file or press Ctrl+O"));
+  // What the ruler says stands where they are.
+  bool measuring = true;
+  user.set_model([&](UiModel& model) { model.tools.measuring = measuring; });
+  user.settle();
+  CHECK_FALSE(user.sees("Page Down leads on"));
+  measuring = false;
+  user.settle();
+  CHECK(user.sees("Page Down leads on"));
   user.click("Got it");
   CHECK_FALSE(user.sees("Page Down leads on"));
   CHECK_FALSE(user.desk().kept().settings().first_steps);
