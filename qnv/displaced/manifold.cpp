@@ -1,6 +1,7 @@
 #include "qnv/displaced/manifold.h"
 
 #include "qnv/base/finite.h"
+#include "qnv/base/parallel.h"
 
 #include <glm/geometric.hpp>
 
@@ -25,6 +26,8 @@ struct Side {
   std::uint32_t at;         // 3 * triangle + corner where it begins
 };
 
+constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // whose sides a thread sorts
+
 /// All sides, those between the same vertices beside each other.
 std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
   // Counted out by the lower vertex; of each there are a few.
@@ -40,9 +43,13 @@ std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
       const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
       sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), 3 * t + k};
     }
-  for (std::size_t v = 0, first = 0; v < vertices; first = ends[v++])
-    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(first), sides.begin() + ends[v],
-              [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.at < b.at; });
+  const std::size_t parts = (std::size_t{vertices} + kVerticesTogether - 1) / kVerticesTogether;
+  parallel_for(parts, [&](std::size_t part) {
+    std::size_t v = part * kVerticesTogether, first = v == 0 ? 0 : ends[v - 1];
+    for (const std::size_t last = std::min<std::size_t>(v + kVerticesTogether, vertices); v < last; first = ends[v++])
+      std::sort(sides.begin() + static_cast<std::ptrdiff_t>(first), sides.begin() + ends[v],
+                [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.at < b.at; });
+  });
   return sides;
 }
 
@@ -56,12 +63,12 @@ std::uint32_t next(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 :
 
 /// Corners at one vertex stay together where an edge of two triangles that turn the same way joins them; every fan of
 /// such gets a vertex of its own.
-void part_fans(SurfaceMesh& mesh) {
+/// `sides`: of its triangles. False where the triangles are as they were.
+bool part_fans(SurfaceMesh& mesh, const std::vector<Side>& sides) {
   auto& triangles = mesh.triangles;
   std::vector<std::uint32_t> sets(triangles.size() * 3);
   std::iota(sets.begin(), sets.end(), 0u);
   const auto vertex_at = [&](std::uint32_t corner) { return triangles[corner / 3][corner % 3]; };
-  const std::vector<Side> sides = sorted_sides(triangles);
   for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
     for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
     if (end - i != 2) continue;
@@ -71,6 +78,9 @@ void part_fans(SurfaceMesh& mesh) {
     sets[find(sets, next(a))] = find(sets, b);
   }
   SurfaceMesh out;
+  out.triangles.reserve(triangles.size());
+  out.positions.reserve(mesh.positions.size());
+  out.colors.reserve(mesh.colors.size());
   std::vector<std::uint32_t> places(sets.size(), kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     Corners corners;
@@ -86,14 +96,15 @@ void part_fans(SurfaceMesh& mesh) {
     out.triangles.push_back(corners);
   }
   out.normals = std::move(mesh.normals);
+  const bool changed = out.triangles != triangles;
   mesh = std::move(out);
+  return changed;
 }
 
 /// Where fans that meet again further on leave more than two sides at an edge, all triangles but the first get vertices
 /// of their own. False where there is no such edge.
-bool part_crowded_edges(SurfaceMesh& mesh) {
+bool part_crowded_edges(SurfaceMesh& mesh, const std::vector<Side>& sides) {
   bool parted = false;
-  const std::vector<Side> sides = sorted_sides(mesh.triangles);
   for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
     for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
     const auto begins = [&](std::size_t s) { return mesh.triangles[sides[s].at / 3][sides[s].at % 3]; };
@@ -107,6 +118,15 @@ bool part_crowded_edges(SurfaceMesh& mesh) {
       }
   }
   return parted;
+}
+
+/// Sorting them takes longest: what is a manifold already has the same ones all the time.
+void part_at(SurfaceMesh& mesh, std::vector<Side> sides) {
+  do {
+    if (part_fans(mesh, sides)) sides = sorted_sides(mesh.triangles);
+    if (!part_crowded_edges(mesh, sides)) return;
+    sides = sorted_sides(mesh.triangles);
+  } while (true);
 }
 
 }  // namespace
@@ -164,10 +184,10 @@ void MeshBuilder::add(std::span<const Triangle> triangles) {
 
 SurfaceMesh MeshBuilder::finish() {
   auto& triangles = mesh_.triangles;
+  std::vector<Side> sides = sorted_sides(triangles);
   // Of triangles with the same corners one stays.
   {
     std::vector<bool> twice(triangles.size(), false);
-    const std::vector<Side> sides = sorted_sides(triangles);
     // Such meet at every side of theirs; the one between its two lowest corners tells.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // the third corner, the triangle
     for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
@@ -188,13 +208,16 @@ SurfaceMesh MeshBuilder::finish() {
         mesh_.normals[kept] = mesh_.normals[t];
         triangles[kept++] = triangles[t];
       }
-    triangles.resize(kept);
-    mesh_.normals.resize(kept);
+    if (kept != triangles.size()) {
+      triangles.resize(kept);
+      mesh_.normals.resize(kept);
+      sides = sorted_sides(triangles);
+    }
   }
   SurfaceMesh out = std::move(mesh_);
   mesh_ = {};
   add_colors(out);
-  part(out);
+  part_at(out, std::move(sides));
   return out;
 }
 
@@ -214,10 +237,7 @@ void MeshBuilder::add_colors(SurfaceMesh& mesh) const {
   }
 }
 
-void part(SurfaceMesh& mesh) {
-  part_fans(mesh);
-  while (part_crowded_edges(mesh)) part_fans(mesh);
-}
+void part(SurfaceMesh& mesh) { part_at(mesh, sorted_sides(mesh.triangles)); }
 
 SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {
   std::vector<std::uint32_t> sets(mesh.positions.size());

@@ -95,9 +95,10 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
   }
 }
 
-/// The mean normals at the slots of a level, unit; zero where there is none. `positions`: of the vertices.
+/// The mean normals at the slots of a level, unit; zero where there is none. `positions`: of the vertices. They are the
+/// same on any number of threads (0: one a core).
 [[nodiscard]] std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots, int level,
-                                                  std::span<const glm::vec3> positions);
+                                                  std::span<const glm::vec3> positions, unsigned threads = 1);
 
 /// Where a vertex between two others is: on a curve that leaves them at right angles to their normals (T. Boubekeur,
 /// M. Alexa, Phong tessellation, 2008); of a line, half-way.

@@ -88,12 +88,13 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
   const Size size = size_of(count);
   nodes_.resize(size.nodes);
   leaves_.resize(size.leaves);
-  // The first splits in turn, then their parts side by side: where each stands follows from how many it has.
-  std::vector<Part> parts{{0, count, 0, 0}}, below;
+  // The first splits depth by depth, then their parts side by side: where each stands follows from how many it has.
+  std::vector<Part> parts{{0, count, 0, 0}};
   for (int depth = 0; depth < kSplitsInTurn; ++depth) {
-    below.clear();
-    for (const Part& part : parts) split(centres, part, below);
-    parts.swap(below);
+    std::vector<std::vector<Part>> below(parts.size());
+    parallel_for(parts.size(), [&](std::size_t i) { split(centres, parts[i], below[i]); }, threads);
+    parts.clear();
+    for (const auto& some : below) parts.insert(parts.end(), some.begin(), some.end());
   }
   parallel_for(
       parts.size(),

@@ -302,22 +302,13 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   if (progress) progress->stage = "simplifying";
-  // One thread simplifies, the others make trees of what is followed.
-  displaced::SplitMesh parts;
-  displaced::SurfaceMesh coarse;
+  // While one thread is left that simplifies, the others make trees of what is followed.
   std::optional<displaced::Target> made;
-  parallel_for(
-      2,
-      [&](std::size_t i) {
-        if (i == 1) {
-          made.emplace(mesh, options.threads);
-          return;
-        }
-        parts = displaced::split_components(mesh, kLeastPart);
-        const displaced::SurfaceMesh& main = parts.large.triangles.empty() ? parts.small : parts.large;
-        coarse = displaced::simplify(main, std::min(kCoarseTriangles, main.triangles.size()), options.threads);
-      },
-      options.threads);
+  const displaced::SplitMesh parts = displaced::split_components(mesh, kLeastPart);
+  const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
+  const displaced::SurfaceMesh coarse =
+      displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
+                          [&] { made.emplace(mesh, options.threads); });
   const displaced::Target& target = *made;
   if (cancelled()) return EncodeError{"cancelled"};
   StreamHeader header;

@@ -23,6 +23,7 @@ struct Care {
 /// Where no edge may go any more, more is allowed.
 inline constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
 inline constexpr Care kCareless{-2, 0};
+inline constexpr std::size_t kFromTheStart = 16;
 
 /// An edge that is no more: `gone` went to where `stays` is. `left` and `right` were beside both, left the third corner
 /// of the triangle in which `gone` came before `stays`; kNone: the mesh ended there.
@@ -39,7 +40,8 @@ class Simplifier {
   enum class Way { any, halves };
   /// `kept`: vertices that stay where they are; none: none does.
   explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {}, Way way = Way::any);
-  void run(std::size_t wanted);
+  /// `begun`: what there is was thinned until so many times as many triangles were left.
+  void run(std::size_t wanted, std::size_t begun = kFromTheStart);
   /// On the way to a mesh of `wanted` triangles, until so many are `left`.
   void thin(std::size_t wanted, std::size_t left);
   /// At most so many collapses of `halves` that do not depend on each other, the cheapest first: no two vertices that go

@@ -235,11 +235,11 @@ void Simplifier::thin(std::size_t wanted, std::size_t left) {
   collapse_to(left);
 }
 
-void Simplifier::run(std::size_t wanted) {
+void Simplifier::run(std::size_t wanted, std::size_t begun) {
   const double area = see_area(wanted);
   // Scanned noise has holes and tunnels that no collapse may close, and that would take all triangles in the end.
   double edge = std::sqrt(2.31 * area);
-  for (const std::size_t more : {16, 8, 4, 2}) {
+  for (std::size_t more = begun; more > 1; more /= 2) {
     collapse_to(more * wanted);
     repair(edge);
   }

@@ -26,7 +26,7 @@ struct Part {
 };
 
 /// Triangles in `parts` runs, a power of two, each beside each other in space.
-std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts) {
+std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, unsigned threads) {
   struct Centre {
     glm::vec3 place;
     std::uint32_t triangle;
@@ -37,8 +37,8 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts) {
     const Corners& c = mesh.triangles[t];
     centres.push_back({mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]], t});
   }
-  for (std::size_t runs = 1; runs < parts; runs *= 2)
-    for (std::size_t i = 0; i < runs; ++i) {
+  for (std::size_t runs = 1; runs < parts; runs *= 2) {
+    const auto halve = [&](std::size_t i) {
       const auto begin = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * i / runs);
       const auto middle = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * (2 * i + 1) / (2 * runs));
       const auto end = centres.begin() + static_cast<std::ptrdiff_t>(centres.size() * (i + 1) / runs);
@@ -49,7 +49,9 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts) {
       std::nth_element(begin, middle, end, [axis](const Centre& a, const Centre& b) {
         return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.triangle < b.triangle;
       });
-    }
+    };
+    parallel_for(runs, halve, threads);
+  }
   std::vector<std::uint32_t> runs;
   runs.reserve(centres.size());
   for (const Centre& centre : centres) runs.push_back(centre.triangle);
@@ -59,7 +61,7 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts) {
 }  // namespace
 
 SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads) {
-  const std::vector<std::uint32_t> runs = in_runs(mesh, count);
+  const std::vector<std::uint32_t> runs = in_runs(mesh, count, threads);
   const auto first_of = [&](std::size_t part) { return runs.size() * part / count; };
   // The part that has a vertex, or `count` where several have it.
   std::vector<std::uint8_t> owner(mesh.positions.size(), 0xff);
@@ -119,15 +121,22 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
   return out;
 }
 
-SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads) {
+SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads,
+                     const std::function<void()>& beside) {
   const bool large = mesh.triangles.size() >= 2 * kPartTriangles && mesh.triangles.size() / (2 * kKept) >= triangles;
   const std::size_t parts = std::min(kMostParts, std::bit_floor(mesh.triangles.size() / kPartTriangles));
   const SurfaceMesh thin = large ? thinned(mesh, triangles, parts, threads) : SurfaceMesh();
   const SurfaceMesh& from = large ? thin : mesh;
-  Simplifier simplifier(from);
-  simplifier.run(triangles);
-  std::vector<std::uint32_t> places;
-  return simplifier.result(from, places);
+  SurfaceMesh out;
+  const auto work = [&](std::size_t i) {
+    if (i == 1) return beside();
+    Simplifier simplifier(from);
+    simplifier.run(triangles, large ? kKept : kFromTheStart);
+    std::vector<std::uint32_t> places;
+    out = simplifier.result(from, places);
+  };
+  parallel_for(beside ? 2 : 1, work, threads);
+  return out;
 }
 
 }  // namespace gs::qnv::displaced

@@ -83,14 +83,22 @@ void Simplifier::cut_tunnels(double most) {
     std::vector<std::uint32_t> beside;
     for (const std::uint32_t corner : at_u_) beside.push_back(triangles_[corner / 3][(corner % 3 + 1) % 3]);
     bool cut = false;
-    for (std::size_t i = 0; i < beside.size() && !cut; ++i)
+    for (std::size_t i = 0; i < beside.size() && !cut; ++i) {
+      const std::uint32_t v = beside[i];
+      if (u > v || rim_[v]) continue;
+      // What lies behind the sides that leave v: few of them lead to another one beside u but along its own triangles.
+      ++marks_;
+      for (std::uint32_t c = head_[v]; c != kNone; c = next_[c])
+        if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u) mark_[t[(c % 3 + 1) % 3]] = marks_;
+      const std::uint32_t marked = marks_;
       for (std::size_t j = 0; j < beside.size() && !cut; ++j) {
-        const std::uint32_t v = beside[i], w = beside[j];
-        if (i == j || u > v || u > w || rim_[v] || rim_[w] || round(u, v, w) > most) continue;
+        const std::uint32_t w = beside[j];
+        if (mark_[w] != marked || i == j || u > w || rim_[w] || round(u, v, w) > most) continue;
         const std::uint32_t left = triangle_left_of(v, w), right = triangle_left_of(w, v);
         if (left == kNone || right == kNone || third(left, v, w) == u || third(right, v, w) == u) continue;
         cut = joined_elsewhere({u, v, w}) && cut_along({u, v, w});
       }
+    }
   }
 }
 

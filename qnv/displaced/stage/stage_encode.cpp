@@ -144,7 +144,7 @@ void StageEncoder::displace_base(Surface& surface) {
 
 void StageEncoder::displace(Surface& surface, int level) {
   const Patches& patches = surface.patches();
-  normals_ = slot_normals(patches, surface.slots(), level - 1, places_);
+  normals_ = slot_normals(patches, surface.slots(), level - 1, places_, options_.threads);
   std::vector<glm::vec3> next(patches.vertices_at(level));
   std::array<std::vector<glm::vec3>, kLayers> next_shifts;
   for (int layer = 1; layer < options_.layers; ++layer)
@@ -327,17 +327,18 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
       parts,
       [&](std::size_t part) {
         std::vector<std::uint32_t> grid;
-        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-          if (cells.near(made.positions[a], reach)) triangles[part].push_back({a, b, c});
-        };
         for (std::size_t p = part * kErrorPatches; p < std::min(patches, (part + 1) * kErrorPatches); ++p) {
           surface.patches().grid(static_cast<std::uint32_t>(p), level, grid);
-          for (std::size_t j = 0; j < n; ++j)
+          for (std::size_t j = 0; j < n; ++j) {
+            bool near = cells.near(made.positions[grid[row_start(j, n)]], reach);
             for (std::size_t i = 0; i + j < n; ++i) {
               const std::size_t row = row_start(j, n) + i, above = row_start(j + 1, n) + i;
-              add(grid[row], grid[row + 1], grid[above]);
-              if (i + j + 1 < n) add(grid[row + 1], grid[above + 1], grid[above]);
+              if (near) triangles[part].push_back({grid[row], grid[row + 1], grid[above]});
+              if (i + j + 1 == n) break;
+              near = cells.near(made.positions[grid[row + 1]], reach);
+              if (near) triangles[part].push_back({grid[row + 1], grid[above + 1], grid[above]});
             }
+          }
         }
       },
       options_.threads);
@@ -388,7 +389,7 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
     if (options_.layers > 1)
       for (std::size_t v = 0; v < places_.size(); ++v)
         level_places_[l][v] += shifts_[static_cast<std::size_t>(options_.layers - 1)][v];
-    if (level > 0) level_normals_[l] = normals_;
+    if (level > 0 && options_.colored) level_normals_[l] = normals_;
   };
   keep(0);
   for (int level = 1; level <= depth && !cancelled(); ++level) {
@@ -399,7 +400,6 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
       depth = level;
   }
   if (options_.colored && !cancelled()) color(surface, depth);
-  if (depth == out_.header.depth) out_.error = errors_of(surface, depth).all;
   // Clusters of different levels, layers and kinds have no number in common.
   const std::uint32_t all = surface.patches().size();
   std::vector<ClusterHeader> headers;
@@ -409,11 +409,24 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
     if (options_.colored) headers.push_back({ClusterHeader::Kind::color, options_.number, level, 0, 0, all, 0});
   }
   std::vector<std::vector<StageCluster>> clusters(headers.size());
+  const auto cut_all = [&] {
+    parallel_for(
+        headers.size(),
+        [&](std::size_t i) {
+          const std::size_t at = headers.size() - 1 - i;  // the largest ones first
+          if (!cancelled()) cut(surface, headers[at], clusters[at]);
+        },
+        options_.threads);
+  };
+  // The largest of them takes as long as all others: meanwhile the error is looked at.
+  const bool whole = depth == out_.header.depth;
   parallel_for(
-      headers.size(),
+      whole ? 2 : 1,
       [&](std::size_t i) {
-        const std::size_t at = headers.size() - 1 - i;  // the largest ones first
-        if (!cancelled()) cut(surface, headers[at], clusters[at]);
+        if (i == 0)
+          cut_all();
+        else
+          out_.error = errors_of(surface, depth).all;
       },
       options_.threads);
   for (auto& some : clusters) std::move(some.begin(), some.end(), std::back_inserter(out_.clusters));

@@ -5,7 +5,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -113,6 +116,31 @@ TEST_CASE("patches cut along creases have vertices of their own on either side, 
   round.set_creases(one);
   CHECK(round.has_lines());
   CHECK(round.cut().base_vertices() == round.base_vertices());
+}
+
+TEST_CASE("normals are the same to the last bit on any number of threads, with creases and rims") {
+  for (const Triangles& shape : {ball(6), torus(9, 7), sheet(9)}) {
+    Patches patches = patches_of(mesh_of(shape));
+    std::vector<bool> creases(patches.edges().size(), false);
+    for (std::size_t e = 0; e < creases.size(); e += 3) creases[e] = true;
+    patches.set_creases(creases);
+    const Patches cut = patches.cut();
+    CHECK(cut.base_vertices() > patches.base_vertices());
+    for (int level = 0; level <= 3; ++level) {
+      std::vector<glm::vec3> places(patches.vertices_at(level));
+      // Sums of such numbers depend on their order.
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto x = static_cast<float>(i);
+        places[i] = {std::sin(1.7f * x), std::sin(2.3f * x + 1), std::sin(0.9f * x + 2)};
+      }
+      const std::vector<glm::vec3> normals = slot_normals(patches, cut, level, places, 1);
+      REQUIRE(normals.size() == cut.vertices_at(level));
+      std::size_t unit = 0;
+      for (const glm::vec3& n : normals) unit += std::abs(glm::length(n) - 1) < 1e-5f ? 1 : 0;
+      CHECK(unit == normals.size());
+      for (const unsigned threads : {2u, 5u}) CHECK(slot_normals(patches, cut, level, places, threads) == normals);
+    }
+  }
 }
 
 }  // namespace gs::qnv::displaced::patches_test
