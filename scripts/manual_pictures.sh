@@ -139,15 +139,15 @@ picture_inspect() {
 # A stream that comes slowly.
 picture_streams() {
   mkdir -p served
-  "$ghostspace" encode demo-boat.wrl served/boat.qnv >/dev/null
-  "$ghostspace" serve served --http 0 --rate 12000 --log /dev/null >server.log 2>&1 &
+  "$ghostspace" encode --isovalue 40 --vectors 60000 molecule.nrrd served/molecule.qnv >/dev/null
+  "$ghostspace" serve served --http 0 --rate 2500 --log /dev/null >server.log 2>&1 &
   server=$!
   local address=''
   for _ in $(seq 50); do
     address=$(grep -oE 'http://[^ /]+' server.log | head -1) && break
     sleep 0.2
   done
-  show 1000x560 "$address/boat.qnv"
+  show 1000x560 "$address/molecule.qnv"
   key ctrl+shift+e
   click 200 470 # its row, which shows a plot
   xdotool mousemove 200 300
@@ -163,7 +163,7 @@ picture_measure() {
   key v
   click 725 201 # planes across X and Z, and the colour bar
   click 725 260
-  click 735 173
+  click 723 173
   drag 250 420 330 360
   xdotool mousemove 300 250
   rest 4
