@@ -66,7 +66,9 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
   gl.GetIntegerv(GL_MAX_SAMPLES, &gl.max_samples);
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &gl.uniform_offset_alignment);
   gl.uniform_offset_alignment = std::max(gl.uniform_offset_alignment, 16);
-  if (version >= 46 || has_extension(gl, "GL_EXT_texture_filter_anisotropic"))
+  // Mesa's software driver goes through the texels of a pixel's ellipse one by one, however many they are: where a
+  // texture is repeated very often in a pixel, or a surface goes through the eye, a frame would not end.
+  if (!gl.software && (version >= 46 || has_extension(gl, "GL_EXT_texture_filter_anisotropic")))
     gl.GetFloatv(kMaxTextureMaxAnisotropy, &gl.max_anisotropy);
   return gl;
 }

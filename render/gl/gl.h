@@ -133,7 +133,7 @@ struct Gl {
   std::string renderer;          // GL_RENDERER
   bool software = false;         // it is one that runs on the processor
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
-  float max_anisotropy = 1;  // 1: not available
+  float max_anisotropy = 1;  // 1: not available, or not to be used
 
   /// Loads everything from the current context; fails when it is older than OpenGL 3.3 core.
   static std::variant<Gl, ContextError> load(GlContext& context);
