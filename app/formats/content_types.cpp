@@ -80,6 +80,8 @@ constexpr ContentType kTypes[] = {
      alone<import_avs_geometry>},
     {"AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, ContentClass::mesh, alone<import_ucd>},
     {"VTK PolyData", "application/x-vtk-poly-data", ".vtp ", is_vtp, ContentClass::mesh, alone<import_vtp>},
+    {"VTK UnstructuredGrid", "application/x-vtk-unstructured-grid", ".vtu ", is_vtu, ContentClass::mesh,
+     alone<import_vtu>},
     {"legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, ContentClass::mesh, alone<import_vtk_legacy>},
     {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, ContentClass::cloud, nullptr, import_splats_spz, true},
     {"splats", "model/x-splat", ".splat ", nullptr, ContentClass::cloud, nullptr, import_splats_antimatter},

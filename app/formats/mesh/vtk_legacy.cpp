@@ -2,7 +2,8 @@
 
 #include "app/base/text.h"
 #include "app/formats/common/text_cursor.h"
-#include "app/formats/mesh/poly_data.h"
+#include "app/formats/grid/grid_cells.h"
+#include "app/formats/grid/poly_data.h"
 #include "app/formats/volume/vtk_xml.h"
 
 #include <algorithm>
@@ -45,14 +46,16 @@ class LegacyImporter {
     if (!binary_ && format != "ascii") return builder_.fail("expected ASCII or BINARY", {3, 1});
     if (next_line() && word() == "dataset") {
       const std::string dataset = word();
-      if (dataset != "polydata")
-        return builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA", place());
+      if (dataset != "polydata" && dataset != "unstructured_grid")
+        return builder_.fail("the DATASET is " + dataset.substr(0, 80) + "; expected POLYDATA or UNSTRUCTURED_GRID",
+                             place());
     } else {
-      return builder_.fail("expected DATASET POLYDATA", place());
+      return builder_.fail("expected DATASET POLYDATA or UNSTRUCTURED_GRID", place());
     }
     while (problem_.empty() && next_line()) part();
     if (!problem_.empty()) builder_.fail(problem_, place());
     if (data_.points.empty()) return builder_.warn("no points in the file");
+    if (!grid_.cells.ends.empty()) add_grid(grid_, data_, builder_);
     build_poly_data(std::move(data_), builder_);
   }
 
@@ -131,6 +134,8 @@ class LegacyImporter {
     const std::string keyword = word();
     for (const auto& [name, kind] : kKinds)
       if (keyword == name) return cells(data_.cells[kind]);
+    if (keyword == "cells") return cells(grid_.cells);
+    if (keyword == "cell_types") return cell_types();
     if (keyword == "points") return points();
     if (keyword == "metadata") return metadata();
     if (keyword == "point_data" || keyword == "cell_data") {
@@ -168,11 +173,11 @@ class LegacyImporter {
   void cells(PolyCells& cells) {
     const auto rows = count(), all = rows ? count() : std::nullopt;
     if (!all) return;
-    const auto corner_of = [&](double corner) {
-      return corner >= 0 && corner < static_cast<double>(data_.points.size()) ? static_cast<std::int32_t>(corner)
-                                                                              : kBadIndex;
+    const auto corner_of = [](double corner) {
+      return corner >= 0 && corner < static_cast<double>(kBadIndex) ? static_cast<std::int32_t>(corner) : kBadIndex;
     };
     draw_for(*all, sizeof(std::int32_t) + sizeof(std::size_t));
+    const std::size_t first = cells.corners.size();
     const TextCursor before = cursor_;
     if (next_line() && word() == "offsets") {
       std::vector<std::size_t> ends;
@@ -189,7 +194,10 @@ class LegacyImporter {
         return;
       }
       (void)numbers(word(), *all, [&](double corner) { cells.corners.push_back(corner_of(corner)); });
-      for (std::size_t i = 1; i < ends.size() && ends[i] <= cells.corners.size(); ++i) cells.ends.push_back(ends[i]);
+      // Such a part may stand there twice.
+      for (std::size_t i = 1; i < ends.size() && ends[i] <= cells.corners.size() - first; ++i)
+        cells.ends.push_back(first + ends[i]);
+      cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
       return;
     }
     cursor_ = before;
@@ -209,6 +217,15 @@ class LegacyImporter {
     });
     // The last one may have been cut off.
     cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
+  }
+
+  void cell_types() {
+    const auto found = count();
+    if (!found) return;
+    draw_for(*found, 1);
+    (void)numbers("int", *found, [&](double type) {
+      grid_.types.push_back(type >= 0 && type < 256 ? static_cast<std::uint8_t>(type) : std::uint8_t{255});
+    });
   }
 
   void metadata() {
@@ -323,6 +340,7 @@ class LegacyImporter {
   std::optional<std::uint64_t> rows_;  // of point or cell data
   Rank points_rank_ = nothing, cells_rank_ = nothing;
   PolyData data_;
+  GridCells grid_;
   std::string problem_;
 };
 

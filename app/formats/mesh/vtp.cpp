@@ -1,6 +1,8 @@
 #include "app/formats/mesh/vtp.h"
 
-#include "app/formats/mesh/poly_data.h"
+#include "app/formats/grid/grid_cells.h"
+#include "app/formats/grid/poly_data.h"
+#include "app/formats/grid/polyhedra.h"
 #include "app/formats/volume/vtk_xml.h"
 
 #include <algorithm>
@@ -27,10 +29,11 @@ class VtpImporter {
     if (!shown_of_points_) shown_of_cells_ = chosen(VtkSection::cell_data, header_.cell_scalars);
     for (std::size_t i = 0; i < header_.pieces.size(); ++i) piece(i);
     finish(data_.of_points, data_.points.size());
-    std::size_t cells = 0;
+    std::size_t cells = grid_.types.size();
     for (const PolyCells& one : data_.cells) cells += one.ends.size();
     finish(data_.of_cells, cells);
     if (data_.points.empty()) return builder_.warn("no points in the file");
+    if (!grid_.types.empty()) add_grid(grid_, data_, builder_);
     build_poly_data(std::move(data_), builder_);
   }
 
@@ -39,7 +42,9 @@ class VtpImporter {
   [[nodiscard]] const VtkArray* chosen(VtkSection section, const std::string& active) const {
     const VtkArray *single = nullptr, *first = nullptr;
     for (const VtkArray& array : header_.arrays) {
-      if (array.section != section || !vtk_type_of(array.type) || array.components == 0 || is_normals(array)) continue;
+      if (array.section != section || !vtk_type_of(array.type) || array.components == 0 || is_normals(array) ||
+          array.name == "vtkGhostType")
+        continue;
       if (!active.empty() && array.name == active) return &array;
       if (!single && array.components == 1) single = &array;
       if (!first) first = &array;
@@ -77,6 +82,9 @@ class VtpImporter {
     if (normals && normals->components == 3 && data_.normals.size() == first)
       (void)read_vectors(*normals, piece.points, data_.normals);
     if (shown_of_points_) read_data(number, *shown_of_points_, first, piece.points, data_.of_points);
+    const std::size_t first_cell = grid_.types.size();
+    if (read_grid(number, piece.cells, first) && shown_of_cells_ && piece.cells > 0)
+      read_data(number, *shown_of_cells_, first_cell, piece.cells, data_.of_cells);
     const std::pair<VtkSection, std::uint64_t> kinds[] = {{VtkSection::vertices, piece.vertices},
                                                           {VtkSection::lines, piece.lines},
                                                           {VtkSection::polygons, piece.polygons},
@@ -88,7 +96,7 @@ class VtpImporter {
       whole = read_cells(number, kinds[kind].first, kinds[kind].second, first, data_.cells[kind]) && whole;
     }
     // Data of cells are told apart by their order, which pieces interleave.
-    if (!shown_of_cells_ || !whole) return;
+    if (!shown_of_cells_ || !whole || cells == 0) return;
     if (header_.pieces.size() == 1)
       read_data(number, *shown_of_cells_, 0, cells, data_.of_cells);
     else if (number == 0)
@@ -154,6 +162,64 @@ class VtpImporter {
     if (!data.values.empty()) data.values.resize(count, NAN);
   }
 
+  // The cells of a grid, with their types. False: they are not all there.
+  bool read_grid(std::size_t piece, std::uint64_t count, std::size_t first) {
+    if (count == 0) return true;
+    const VtkArray* const types = array_of(piece, VtkSection::cells, "types");
+    if (!types || count > kMostPolyPoints) {
+      builder_.fail("cells without 'types'");
+      return false;
+    }
+    const auto values = numbers(*types, count);
+    if (!values || !read_cells(piece, VtkSection::cells, count, first, grid_.cells)) return false;
+    draw(builder_.scene(), count);
+    bool polyhedra = false;
+    each_number(*values, count, [&](double type) {
+      grid_.types.push_back(type >= 0 && type < 256 ? static_cast<std::uint8_t>(type) : std::uint8_t{255});
+      polyhedra = polyhedra || grid_.types.back() == kGridPolyhedron;
+    });
+    if (polyhedra) read_polyhedra(piece, grid_.types.size() - count, first);
+    return true;
+  }
+
+  // The faces of the polyhedra of a piece, whose cells begin at `first_cell`, in the place of their corners.
+  void read_polyhedra(std::size_t piece, std::size_t first_cell, std::size_t first_point) {
+    PolyhedronArrays arrays;
+    const std::size_t count = grid_.types.size() - first_cell;
+    const auto read = [&](std::string_view name, std::size_t most) -> std::optional<std::vector<std::int32_t>> {
+      const VtkArray* const array = array_of(piece, VtkSection::cells, name);
+      if (!array) {
+        builder_.fail("polyhedra without '" + std::string(name) + "'");
+        return std::nullopt;
+      }
+      const auto values = numbers(*array, most);
+      if (!values) return std::nullopt;
+      draw(builder_.scene(), most * sizeof(std::int32_t));
+      std::vector<std::int32_t> indices;
+      indices.reserve(most);
+      each_number(*values, most, [&](double value) {
+        indices.push_back(value >= 0 && value < static_cast<double>(kBadIndex) ? static_cast<std::int32_t>(value)
+                                                                               : kBadIndex);
+      });
+      return indices;
+    };
+    // Until VTK 9.4 one array has the faces of all cells, from then on cells have numbers of faces.
+    arrays.numbered = array_of(piece, VtkSection::cells, "polyhedron_offsets") != nullptr;
+    const auto take = [&](std::string_view name, std::size_t most, std::vector<std::int32_t>& to) {
+      auto found = read(name, most);
+      if (found) to = std::move(*found);
+      return found.has_value();
+    };
+    const bool whole = arrays.numbered ? take("polyhedron_offsets", count, arrays.ends) &&
+                                             take("polyhedron_to_faces", greatest_index(arrays.ends), arrays.faces) &&
+                                             take("face_offsets", faces_below(arrays.faces), arrays.face_ends) &&
+                                             take("face_connectivity", greatest_index(arrays.face_ends), arrays.corners)
+                                       : take("faceoffsets", count, arrays.ends) &&
+                                             take("faces", greatest_index(arrays.ends), arrays.faces);
+    if (!whole) arrays = {};
+    place_polyhedra(arrays, first_cell, first_point, data_.points.size() - first_point, grid_, builder_.scene());
+  }
+
   // False: they are not all there.
   bool read_cells(std::size_t piece, VtkSection section, std::uint64_t count, std::size_t first, PolyCells& cells) {
     if (count == 0) return true;
@@ -197,17 +263,29 @@ class VtpImporter {
   const VtkArray* shown_of_points_ = nullptr;
   const VtkArray* shown_of_cells_ = nullptr;
   PolyData data_;
+  GridCells grid_;
 };
+
+void import_vtk_surface(std::span<const std::byte> bytes, std::string_view type, vrml::SceneGraph& scene,
+                        vrml::Diagnostics& diagnostics) {
+  SceneBuilder builder(scene, diagnostics);
+  const auto header = read_vtk_xml(bytes, type);
+  if (const auto* problem = std::get_if<std::string>(&header)) return builder.fail(*problem);
+  VtpImporter(bytes, std::get<VtkXmlHeader>(header), builder).run();
+}
 
 }  // namespace
 
 bool is_vtp(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "PolyData"); }
 
 void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
-  SceneBuilder builder(scene, diagnostics);
-  const auto header = read_vtk_xml(bytes, "PolyData");
-  if (const auto* problem = std::get_if<std::string>(&header)) return builder.fail(*problem);
-  VtpImporter(bytes, std::get<VtkXmlHeader>(header), builder).run();
+  import_vtk_surface(bytes, "PolyData", scene, diagnostics);
+}
+
+bool is_vtu(std::span<const std::byte> bytes) { return is_vtk_xml(bytes, "UnstructuredGrid"); }
+
+void import_vtu(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics) {
+  import_vtk_surface(bytes, "UnstructuredGrid", scene, diagnostics);
 }
 
 }  // namespace gs::app

@@ -17,4 +17,8 @@ void import_vtp(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml:
 /// By its root element.
 [[nodiscard]] bool is_vtp(std::span<const std::byte> bytes);
 
+/// The same of a VTK XML UnstructuredGrid: what is seen of its cells from outside (grid_cells.h).
+void import_vtu(std::span<const std::byte> bytes, vrml::SceneGraph& scene, vrml::Diagnostics& diagnostics);
+[[nodiscard]] bool is_vtu(std::span<const std::byte> bytes);
+
 }  // namespace gs::app

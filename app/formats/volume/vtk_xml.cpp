@@ -93,7 +93,7 @@ std::optional<VtkSection> section_of(std::string_view element) {
   static constexpr std::pair<std::string_view, VtkSection> kSections[] = {
       {"PointData", VtkSection::point_data}, {"CellData", VtkSection::cell_data}, {"Points", VtkSection::points},
       {"Verts", VtkSection::vertices},       {"Lines", VtkSection::lines},        {"Strips", VtkSection::strips},
-      {"Polys", VtkSection::polygons}};
+      {"Polys", VtkSection::polygons},        {"Cells", VtkSection::cells}};
   for (const auto& [name, section] : kSections)
     if (name == element) return section;
   return std::nullopt;
@@ -111,6 +111,7 @@ void begin_piece(VtkParse& parse, const XML_Char** attributes) {
   piece.lines = count_of(attribute(attributes, "NumberOfLines", "0"), 0);
   piece.strips = count_of(attribute(attributes, "NumberOfStrips", "0"), 0);
   piece.polygons = count_of(attribute(attributes, "NumberOfPolys", "0"), 0);
+  piece.cells = count_of(attribute(attributes, "NumberOfCells", "0"), 0);
   header.pieces.push_back(std::move(piece));
 }
 

@@ -18,7 +18,7 @@
 /// What the readers of VTK's XML files share: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 namespace gs::app {
 
-enum class VtkSection : std::uint8_t { point_data, cell_data, points, vertices, lines, strips, polygons };
+enum class VtkSection : std::uint8_t { point_data, cell_data, points, vertices, lines, strips, polygons, cells };
 
 /// A DataArray, and where its values are.
 struct VtkArray {
@@ -31,7 +31,7 @@ struct VtkArray {
 
 struct VtkPiece {
   std::string extent;
-  std::uint64_t points = 0, vertices = 0, lines = 0, strips = 0, polygons = 0;  // as the file says
+  std::uint64_t points = 0, vertices = 0, lines = 0, strips = 0, polygons = 0, cells = 0;  // as the file says
 };
 
 struct VtkXmlHeader {

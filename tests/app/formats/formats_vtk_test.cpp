@@ -296,12 +296,15 @@ TEST_CASE("legacy VTK: what is wrong is said, and what is there shows") {
     return result.all("Shape").size();
   };
   CHECK(told("#VRML V2.0 utf8\n", "vtk DataFile") == 0);
-  CHECK(told("# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n", "unstructured_grid") == 0);
+  CHECK(told("# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n", "structured_grid") == 0);
   CHECK(told("# vtk DataFile Version 3.0\nx\nEBCDIC\n", "ASCII or BINARY") == 0);
   CHECK(told(kLegacy + "POLYGONS 2 9\n3 0 1 2\n4 0 1", "numbers") == 1);
   CHECK(told(kLegacy + "POLYGONS 1 -5\n", "whole number") == 1);
   CHECK(told(kLegacy + "POLYGONS 2000000000 2000000000\n3 0 1 2", "numbers") == 1);
   CHECK(told(kLegacy + "POLYGONS 2 3\nOFFSETS int\n0 9\nCONNECTIVITY int\n0 1 2\n", "OFFSETS") == 1);
+  CHECK(told(kLegacy + "POLYGONS 2 4\nOFFSETS int\n0 4\nCONNECTIVITY int\n0 1 2 3\nPOLYGONS 2 3\nOFFSETS int\n0 3\n"
+                       "CONNECTIVITY int\n0 1 2\n",
+             "") == 1);
   CHECK(told(kLegacy + "POLYGONS 1 4\n3 0 1 9\nCHEESE 1\n", "cheese") == 0);
   CHECK(told(kLegacy + "POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 4\nSCALARS s bit\n", "bit") == 1);
 }

@@ -1,4 +1,4 @@
-#include "app/formats/mesh/poly_data.h"
+#include "app/formats/grid/poly_data.h"
 
 #include "app/formats/common/color_key.h"
 
