@@ -204,7 +204,12 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::EndDisabled();
   ImGui::EndDisabled();
   if (tools.exporting) {
-    ImGui::ProgressBar(*tools.exporting, {tool_width() - 90 * frame.scale, 0});
+    // Its number stands beside it: of any colour it would be hard to read upon one half of the bar.
+    ImGui::ProgressBar(*tools.exporting, {tool_width() - 130 * frame.scale, 0}, "");
+    ImGui::SameLine();
+    char share[16];
+    std::snprintf(share, sizeof share, "%.0f %%", 100 * static_cast<double>(*tools.exporting));
+    ImGui::TextUnformatted(share);
     ImGui::SameLine();
     if (ImGui::Button("Cancel")) all.tools.cancel_export = true;
   }

@@ -1,11 +1,17 @@
 #include "app/interface/panels/panels.h"
 
+#include "tests/app/interface/driver.h"
+
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <set>
 #include <string_view>
+#include <vector>
 
 namespace gs::app::panels_test {
+
+using driver::Driver;
 
 TEST_CASE("each panel has a row with a name in settings, a title and an action of its own") {
   std::set<std::string_view> ids, titles;
@@ -24,6 +30,24 @@ TEST_CASE("each panel has a row with a name in settings, a title and an action o
   }
   CHECK_FALSE(panel_of(Action::quit));
   CHECK_FALSE(find_panel("nothing"));
+}
+
+TEST_CASE("How far pictures are stands beside the bar, not on it") {
+  Driver user;
+  user.show_world("Shape { geometry Box {} }");
+  user.click("File");
+  user.click("Pictures");
+  std::vector<glm::vec2> places;
+  for (const float done : {0.05f, 0.95f}) {
+    user.set_model([done](UiModel& model) { model.tools.exporting = done; });
+    user.settle();
+    const auto place = user.find(done < 0.5f ? "5 %" : "95 %"), cancel = user.find("Cancel");
+    REQUIRE((place && cancel));
+    CHECK(place->x < cancel->x);
+    CHECK(cancel->x - place->x < 70);
+    places.push_back(*place);
+  }
+  CHECK(std::abs(places[0].x - places[1].x) < 20);
 }
 
 }  // namespace gs::app::panels_test
