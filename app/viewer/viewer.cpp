@@ -125,9 +125,13 @@ void Viewer::run() {
     const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
     interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
     // Nothing has happened: what is on the screen is right.
-    if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) continue;
+    if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) {
+      was_in_motion_ = false;
+      continue;
+    }
     if (events.empty()) ui_.begin_frame(now, events);
-    const bool continuous = std::exchange(was_continuous_, frame_.moving);
+    const bool moves = frame_.moving || frame_.changed;
+    const bool in_motion = std::exchange(was_in_motion_, moves) && moves;
     draw_viewports();
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.ask_for_streams();
@@ -136,7 +140,7 @@ void Viewer::run() {
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
-    measure(now, Window::now(), continuous);
+    measure(now, Window::now(), in_motion);
     if (frames_wanted_ > 0) --frames_wanted_;
     if (ui_.has_input_left()) frames_wanted_ = kSettlingFrames;
   }
@@ -180,14 +184,12 @@ void Viewer::tell(const Frame& frame) {
   show_title();
 }
 
-void Viewer::measure(double started, double now, bool continuous) {
+void Viewer::measure(double started, double now, bool in_motion) {
   const double ms = (now - started) * 1000;
   double& average = measures_.frame_ms;
   average = average == 0 ? ms : average + 0.1 * (ms - average);
-  const double interval = started - last_frame_;
-  double& rate = measures_.frames_a_second;
-  if (continuous && interval > 0) rate = rate == 0 ? 1 / interval : rate + 0.1 * (1 / interval - rate);
-  last_frame_ = started;
+  rate_.drawn(started, in_motion);
+  measures_.frames_a_second = rate_.a_second();
 }
 
 void Viewer::take_handed_over() {

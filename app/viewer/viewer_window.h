@@ -3,6 +3,7 @@
 #include "app/view/panes/picture_ledger.h"
 #include "app/view/picture_detail.h"
 #include "app/viewer/desk.h"
+#include "app/viewer/frame_rate.h"
 #include "app/viewer/hand_over.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_tools.h"
@@ -37,7 +38,7 @@ class Viewer final : public DeskWindow {
 
   void wait_for_something();
   void wait_idle();
-  void measure(double started, double now, bool continuous);
+  void measure(double started, double now, bool in_motion);
   void tell(const Frame& frame);
   void show_title();
   void take_handed_over();
@@ -72,9 +73,9 @@ class Viewer final : public DeskWindow {
   LoadingPace pace_;
   std::string title_;
   DeskMeasures measures_;
-  double last_frame_ = 0;
+  FrameRate rate_;
   int frames_wanted_;
-  bool was_continuous_ = false, was_loading_ = false;
+  bool was_in_motion_ = false, was_loading_ = false;
   bool interface_first_ = false;  // the next picture of the interface waits for no new one of the worlds
   double picture_seconds_ = 0;    // that the last whole ones took
 };

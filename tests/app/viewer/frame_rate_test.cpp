@@ -1,0 +1,38 @@
+#include "app/viewer/frame_rate.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::app::frame_rate_test {
+
+TEST_CASE("Frames a second are those that were drawn in the last one") {
+  FrameRate rate;
+  CHECK(rate.a_second() == 0);
+  rate.drawn(100, true);
+  CHECK(rate.a_second() == 0);  // one picture has none
+  for (int i = 1; i <= 100; ++i) rate.drawn(100 + i * 0.02, true);
+  CHECK(rate.a_second() == Approx(50));
+  // Two that come together do not make the others faster.
+  rate.drawn(102.0001, true);
+  CHECK(rate.a_second() == Approx(51).margin(0.5));
+  // What takes long is told at once, as are pictures of which each takes longer than a second.
+  rate.drawn(102.25, true);
+  CHECK(rate.a_second() < 42);
+  rate.drawn(105, true);
+  CHECK(rate.a_second() == Approx(1 / 2.75));
+  rate.drawn(109, true);
+  CHECK(rate.a_second() == Approx(0.25));
+}
+
+TEST_CASE("What rests has no frames a second, and begins anew") {
+  FrameRate rate;
+  for (int i = 0; i < 10; ++i) rate.drawn(i * 0.1, true);
+  rate.drawn(5, false);
+  CHECK(rate.a_second() == 0);
+  rate.drawn(5.1, true);
+  CHECK(rate.a_second() == Approx(10));
+  // A clock that is set back.
+  rate.drawn(3, true);
+  CHECK(rate.a_second() == 0);
+}
+
+}  // namespace gs::app::frame_rate_test
