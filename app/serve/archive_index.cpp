@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <ctime>
 #include <vector>
 
 namespace gs::app {
@@ -112,6 +115,17 @@ std::string opened_name(const std::string& name, bool made) {
   return type && made && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
 }
 
+// In order of its parts, so that it can be compared at sight; the server does not know its readers' time zones.
+std::string readable_date(std::int64_t unix_seconds) {
+  const auto time = static_cast<std::time_t>(unix_seconds);
+  std::tm parts{};
+  if (!gmtime_r(&time, &parts)) return {};
+  char text[64];
+  std::snprintf(text, sizeof text, "%04d-%02d-%02d %02d:%02d UTC", parts.tm_year + 1900, parts.tm_mon + 1,
+                parts.tm_mday, parts.tm_hour, parts.tm_min);
+  return text;
+}
+
 // The value of a field of a form, decoded: "search=a+b%20c&sort=size".
 std::string field_of(std::string_view query, std::string_view name) {
   while (!query.empty()) {
@@ -135,14 +149,15 @@ std::string field_of(std::string_view query, std::string_view name) {
 }
 
 constexpr std::string_view kIndexStyle =
-    ":root { color-scheme: light dark; --line: #8884; --quiet: #8889; --accent: #3b82d6; }\n"
+    ":root { color-scheme: light dark; --line: #8884; --quiet: #777; --accent: #3b82d6; }\n"
     "body { font: 15px/1.45 system-ui, sans-serif; margin: 0 auto; max-width: 70em; padding: 1em 1.5em 3em; }\n"
     "header { display: flex; flex-wrap: wrap; gap: 1em; align-items: baseline; justify-content: space-between; "
     "border-bottom: 1px solid var(--line); padding-bottom: 0.6em; }\n"
     "h1 { font-size: 1.3em; margin: 0; overflow-wrap: anywhere; }\nh1 a { text-decoration: none; }\n"
     "a { color: var(--accent); }\nsearch, form { display: flex; gap: 0.4em; }\n"
     "input, button { font: inherit; padding: 0.2em 0.6em; }\ntable { border-collapse: collapse; width: 100%; }\n"
-    "th { text-align: left; font-weight: 600; white-space: nowrap; }\nth a { color: inherit; text-decoration: none; }\n"
+    "th { text-align: left; font-weight: 600; white-space: nowrap; }\nth a { color: inherit; text-decoration: none; "
+    "}\nth a:hover { text-decoration: underline; }\n"
     "th, td { padding: 0.35em 0.7em; border-bottom: 1px solid var(--line); vertical-align: middle; }\n"
     "td.picture { width: 112px; padding-left: 0; }\n.number { text-align: right; white-space: nowrap; }\n"
     "td.name { overflow-wrap: anywhere; }\n.more { font-size: 85%; }\n.more, footer { color: var(--quiet); }\n"
@@ -182,9 +197,8 @@ std::string html_row(const net::FolderEntry& entry, bool made) {
       row += " <a class=\"made\" href=\"" + link(entry.name + ".qnv", false) + "\" download>stream</a>";
     row += " " + html(content_type_by_name(entry.name)->name) + "</div>";
   }
-  const std::string date = net::http_date(entry.modified);
   return row + "</td><td class=\"number\">" + (entry.folder ? std::string() : readable_size(entry.size)) +
-         "</td><td class=\"number\">" + date + "</td></tr>\n";
+         "</td><td class=\"number\">" + readable_date(entry.modified) + "</td></tr>\n";
 }
 
 /// The columns by which a folder is sorted; folders come first in any case.

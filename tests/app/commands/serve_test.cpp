@@ -89,7 +89,7 @@ TEST_CASE("An index shows names as text, whatever is in them") {
   CHECK(html.find("href=\"javascript") == std::string::npos);
   CHECK(html.find("./javascript%3Aa.wrl?thumbnail") != std::string::npos);
   CHECK(html.find("1.5 kB") != std::string::npos);
-  CHECK(html.find("Sun, 06 Nov 1994 08:49:37 GMT") != std::string::npos);
+  CHECK(html.find(">1994-11-06 08:49 UTC<") != std::string::npos);
   CHECK(html.find("href=\"../\"") != std::string::npos);
   const auto json = nlohmann::json::parse(archive_index(listing, {true, {}, {}}, true).body);
   REQUIRE(json["entries"].size() == 4);
