@@ -2,15 +2,10 @@
 
 #include "app/base/console.h"
 #include "app/session/documents/living_world.h"
+#include "app/viewer/end_signals.h"
 #include "app/viewer/offscreen.h"
 
-#include <semaphore.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <csignal>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -21,63 +16,6 @@ namespace {
 constexpr double kNobodyWait = 30;        // seconds; whoever wants something ends it
 constexpr double kMovingWait = 1.0 / 60;  // while the viewer moves
 constexpr double kReadingWait = 0.25;     // while a world is read
-
-/// Wakes who waits; from other threads, and from signals.
-class Doorbell {
- public:
-  Doorbell() { (void)sem_init(&semaphore_, 0, 0); }
-  ~Doorbell() { (void)sem_destroy(&semaphore_); }
-  Doorbell(const Doorbell&) = delete;
-  Doorbell& operator=(const Doorbell&) = delete;
-
-  void ring() { (void)sem_post(&semaphore_); }
-  void wait(double seconds) {
-    timespec until{};
-    (void)clock_gettime(CLOCK_MONOTONIC, &until);
-    const double end = static_cast<double>(until.tv_nsec) * 1e-9 + std::max(0.0, seconds);
-    until.tv_sec += static_cast<time_t>(end);
-    until.tv_nsec = static_cast<long>((end - std::floor(end)) * 1e9);
-    (void)sem_clockwait(&semaphore_, CLOCK_MONOTONIC, &until);
-    while (sem_trywait(&semaphore_) == 0) {
-    }
-  }
-
- private:
-  sem_t semaphore_{};
-};
-
-volatile std::sig_atomic_t told_to_end = 0;
-std::atomic<Doorbell*> signal_bell = nullptr;
-static_assert(std::atomic<Doorbell*>::is_always_lock_free);
-
-extern "C" void end_on_signal(int) {
-  told_to_end = 1;
-  if (Doorbell* const bell = signal_bell.load()) bell->ring();
-}
-
-/// While it is there, SIGINT and SIGTERM ring.
-class EndOnSignals {
- public:
-  explicit EndOnSignals(Doorbell& bell) {
-    told_to_end = 0;
-    signal_bell = &bell;
-    struct sigaction action {};
-    action.sa_handler = end_on_signal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends it at once, as it would any program
-    (void)sigaction(SIGINT, &action, &before_[0]);
-    (void)sigaction(SIGTERM, &action, &before_[1]);
-  }
-  ~EndOnSignals() {
-    (void)sigaction(SIGINT, &before_[0], nullptr);
-    (void)sigaction(SIGTERM, &before_[1], nullptr);
-    signal_bell = nullptr;
-  }
-  EndOnSignals(const EndOnSignals&) = delete;
-  EndOnSignals& operator=(const EndOnSignals&) = delete;
-
- private:
-  struct sigaction before_[2]{};
-};
 
 // Prints what is told of worlds, each thing once.
 void tell(Session& session, const Frame& frame) {
@@ -121,7 +59,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
   session.add_guest(control);
   SessionInput input;
   input.area = Viewport{0, 0, options.width, options.height};
-  while (!told_to_end && !control.wants_to_end()) {
+  while (!EndOnSignals::told() && !control.wants_to_end()) {
     const Frame frame = session.step(world_time(), input);
     session.ask_for_streams();
     tell(session, frame);

@@ -1,6 +1,7 @@
 #include "app/viewer/viewer.h"
 
 #include "app/interface/window_backend.h"
+#include "app/viewer/end_signals.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
 #include "render/image/image.h"
@@ -98,7 +99,7 @@ std::optional<std::string> Viewer::start_control() {
 }
 
 void Viewer::run() {
-  while (!window_->should_close() && !(control_ && control_->control().wants_to_end())) {
+  while (!window_->should_close() && !EndOnSignals::told() && !(control_ && control_->control().wants_to_end())) {
     wait_for_something();
     const glm::ivec2 size = window_->framebuffer_size();
     const bool in_sight = size.x > 0 && size.y > 0;
@@ -229,6 +230,8 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
       error = "cannot be controlled: " + *problem;
       return 1;
     }
+  // Who logs out has not lost anything: the window closes as if by its button.
+  const EndWatch signals([] { Window::wake(); });
   viewer.run();
   return 0;
 }

@@ -1,0 +1,36 @@
+#include "app/viewer/end_signals.h"
+
+#include <catch2/catch.hpp>
+
+#include <csignal>
+#include <future>
+
+namespace gs::app::end_signals_test {
+
+TEST_CASE("Who is told to end by a signal is woken, and the program goes on") {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    std::promise<bool> woken;
+    struct sigaction before {};
+    REQUIRE(sigaction(signal, nullptr, &before) == 0);
+    {
+      const EndWatch watch([&] { woken.set_value(EndOnSignals::told()); });
+      CHECK_FALSE(EndOnSignals::told());
+      REQUIRE(std::raise(signal) == 0);
+      CHECK(woken.get_future().get());
+      CHECK(EndOnSignals::told());
+    }
+    struct sigaction now {};
+    REQUIRE(sigaction(signal, nullptr, &now) == 0);
+    CHECK((now.sa_handler == before.sa_handler));
+  }
+}
+
+TEST_CASE("Who is not told to end is not woken") {
+  bool woken = false;
+  {
+    const EndWatch watch([&] { woken = true; });
+  }
+  CHECK_FALSE(woken);
+}
+
+}  // namespace gs::app::end_signals_test
