@@ -70,7 +70,7 @@ struct SessionInput {
 struct Notice {
   std::string text;
   bool is_problem = false;
-  std::string_view about = {};  // the next one about the same takes its place; empty: none does
+  std::string_view about = {};  // the next one about the same takes its place, of no text: nothing does; empty: none does
 };
 
 /// What a step has led to.

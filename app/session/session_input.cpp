@@ -96,7 +96,10 @@ bool Session::run(Action action) {
       change_sound(action);
       return true;
     case Action::close:
-      if (std::exchange(seeking_, false)) return true;
+      if (std::exchange(seeking_, false)) {
+        tell({}, false, "seek");
+        return true;
+      }
       return panes_.cancel(panes_.active());
     case Action::back:
     case Action::forward:
@@ -151,7 +154,7 @@ bool Session::run_in(View& seen, Action action) {
       return true;
     case Action::seek:
       seeking_ = !seeking_ && seen.navigation.mode != NavigationMode::none;
-      if (seeking_) tell("Click what you want to go to", false);
+      tell(seeking_ ? "Click what you want to go to" : "", false, "seek");
       return true;
     case Action::undo_move:
     case Action::redo_move:
@@ -187,7 +190,9 @@ void Session::point_at(std::size_t pane, const InputTracker::Gesture& gesture) {
   Navigation& navigation = seen.navigation;
   const Ray ray = ray_through(navigation.pose, place.inside(input.pointer()), place.size());
   if (gesture.click && std::exchange(seeking_, false)) {
-    if (const auto hit = distance_under(seen, ray, place.size())) navigation = seek(navigation, ray.at(*hit));
+    const auto hit = distance_under(seen, ray, place.size());
+    if (hit) navigation = seek(navigation, ray.at(*hit));
+    tell(hit ? "" : "Nothing is there to go to", false, "seek");
     end_journey(seen);
     leader_ = pane;
     return;

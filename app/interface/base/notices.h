@@ -23,7 +23,7 @@ class Notices {
   };
 
   /// What is shown already stays longer, and is not shown twice. `about`: of what changes step by step, a speed, only
-  /// the newest line is shown; empty: of nothing like that.
+  /// the newest line is shown, and none when its text is empty; empty: of nothing like that.
   void show(std::string text, bool is_problem, double now, std::string_view about = {});
   /// Drops what has been shown long enough.
   void expire(double now);

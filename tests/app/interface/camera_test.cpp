@@ -143,10 +143,13 @@ TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
   const double before = pose(user).position.z;
   user.press(letter_key('K'));
   CHECK(user.session().seeking());
+  CHECK(user.sees("Click what you want to go to"));
   const Viewport place = user.picture();
   const auto box = pixel_that_sees(pose(user), {0.5, 0.5, 3}, place.size());
   REQUIRE(box);
   user.click(*box + glm::vec2(place.left, place.top));
+  user.settle();
+  CHECK_FALSE(user.sees("Click what you want to go to"));
   user.wait(1);
   CHECK_FALSE(user.session().seeking());
   CHECK(glm::distance(navigation(user).center, glm::dvec3(0.5, 0.5, 3)) < 0.05);
@@ -154,6 +157,10 @@ TEST_CASE("A rolled view is straightened, and a click seeks what is under it") {
   user.press(letter_key('K'));
   user.press(Key::escape);
   CHECK_FALSE(user.session().seeking());
+  CHECK_FALSE(user.sees("Click what you want to go to"));
+  user.press(letter_key('K'));
+  user.click(glm::vec2(place.left, place.top) + 3.0f);
+  CHECK(user.sees("Nothing is there to go to"));
 }
 
 TEST_CASE("A camera is copied, and pasted elsewhere, and what is no camera is told") {
