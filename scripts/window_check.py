@@ -241,7 +241,7 @@ def run(check):
         time.sleep(2)
         if check.differing(before, window_picture(check)) < 500:
             raise Failed("the picture is as before")
-        check.click((809, 499))
+        check.click((628, 528))
         saved = check.folder / "home/Pictures/transfer.json"
         wait("the function is saved", saved.exists)
         points = json.loads(saved.read_text())["points"]

@@ -420,11 +420,10 @@ void CloudPanel::volume_rows(const UiModel& model, render::CloudLook& look) {
 void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
   if (path_.empty()) path_ = model.tools.folder + "/transfer.json";
   label("File", frame_->scale);
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float buttons = ImGui::CalcTextSize("SaveLoad").x + 4 * style.FramePadding.x + 2 * style.ItemSpacing.x;
-  (void)text_field("##path", "", path_, std::max(40.0f, width_left() - buttons), false);
+  // In a line of its own: of a path the end is what matters.
+  (void)text_field("##path", "", path_, std::max(40.0f, width_left()), false);
   frame_->tooltips.show("A transfer function as JSON, which --transfer takes too");
-  ImGui::SameLine();
+  label("", frame_->scale);
   if (ImGui::Button("Save")) actions.tools.save_transfer = path_;
   ImGui::SameLine();
   if (ImGui::Button("Load")) actions.tools.load_transfer = path_;
