@@ -202,22 +202,22 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     const glm::dvec3 inside(glm::inverse(item.world_from_node) * glm::dvec4(hit->point, 1));
     if (const auto near = value_near(*item.cloud, inside))
       value_ =
-          "about " + readable_value(near->value, value_unit(*volume), 3) + ", by the nearest vector of the stream; ";
+          "about " + readable_value(near->value, value_unit(*volume), 3) + ", by the nearest vector of the stream\n";
   } else if (!volume && key && hit->stream_color) {
     const glm::vec3& color = *hit->stream_color;
     value_ = (key->title.empty() ? "" : key->title + ": ") + "about " +
-             readable_value(key->value_of({color.r, color.g, color.b}), {}, 3) + ", by the colour of the stream; ";
+             readable_value(key->value_of({color.r, color.g, color.b}), {}, 3) + ", by the colour of the stream\n";
   } else if (!volume && key && !hit->splat && hit->item < list.items.size()) {
     if (const auto& mesh = list.items[hit->item].mesh)
       if (const auto value = value_on(*key, *mesh, hit->triangle))
-        value_ = (key->title.empty() ? "" : key->title + ": ") + readable_value(*value, {}, 4) + "; ";
+        value_ = (key->title.empty() ? "" : key->title + ": ") + readable_value(*value, {}, 4) + "\n";
   } else if (volume && world_from_node) {
     const Values& values = values_of(seen);
     if (values.grid) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
       if (const auto value = values.grid->nearest(voxel))
-        value_ = readable_value(static_cast<double>(*value), value_unit(*volume)) + " at " + voxel_text(voxel) + "; ";
+        value_ = readable_value(static_cast<double>(*value), value_unit(*volume)) + " at " + voxel_text(voxel) + "\n";
     }
   }
   value_ += place_text(hit->point);

@@ -208,8 +208,8 @@ TEST_CASE("The value under the pointer is told of surfaces whose colours stand f
     shop.apply(actions);
     return shop.describe().value;
   };
-  CHECK(at({0, 0.5, 0}).starts_with("heat (K): 20; "));
-  CHECK(at({0.5, -0.5, 0}).starts_with("heat (K): 25; "));
+  CHECK(at({0, 0.5, 0}).starts_with("heat (K): 20\n"));
+  CHECK(at({0.5, -0.5, 0}).starts_with("heat (K): 25\n"));
   CHECK(at({4, 1, 0}).empty());
   const UiTools described = shop.describe();
   REQUIRE(described.bar);
