@@ -434,7 +434,9 @@ void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
   popup_ = false;
   render::CloudLook look = model.look;
   if (!model.has_surface_clouds && !model.has_volumes) {
+    ImGui::PushTextWrapPos(0);
     colored_text(UiColors::kQuiet, "There is no volume and no cloud of vectors in this world.");
+    ImGui::PopTextWrapPos();
   } else {
     color_by_row(look);
     if (!model.volumes.empty()) {

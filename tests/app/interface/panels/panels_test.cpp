@@ -50,4 +50,16 @@ TEST_CASE("How far pictures are stands beside the bar, not on it") {
   CHECK(std::abs(places[0].x - places[1].x) < 20);
 }
 
+TEST_CASE("A panel that has nothing to show says so within its width") {
+  Driver user({}, {700, 500});
+  user.show_world("Shape { geometry Box {} }");
+  user.press(Key::f4);
+  user.settle();
+  INFO(user.screen());
+  const auto first = user.find("There is"), last = user.find("world.");
+  REQUIRE((first && last));
+  CHECK(last->y > first->y);  // in lines
+  CHECK(last->x < 700);
+}
+
 }  // namespace gs::app::panels_test
