@@ -16,7 +16,11 @@ class NormalSums {
  public:
   NormalSums(const Patches& patches, const Patches& slots, int level, std::span<const glm::vec3> positions,
              std::vector<glm::vec3>& normals)
-      : patches_(patches), slots_(slots), level_(level), n_(std::size_t{1} << level), positions_(positions),
+      : patches_(patches),
+        slots_(slots),
+        level_(level),
+        n_(std::size_t{1} << level),
+        positions_(positions),
         normals_(normals) {}
 
   /// Begins with another patch.
@@ -114,7 +118,8 @@ std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots
       work(sums, static_cast<std::uint32_t>(p));
   };
   const auto in_parts = [&](const auto& work) {
-    parallel_for(parts, [&](std::size_t part) { each_patch(part, work); }, threads);
+    parallel_for(
+        parts, [&](std::size_t part) { each_patch(part, work); }, threads);
   };
   if (threads == 1) {
     in_parts([](NormalSums& sums, std::uint32_t p) {

@@ -92,7 +92,8 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
   std::vector<Part> parts{{0, count, 0, 0}};
   for (int depth = 0; depth < kSplitsInTurn; ++depth) {
     std::vector<std::vector<Part>> below(parts.size());
-    parallel_for(parts.size(), [&](std::size_t i) { split(centres, parts[i], below[i]); }, threads);
+    parallel_for(
+        parts.size(), [&](std::size_t i) { split(centres, parts[i], below[i]); }, threads);
     parts.clear();
     for (const auto& some : below) parts.insert(parts.end(), some.begin(), some.end());
   }

@@ -227,7 +227,8 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
 }
 
 /// As many chunks as go into so many bytes, with what the container adds, and no more than are worth more before a tail
-/// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is there.
+/// of `tail` bytes than behind it: with which the distance that is shown is least, summed over all bytes until it is
+/// there.
 void keep_before(StageChunks& stages, double bytes, double tail) {
   std::vector<OutgoingChunk>& chunks = stages.chunks;
   std::size_t kept = 0, stage = 0;
@@ -332,7 +333,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     step = std::ldexp(step, -displaced::kLayerShift);
   int tail_bits = kTailBits;
   std::size_t tail_size = 0;  // about, with the bits behind it
-  const auto room = [&] { return exact ? (chosen ? kBeforeChosenTail : kBeforeTail) * static_cast<double>(tail_size) : 1e300; };
+  const auto room = [&] {
+    return exact ? (chosen ? kBeforeChosenTail : kBeforeTail) * static_cast<double>(tail_size) : 1e300;
+  };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
   std::vector<EncodedStage> stages;

@@ -35,8 +35,8 @@ struct HalfCollapse {
 /// One mesh on its way to fewer triangles (simplify.h). One thread.
 class Simplifier {
  public:
-  /// What collapses may do: `any` place a vertex anew, `halves` leave one of both where it is, for the sake of planes and
-  /// their edges, however narrow triangles become.
+  /// What collapses may do: `any` place a vertex anew, `halves` leave one of both where it is, for the sake of planes
+  /// and their edges, however narrow triangles become.
   enum class Way { any, halves };
   /// `kept`: vertices that stay where they are; none: none does.
   explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {}, Way way = Way::any);
@@ -44,8 +44,8 @@ class Simplifier {
   void run(std::size_t wanted, std::size_t begun = kFromTheStart);
   /// On the way to a mesh of `wanted` triangles, until so many are `left`.
   void thin(std::size_t wanted, std::size_t left);
-  /// At most so many collapses of `halves` that do not depend on each other, the cheapest first: no two vertices that go
-  /// are neighbours, none goes to one that another one goes to.
+  /// At most so many collapses of `halves` that do not depend on each other, the cheapest first: no two vertices that
+  /// go are neighbours, none goes to one that another one goes to.
   [[nodiscard]] std::vector<HalfCollapse> collapse_apart(std::size_t most);
   /// From now on triangles may turn any way.
   void turn_freely() { care_ = kCareless; }

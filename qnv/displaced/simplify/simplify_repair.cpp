@@ -89,7 +89,8 @@ void Simplifier::cut_tunnels(double most) {
       // What lies behind the sides that leave v: few of them lead to another one beside u but along its own triangles.
       ++marks_;
       for (std::uint32_t c = head_[v]; c != kNone; c = next_[c])
-        if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u) mark_[t[(c % 3 + 1) % 3]] = marks_;
+        if (const Corners& t = triangles_[c / 3]; alive(c / 3) && t[(c % 3 + 2) % 3] != u)
+          mark_[t[(c % 3 + 1) % 3]] = marks_;
       const std::uint32_t marked = marks_;
       for (std::size_t j = 0; j < beside.size() && !cut; ++j) {
         const std::uint32_t w = beside[j];
