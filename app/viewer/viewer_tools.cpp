@@ -434,24 +434,30 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (actions.take_tour) start_animation(*seen, place, true, tell);
   const qnv::Description* const volume = first_volume(*seen->list);
   if (!volume) return;
-  if (actions.save_transfer) {
-    const Transfer transfer = seen->look.transfer.empty() ? own_transfer(*volume) : seen->look.transfer;
-    const std::string text = transfer_text(transfer, volume->value_range, value_unit(*volume));
-    // The folder that the panel proposes need not be there yet; one that somebody types is.
-    std::error_code error;
-    if (std::filesystem::path(*actions.save_transfer).parent_path() == folder_)
-      std::filesystem::create_directories(folder_, error);
-    const auto problem = net::write_file_atomically(*actions.save_transfer, std::as_bytes(std::span(text)));
-    tell(problem ? *actions.save_transfer + ": " + problem->message : "Saved: " + *actions.save_transfer,
-         problem.has_value());
-  }
+  if (actions.save_transfer) save_transfer(*actions.save_transfer, seen->look.transfer, *volume, tell);
   if (actions.load_transfer) {
     auto transfer = named_transfer(*actions.load_transfer, *volume);
-    if (auto* problem = std::get_if<std::string>(&transfer))
-      tell(*problem, true);
-    else
-      seen->look.transfer = std::move(std::get<Transfer>(transfer));
+    if (auto* problem = std::get_if<std::string>(&transfer)) return tell(*problem, true);
+    seen->look.transfer = std::move(std::get<Transfer>(transfer));
+    replaceable_transfer_ = *actions.load_transfer;
   }
+}
+
+void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, const qnv::Description& volume,
+                                const Tell& tell) {
+  std::error_code error;
+  if (path != replaceable_transfer_ && std::filesystem::exists(path, error)) {
+    replaceable_transfer_ = path;
+    return tell(path + " is there already: Save once more replaces it", true);
+  }
+  const Transfer transfer = shown.empty() ? own_transfer(volume) : shown;
+  const std::string text = transfer_text(transfer, volume.value_range, value_unit(volume));
+  // The folder that the panel proposes need not be there yet; one that somebody types is.
+  if (std::filesystem::path(path).parent_path() == folder_) std::filesystem::create_directories(folder_, error);
+  if (const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text))))
+    return tell(path + ": " + problem->message, true);
+  replaceable_transfer_ = path;
+  tell("Saved: " + path, false);
 }
 
 }  // namespace gs::app

@@ -85,6 +85,7 @@ class ViewerTools {
   [[nodiscard]] PictureScene scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
                                       const PictureRequest& request);
   void start_animation(const View& seen, const Viewport& place, bool of_tour, const Tell& tell);
+  void save_transfer(const std::string& path, const Transfer& shown, const qnv::Description& volume, const Tell& tell);
   [[nodiscard]] std::vector<render::Camera>& tour_of(const View& seen);
   [[nodiscard]] glm::ivec2 size_of(const Viewport& place) const;
 
@@ -108,7 +109,8 @@ class ViewerTools {
   std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMostViewports: of pictures that are saved
   PictureWish wish_;
   std::string folder_;
-  std::weak_ptr<Document> asked_;  // whether its file is a volume
+  std::string replaceable_transfer_;  // a file that was read, written or asked about here
+  std::weak_ptr<Document> asked_;     // whether its file is a volume
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;

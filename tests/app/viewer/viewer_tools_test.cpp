@@ -190,6 +190,40 @@ TEST_CASE("A slice is drawn through its volume by its edge in the picture") {
   CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
 }
 
+TEST_CASE("A transfer function that is saved takes no other file's place unasked") {
+  Workshop shop;
+  if (!shop.tools) return;
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5 5 5\nencoding: ascii\n\n";
+  for (int i = 0; i < 125; ++i) volume += std::to_string(i) + " ";
+  shop.open(shop.scratch.write("a.nrrd", volume));
+  const std::string path = shop.scratch.write("bone.json", "mine");
+  UiToolActions save;
+  save.save_transfer = path;
+  shop.apply(save);
+  REQUIRE(shop.told.size() == 1);
+  CHECK(shop.told.back().find("already") != std::string::npos);
+  CHECK(bytes_in(path) == "mine");
+  shop.apply(save);
+  CHECK(shop.told.back() == "Saved: " + path);
+  const std::string saved = bytes_in(path);
+  CHECK(saved.find('{') != std::string::npos);
+  // Its own file it replaces at once; so it does one that was loaded.
+  shop.apply(save);
+  CHECK(shop.told.back() == "Saved: " + path);
+  const std::string other = shop.scratch.write("other.json", saved);
+  UiToolActions load;
+  load.load_transfer = other;
+  shop.apply(load);
+  CHECK(shop.told.size() == 3);
+  save.save_transfer = other;
+  shop.apply(save);
+  CHECK(shop.told.back() == "Saved: " + other);
+  // A new file needs no second word.
+  save.save_transfer = shop.scratch.path("new.json");
+  shop.apply(save);
+  CHECK(shop.told.back() == "Saved: " + *save.save_transfer);
+}
+
 TEST_CASE("The value under the pointer is told of surfaces whose colours stand for values, and they have a bar") {
   Workshop shop;
   if (!shop.tools) return;
