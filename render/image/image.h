@@ -65,6 +65,17 @@ struct ImageLimits {
 /// PNG bytes of an image of 1 to 4 components. `dots_per_inch`: how large it is printed; 0: nothing is said of that.
 [[nodiscard]] std::vector<std::byte> encode_png(const Image& image, double dots_per_inch = 0);
 
+struct JpegOptions {
+  int quality = 90;          // 1 to 100
+  bool full_chroma = false;  // colours as finely as brightness
+};
+/// Progressive JPEG bytes of an image of 1 or 3 components: its scans make it finer and finer. None where it is too
+/// large.
+[[nodiscard]] std::vector<std::byte> encode_jpeg(const Image& image, const JpegOptions& options = {});
+/// Where the scans of a JPEG file end, each of which shows all of the picture where it is progressive. Safe for
+/// untrusted bytes.
+[[nodiscard]] std::vector<std::size_t> scan_ends(std::span<const std::byte> jpeg);
+
 /// A PNG picture that comes in bands of rows, of which only the compressed bytes are kept.
 class PngWriter {
  public:
