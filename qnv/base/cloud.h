@@ -1,8 +1,10 @@
 #pragma once
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -89,6 +91,20 @@ struct Cell {
 class LodStream;
 struct SurfacePatches;
 
+/// One file of the picture of a textured surface, JPEG or PNG; of several the finer ones are larger. To show the
+/// surface with as much of it as has come `enough` bytes from its front on are needed.
+struct PictureFile {
+  std::vector<std::byte> bytes;
+  std::size_t enough = 1;
+};
+
+/// The picture of a textured surface: its finest file that can be shown, or as much of its front as has come.
+struct SurfacePicture {
+  std::vector<std::byte> bytes;
+  bool whole = false;
+  bool repeat_s = true, repeat_t = true;  // VRML97 6.22
+};
+
 /// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
 ///
 /// Units are the source's, places count from `description.origin`. `weights` is the area of the disc (units^2) or the
@@ -105,6 +121,10 @@ struct Cloud {
   /// Three numbers of vectors a triangle, counter-clockwise seen from outside: where there are some, the vectors are
   /// the vertices of a surface, which is closed between them however near it is seen.
   std::vector<std::uint32_t> triangles;
+  /// Of the last vertices, s and t (VRML97 4.6.11): their triangles, which are the last ones, show the picture in place
+  /// of colours.
+  std::vector<glm::vec2> texture_coordinates;
+  std::shared_ptr<const SurfacePicture> picture;
   Rgb8 color;
   /// Where the vectors come from when there are too many, or too many too small, to keep all of them: then the
   /// arrays are empty, and every view takes its own cut (lod.h).
@@ -115,6 +135,8 @@ struct Cloud {
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] bool empty() const { return positions.empty(); }
+  /// The first vertex that has texture coordinates.
+  [[nodiscard]] std::size_t first_textured() const { return positions.size() - texture_coordinates.size(); }
 };
 
 }  // namespace gs::qnv

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <utility>
 
 namespace gs::qnv {
@@ -81,32 +82,24 @@ DecodedStream decode_polygons(std::span<const std::byte> stream, std::size_t mos
 }
 
 // All chunks of a payload are of one type.
-constexpr std::array<ChunkType, 7> only(ChunkType type) { return {type, type, type, type, type, type, type}; }
+/// The last one again for those that are not told.
+constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
+  ChunkTypes all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
+  return all;
+}
+constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
 constexpr std::array<PayloadRow, 5> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
      1200 / kRecordBytes, encode_records, decode_vectors},
     {Payload::packed, "packed", PayloadReader::levels, only(ChunkType::packed), 0, 0, 0, encode_packed, decode_vectors},
-    {Payload::outlines,
-     "outlines",
-     PayloadReader::polygons,
-     {ChunkType::outlines, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner, ChunkType::inner,
-      ChunkType::inner},
-     0,
-     0,
-     0,
-     encode_groups,
-     decode_polygons},
-    {Payload::displaced,
-     "displaced",
-     PayloadReader::vectors,
-     {ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::splits,
-      ChunkType::low_bits, ChunkType::cover},
-     0,
-     0,
-     0,
-     encode_base_and_displacements,
-     decode_vectors},
+    {Payload::outlines, "outlines", PayloadReader::polygons, types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0,
+     encode_groups, decode_polygons},
+    {Payload::displaced, "displaced", PayloadReader::vectors,
+     types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::splits,
+            ChunkType::low_bits, ChunkType::cover, ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, encode_base_and_displacements, decode_vectors},
     {Payload::voxels, "voxels", PayloadReader::vectors, only(ChunkType::voxels), 0, 0, 0, encode_volume_vectors,
      decode_vectors},
 }};

@@ -44,15 +44,18 @@ struct DecodedStream {
   std::size_t refused_chunks = 0;
 };
 
+/// Of the chunks of a payload, as many as any has.
+using ChunkTypes = std::array<ChunkType, 9>;
+
 /// One payload of QNV streams: what those need to know of it who write, read, carry or lose its chunks.
 struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
-  std::array<ChunkType, 7> chunks;  // the types of its chunks; often one and the same
-  std::size_t head_bytes;           // of a chunk's payload, of which nothing may be missing
-  std::size_t record_bytes;         // behind them, each of use by itself; 0: a chunk is of use only as a whole
-  std::size_t packet_records;       // that travel together and are lost together
+  ChunkTypes chunks;           // the types of its chunks; often one and the same
+  std::size_t head_bytes;      // of a chunk's payload, of which nothing may be missing
+  std::size_t record_bytes;    // behind them, each of use by itself; 0: a chunk is of use only as a whole
+  std::size_t packet_records;  // that travel together and are lost together
   /// Makes a stream; an error where the payload is not made of such a source. `options.payload` does not count, nor do
   /// the others for polygons, which have their own. Blocking; any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,

@@ -100,6 +100,10 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     exact_.add_low_bits(payload);
   } else if (type == ChunkType::cover && header()->payload == Payload::displaced) {
     exact_.add_cover(payload);
+  } else if (type == ChunkType::picture && header()->payload == Payload::displaced) {
+    exact_.add_picture(payload);
+  } else if (type == ChunkType::normals && header()->payload == Payload::displaced) {
+    exact_.add_normals(payload);
   } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
@@ -117,8 +121,7 @@ void StreamDecoder::add_piece(std::span<const std::byte> payload) {
   }
   PieceGroup& group = groups_[piece->group];
   if (!group.add(*piece, payload)) ++refused_chunks_;
-  for (const std::vector<std::byte>& each : group.take())
-    add(type_of_group(piece->group), each);
+  for (const std::vector<std::byte>& each : group.take()) add(type_of_group(piece->group), each);
 }
 
 void StreamDecoder::add_records(std::span<const std::byte> payload, std::span<const ByteRange> missing) {

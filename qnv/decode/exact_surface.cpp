@@ -1,6 +1,7 @@
 #include "qnv/decode/exact_surface.h"
 
 #include "qnv/exact/exact_tail.h"
+#include "qnv/exact/own_normals.h"
 
 #include <utility>
 
@@ -27,6 +28,7 @@ void ExactSurface::add(std::span<const std::byte> payload, const Box& box, std::
   done_ = true;
   if (state == State::full) count_.full = true;
   if (state == State::whole) mesh_ = reader_->mesh();
+  read_normals();
   if (state != State::full) ++(mesh_ ? count_.taken : count_.refused);
   reader_.reset();
   (void)pieces_.take();
@@ -44,8 +46,8 @@ void ExactSurface::add_cover(std::span<const std::byte> payload) {
 }
 
 const exact::Cover* ExactSurface::cover() const {
-  return cover_ && reader_ && reader_->triangles() > 0 && reader_->all_triangles() == cover_->triangles ? &*cover_
-                                                                                                        : nullptr;
+  const bool fits = cover_ && reader_ && reader_->triangles() > 0 && reader_->all_triangles() == cover_->triangles;
+  return fits && dressed() ? &*cover_ : nullptr;
 }
 
 void ExactSurface::add_shading(std::span<const std::byte> payload) {
@@ -69,19 +71,59 @@ void ExactSurface::add_low_bits(std::span<const std::byte> payload) {
   if (mesh_ || cover()) ++count_.taken;
 }
 
-bool ExactSurface::finest() const { return mesh_ && low_bits_.complete(*mesh_); }
+void ExactSurface::add_picture(std::span<const std::byte> payload) {
+  const bool whole = picture_.whole();
+  const auto before = picture_.picture();
+  if (!picture_.add(payload)) {
+    ++count_.refused;
+    return;
+  }
+  if (picture_.picture() != before || picture_.whole() != whole) ++count_.taken;
+}
+
+void ExactSurface::add_normals(std::span<const std::byte> payload) {
+  if (normal_pieces_.length() != 0 && normal_pieces_.come() == normal_pieces_.length()) return;
+  if (!normal_pieces_.add(payload)) {
+    ++count_.refused;
+    return;
+  }
+  if (auto all = normal_pieces_.take()) normal_bytes_ = std::move(*all);
+  read_normals();
+}
+
+void ExactSurface::read_normals() {
+  if (!mesh_ || normal_bytes_.empty()) return;
+  // As the tail alone has them: bits and rules may come before or behind.
+  const exact::Shading own{exact::Shading::Rule::edges, mesh_->crease_angle};
+  auto normals = exact::decode_normals(normal_bytes_, *mesh_, exact::shaded_normals(*mesh_, own));
+  normal_bytes_ = {};
+  ++(normals ? count_.taken : count_.refused);
+  if (!normals) return;
+  own_normals_ = std::move(*normals);
+  shown_.reset();
+}
+
+bool ExactSurface::finest() const { return mesh_ && low_bits_.complete(*mesh_) && (!textured() || picture_.whole()); }
 
 const ShadedVertices& ExactSurface::shown() const {
   if (shown_) return *shown_;
   exact::ExactMesh mesh = mesh_ ? *mesh_ : reader_->mesh();
   low_bits_.apply(mesh);
   const exact::Shading own{exact::Shading::Rule::edges, mesh.crease_angle};
-  shown_ = shaded_vertices(mesh, shading_.value_or(own), box_);
+  if (mesh_ && !own_normals_.empty()) {
+    shown_ = shaded_vertices(mesh, own_normals_, box_);
+  } else {
+    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, shading_.value_or(own)), box_);
+  }
   // Without creases there are no more of them than vertices.
-  if (shown_->positions.size() > most_vectors_) shown_ = shaded_vertices(mesh, exact::Shading{}, box_);
+  if (shown_->positions.size() > most_vectors_)
+    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, exact::Shading{}), box_);
   return *shown_;
 }
 
-void ExactSurface::append(Cloud& cloud, bool colored) const { shown().append(cloud, colored); }
+void ExactSurface::append(Cloud& cloud, bool colored) const {
+  shown().append(cloud, colored);
+  if (textured()) cloud.picture = picture_.picture();
+}
 
 }  // namespace gs::qnv

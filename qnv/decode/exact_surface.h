@@ -5,6 +5,7 @@
 #include "qnv/exact/cover.h"
 #include "qnv/exact/exact_mesh.h"
 #include "qnv/exact/low_bits.h"
+#include "qnv/exact/picture.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/exact/tail_reader.h"
 
@@ -35,8 +36,12 @@ class ExactSurface {
   void add_low_bits(std::span<const std::byte> payload);
   /// The table of what patches it covers; it may come behind the tail.
   void add_cover(std::span<const std::byte> payload);
-  /// Whether it is there; its places may still become finer.
-  [[nodiscard]] bool whole() const { return mesh_.has_value(); }
+  /// The picture of a textured mesh, without which it is not shown; it may come before the tail.
+  void add_picture(std::span<const std::byte> payload);
+  /// Normals that are its own; they may come before the tail, and are used once it and all of them are there.
+  void add_normals(std::span<const std::byte> payload);
+  /// Whether it is there; its places and its picture may still become finer.
+  [[nodiscard]] bool whole() const { return mesh_ && dressed(); }
   /// The patches that are covered, where some of it is there and not all; null: it is nothing yet.
   [[nodiscard]] const exact::Cover* cover() const;
   /// How many triangles have come.
@@ -50,16 +55,24 @@ class ExactSurface {
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
   /// Places an axis, as a power of two; 0: it is not there.
   [[nodiscard]] int bits() const { return mesh_ ? std::max(mesh_->bits, mesh_->finest) : 0; }
-  /// The vertices that have come, one a side where it has a crease, and the triangles between them. `colored`: they have
-  /// colours, that of the cloud where it has none.
+  /// The vertices that have come, one a side where it has a crease, and the triangles between them. `colored`: they
+  /// have colours, that of the cloud where it has none.
   void append(Cloud& cloud, bool colored) const;
+  /// How many bytes of the picture have come, and how many there are; 0: none have.
+  [[nodiscard]] std::size_t picture_come() const { return picture_.come(); }
+  [[nodiscard]] std::size_t picture_length() const { return picture_.length(); }
   /// How many vertices it is shown with.
   [[nodiscard]] std::size_t vectors() const { return triangles() > 0 ? shown().positions.size() : 0; }
   [[nodiscard]] const Count& count() const { return count_; }
 
  private:
+  /// Works them out once all is there that it takes.
+  void read_normals();
   /// Made anew when something came since the last time.
   [[nodiscard]] const ShadedVertices& shown() const;
+  [[nodiscard]] bool textured() const { return mesh_ ? mesh_->texture.bits > 0 : reader_ && reader_->textured(); }
+  /// Whether there is what it takes to show what has come of it.
+  [[nodiscard]] bool dressed() const { return !textured() || picture_.enough(); }
 
   exact::TailPieces pieces_;
   std::optional<exact::TailReader> reader_;  // until all of it has come
@@ -67,6 +80,10 @@ class ExactSurface {
   std::optional<exact::Cover> cover_;
   std::optional<exact::Shading> shading_;
   exact::LowBits low_bits_;
+  exact::PictureReader picture_;
+  exact::TailPieces normal_pieces_;
+  std::vector<std::byte> normal_bytes_;         // until the tail is there
+  mutable std::vector<glm::vec3> own_normals_;  // of corners; none: by the rule of its shading
   Box box_;
   std::size_t most_vectors_ = 0;
   bool done_ = false;

@@ -1,5 +1,7 @@
 #include "qnv/decode/progressive_surface.h"
 
+#include "qnv/exact/own_normals.h"
+
 namespace gs::qnv {
 
 bool ProgressiveSurface::begin(std::span<const std::byte> front, const Box& box, std::size_t most_vectors) {
@@ -22,7 +24,7 @@ void ProgressiveSurface::add(std::span<const std::byte> payload) {
 const ShadedVertices& ProgressiveSurface::shown() const {
   if (!shown_) {
     const exact::ExactMesh mesh = mesh_.mesh();
-    shown_ = shaded_vertices(mesh, mesh.shading, box_);
+    shown_ = shaded_vertices(mesh, exact::shaded_normals(mesh, mesh.shading), box_);
   }
   return *shown_;
 }

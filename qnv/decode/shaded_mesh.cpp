@@ -11,26 +11,22 @@ namespace gs::qnv {
 
 using displaced::kNone;
 
-ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, const exact::Shading& shading, const Box& box) {
+ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, std::span<const glm::vec3> normals, const Box& box) {
   ShadedVertices out;
   out.triangles.resize(3 * mesh.triangles.size());
-  std::vector<glm::vec3> faces;
-  faces.reserve(mesh.triangles.size());
-  for (const displaced::Corners& t : mesh.triangles) {
-    const glm::vec3 a(mesh.vertices[t[0]]);
-    faces.push_back(glm::cross(glm::vec3(mesh.vertices[t[1]]) - a, glm::vec3(mesh.vertices[t[2]]) - a));
-  }
-  const std::vector<glm::vec3> normals =
-      exact::corner_normals({mesh.triangles, mesh.twins, faces, mesh.vertices.size()}, shading);
   const displaced::Frame frame(box);
   const float step = frame.size / static_cast<float>((1 << mesh.bits) - 1);
   // Of each vertex the number that was given out last, and of each number the one before: most vertices have one.
   std::vector<std::uint32_t> last(mesh.vertices.size(), kNone), before;
+  std::vector<glm::ivec2> coordinates;  // of vertices that are shown
+  const bool textured = !mesh.coordinates.empty();
   constexpr int kMostLooks = 16;
   for (std::uint32_t corner = 0; corner < out.triangles.size(); ++corner) {
     const std::uint32_t v = mesh.triangles[corner / 3][corner % 3];
     std::uint32_t number = last[v];
-    for (int looks = 0; number != kNone && out.normals[number] != normals[corner];)
+    const glm::ivec2 q = textured ? mesh.coordinates[corner / 3][corner % 3] : glm::ivec2(0);
+    for (int looks = 0;
+         number != kNone && (out.normals[number] != normals[corner] || (textured && coordinates[number] != q));)
       number = ++looks < kMostLooks ? before[number] : kNone;
     if (number == kNone) {
       number = static_cast<std::uint32_t>(out.positions.size());
@@ -40,9 +36,11 @@ ShadedVertices shaded_vertices(const exact::ExactMesh& mesh, const exact::Shadin
       out.positions.push_back(finite(p) ? p : frame.lower);
       out.normals.push_back(normals[corner]);
       if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+      if (textured) coordinates.push_back(q);
     }
     out.triangles[corner] = number;
   }
+  for (const glm::ivec2& q : coordinates) out.texture_coordinates.push_back(mesh.texture.at(q));
   return out;
 }
 
@@ -53,6 +51,8 @@ void ShadedVertices::append(Cloud& cloud, bool with_colors) const {
   cloud.normals.insert(cloud.normals.end(), normals.begin(), normals.end());
   if (with_colors && colors.empty()) cloud.colors.resize(cloud.positions.size(), cloud.color);
   if (with_colors) cloud.colors.insert(cloud.colors.end(), colors.begin(), colors.end());
+  cloud.texture_coordinates.insert(cloud.texture_coordinates.end(), texture_coordinates.begin(),
+                                   texture_coordinates.end());
   cloud.triangles.reserve(first + triangles.size());
   for (const std::uint32_t corner : triangles) cloud.triangles.push_back(start + corner);
   weigh_by_triangles(cloud, start, first);

@@ -31,6 +31,8 @@ class MeshBuilder {
   explicit MeshBuilder(bool colored);
   /// Triangles that are not finite, or have no area, are left out.
   void add(std::span<const Triangle> triangles);
+  /// How many triangles it has.
+  [[nodiscard]] std::size_t triangles() const { return mesh_.triangles.size(); }
   /// All that was added, joined where it lies at the same place; triangles may meet in any way, and be there twice.
   [[nodiscard]] SurfaceMesh welded() const;
   /// A mesh in which every edge has one triangle a side or is a rim, and the triangles round every vertex are one fan:

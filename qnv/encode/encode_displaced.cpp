@@ -55,6 +55,8 @@ constexpr float kFinestStep = 1.0f / 14;
 // Before the mesh itself so much is sent at most, as a part of it. Where the mesh was asked for the whole is to be no
 // larger than it need be; else it is the picture at every size that counts.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
+// The picture of a textured one comes besides.
+constexpr double kBeforeTexturedTail = 1.0 / 3, kLeastBeforeTextured = 2000;
 // What is shown until the tail is there counts by so much of its bytes.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
 // A stage that is begun before a tail gets at least this part of what it begins with besides: until then the stage
@@ -65,8 +67,6 @@ constexpr double kBasesBeforeTail = 0.5;
 // What a first stage does not follow ends with the mesh itself, on a lattice of so many bits, where that is small.
 constexpr std::size_t kFewTriangles = 100'000, kMostSmallTail = 100'000;
 constexpr int kFewBits = 12;
-// A smooth surface of at most so many triangles ends with the mesh itself without being asked.
-constexpr std::size_t kMostChosenTriangles = 300'000;
 
 /// Clusters in the order in which they are sent: most gain a byte first, but none before those that it makes finer.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
@@ -293,12 +293,16 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::Frame frame(s.box);
   const bool chosen = options.exact_bits == kExactWherePays;
   std::optional<exact::ExactMesh> exact;
-  if (options.exact_bits > 0 || (chosen && s.triangles <= kMostChosenTriangles))
-    exact = exact_mesh_of(builder, frame, s.colored, std::max(options.exact_bits, 0));
+  const TexturedSurface* textured = options.textured;
+  const std::size_t triangles = textured ? textured->triangles.size() : s.triangles;
+  if (options.exact_bits > 0 || (chosen && triangles <= kMostChosenTriangles)) {
+    const int bits = std::max(options.exact_bits, 0);
+    exact = textured ? exact_mesh_of(*textured, frame, bits) : exact_mesh_of(builder, frame, s.colored, bits);
+  }
   // Of parts with sharp edges and few triangles the mesh itself is smaller than anything that comes near to it.
   std::optional<exact::ExactMesh> small;
-  if (options.only_if_suited && options.exact_bits <= 0 && s.triangles <= kFewTriangles)
-    small = exact_mesh_of(builder, frame, s.colored, kFewBits);
+  if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
+    small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
   displaced::SurfaceMesh mesh = builder.finish();
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
@@ -331,10 +335,15 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
+  exact::TailPicture picture;
+  if (textured) picture = {textured->picture, textured->repeat_s, textured->repeat_t};
   int tail_bits = kTailBits;
   std::size_t tail_size = 0;  // about, with the bits behind it
   const auto room = [&] {
-    return exact ? (chosen ? kBeforeChosenTail : kBeforeTail) * static_cast<double>(tail_size) : 1e300;
+    if (!exact) return 1e300;
+    const double bytes = static_cast<double>(tail_size);
+    if (textured && chosen) return std::max(kBeforeTexturedTail * bytes, kLeastBeforeTextured);
+    return (chosen ? kBeforeChosenTail : kBeforeTail) * bytes;
   };
   std::size_t bases = 0;
   if (progress) progress->stage = "displacing";
@@ -349,7 +358,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (stages.empty() && options.only_if_suited && !follows) {
       bool fits = false;
       if (small) {
-        if (auto split = progressive::encode_progressive(*small, stage_options.most_bytes)) {
+        auto split = textured ? std::nullopt : progressive::encode_progressive(*small, stage_options.most_bytes);
+        if (split) {
           header.base = std::move(split->front);
           return write_stream(std::move(header), chunks_of(*split, s.box), options.max_bytes);
         }
@@ -419,6 +429,11 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     SurfaceTail tail = tail_of(*exact, tail_bits, ranks ? &*ranks : nullptr, &order);
     tail.cover = beside.cover(main.number, order);
     tail.parity = options.exact_bits <= 0;
+    if (!exact->coordinates.empty()) {
+      tail.picture = exact::encode_picture(picture);
+      tail.picture_first = exact::bytes_until_shown(picture, 0);
+      tail.picture_fine = exact::bytes_until_shown(picture, picture.files.size() - 1);
+    }
     append_tail(tail, s.box, chunks);
   }
   // All of a stage is lost without its front. Of one that another one follows, that is no great loss.

@@ -4,6 +4,10 @@
 #include "qnv/base/triangles.h"
 #include "qnv/stream/container.h"
 
+#include <glm/vec2.hpp>
+
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -16,9 +20,20 @@ namespace gs::qnv {
 /// could not, or the sink wanted no more.
 using TriangleSource = std::function<bool(const TriangleSink&)>;
 
-/// In place of EncodeOptions::exact_bits: where a smooth surface is small enough for it, with bits chosen by how fine its
-/// triangles are, and parity for losses.
+/// The surface as it is where it has a texture: triangles that are not divided to bring its colours to their corners.
+struct TexturedSurface {
+  std::vector<Triangle> triangles;
+  std::vector<std::array<glm::vec2, 3>> coordinates;  // of each one's corners: s and t (VRML97 4.6.11)
+  std::uint32_t width = 1, height = 1;                // of the picture
+  std::vector<PictureFile> picture;                   // from coarse to fine, at most exact::kMostPictureFiles
+  bool repeat_s = true, repeat_t = true;
+};
+
+/// In place of EncodeOptions::exact_bits: where a smooth surface is small enough for it, with bits chosen by how fine
+/// its triangles are, and parity for losses.
 inline constexpr int kExactWherePays = -1;
+/// A surface of more triangles is not small enough.
+inline constexpr std::size_t kMostChosenTriangles = 300'000;
 
 struct EncodeOptions {
   Payload payload = Payload::packed;
@@ -31,6 +46,7 @@ struct EncodeOptions {
   std::size_t most_triangles = 0;  // displaced: held in memory; a surface of more is thinned to so many. 0: any number
   int exact_bits = 0;  // displaced: the mesh itself at the end, with 2^this places an axis, 8 to 20; 0: without it,
                        // or kExactWherePays
+  const TexturedSurface* textured = nullptr;  // displaced: of which the mesh itself is made; else null. It must stay
   glm::dvec3 origin{0};  // of triangles: from which they count (Description::origin); vectors say it themselves
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;

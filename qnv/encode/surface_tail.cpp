@@ -1,14 +1,17 @@
 #include "qnv/encode/surface_tail.h"
 
 #include "qnv/exact/low_bits.h"
+#include "qnv/exact/own_normals.h"
 #include "qnv/exact/tail_pieces.h"
 #include "qnv/stream/piece_group.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -18,8 +21,10 @@ namespace {
 // An edge of the mean length has so many places of a lattice that is chosen; between so many bits.
 constexpr float kPlacesAnEdge = 96;
 constexpr int kFewestChosenBits = 11, kMostChosenBits = 14;
-// With parity: bytes of a tail that are read at once, between these and about so many times, and of what parity stands for together.
-constexpr std::size_t kLeastReadTogether = 512, kMostReadTogether = 4096, kReads = 24, kGroupBytes = 120 * kAimedPieceBytes;
+// With parity: bytes of a tail that are read at once, between these and about so many times, and of what parity stands
+// for together.
+constexpr std::size_t kLeastReadTogether = 512, kMostReadTogether = 4096, kReads = 24,
+                      kGroupBytes = 120 * kAimedPieceBytes;
 // Else, of a tail's pieces.
 constexpr std::size_t kLeastTailPiece = 4096, kTailPieces = 12;
 // Parity of n pieces is this part of n, and this times its root besides: with 30 % lost they all come back in 99 of 100
@@ -29,6 +34,13 @@ constexpr double kGroupParity = 0.43, kGroupParityRoot = 1.9;
 constexpr int kFacesApart = 30;
 // Fewer bits in the tail are worth so much of its bytes.
 constexpr double kWorthOfFewBits = 1.01;
+
+// Normals of a file that are this far from those of the rule, as the root of the mean square of chords (2 degrees), are
+// its own.
+constexpr double kNormalsApart = 0.035;
+// Texture coordinates lie this many places of their lattice apart for each pixel, as a power of two; between so many
+// bits.
+constexpr int kTexelBits = 2, kFewestTextureBits = 8;
 
 float mean_edge_of(const displaced::SurfaceMesh& mesh) {
   double sum = 0;
@@ -47,12 +59,43 @@ exact::ExactMesh coarser(const exact::ExactMesh& mesh, int bits) {
   return coarse;
 }
 
+/// The normals of a source, if they are further from what the rule of its shading gives than is worth sending them.
+/// `coarse`: its mesh as it is in the tail; `order`: in which order.
+std::vector<std::byte> own_normals_of(const exact::ExactMesh& mesh, const exact::ExactMesh& coarse,
+                                      std::span<const std::byte> tail, const exact::TailOrder& order) {
+  if (mesh.normals.empty()) return {};
+  {
+    exact::ExactMesh joined = mesh;
+    joined.twins = exact::twins_of(joined.triangles);
+    const std::vector<glm::vec3> shaded = exact::shaded_normals(joined, mesh.shading);
+    std::vector<glm::vec3> own = shaded;
+    for (std::size_t c = 0; c < own.size(); ++c)
+      if (const glm::vec3& normal = mesh.normals[c / 3][c % 3]; normal != glm::vec3(0)) own[c] = normal;
+    if (exact::distance_of(shaded, own) < kNormalsApart) return {};
+  }
+  auto decoded = exact::decode_tail(tail, coarse.vertices.size());
+  if (!decoded || order.triangles.size() != decoded->triangles.size()) return {};
+  const std::vector<glm::vec3> shaded =
+      exact::shaded_normals(*decoded, {exact::Shading::Rule::edges, decoded->crease_angle});
+  std::vector<glm::vec3> own = shaded;
+  for (std::size_t t = 0; t < decoded->triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const std::uint32_t source = order.triangles[t];
+        const glm::vec3& normal = mesh.normals[source][j];
+        if (order.vertices[mesh.triangles[source][j]] == decoded->triangles[t][k] && normal != glm::vec3(0))
+          own[3 * t + k] = normal;
+      }
+  return exact::encode_normals(*decoded, shaded, own);
+}
+
 /// Payloads in pieces with parity, in as many groups as it takes, as far as there are.
 struct Pieces {
   std::vector<std::vector<std::byte>> data, parity;
 };
+constexpr int kGroups = 16;
+constexpr std::size_t kMostWithParity = std::size_t{6} << 20;  // that so many groups have room for
 Pieces pieces_with_parity(int group, std::span<const std::vector<std::byte>> payloads) {
-  constexpr int kGroups = 16;
   std::size_t all = 0;
   for (const auto& payload : payloads) all += payload.size();
   const std::size_t groups = std::clamp<std::size_t>((all + kGroupBytes - 1) / kGroupBytes, 1, kGroups);
@@ -87,6 +130,40 @@ exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const disp
   return exact::quantized(std::move(all), bits);
 }
 
+exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::Frame& frame, int bits) {
+  displaced::MeshBuilder builder(false);
+  std::vector<std::array<glm::vec2, 3>> kept;  // of triangles that are some
+  glm::vec2 lower(std::numeric_limits<float>::max()), upper(std::numeric_limits<float>::lowest());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const std::size_t before = builder.triangles();
+    builder.add(std::span(surface.triangles).subspan(t, 1));
+    if (builder.triangles() == before) continue;
+    kept.push_back(surface.coordinates[t]);
+    for (const glm::vec2& at : kept.back()) {
+      lower = glm::min(lower, at);
+      upper = glm::max(upper, at);
+    }
+  }
+  exact::ExactMesh mesh = exact_mesh_of(builder, frame, false, bits);
+  if (kept.empty()) return mesh;
+  exact::TextureLattice& lattice = mesh.texture;
+  lattice.lower = lower;
+  lattice.size = glm::max(upper - lower, glm::vec2(std::numeric_limits<float>::min()));
+  const glm::vec2 pixels =
+      lattice.size * glm::vec2(static_cast<float>(surface.width), static_cast<float>(surface.height));
+  const float most = std::min(std::max(pixels.x, pixels.y), 65536.0f);
+  lattice.bits = std::clamp(static_cast<int>(std::ceil(std::log2(std::max(most, 1.0f)))) + kTexelBits,
+                            kFewestTextureBits, exact::kMostTextureBits);
+  const auto top = static_cast<float>(lattice.top());
+  mesh.coordinates.reserve(kept.size());
+  for (const auto& corners : kept) {
+    exact::CornerCoordinates& on = mesh.coordinates.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k)
+      on[k] = glm::ivec2(glm::clamp(glm::floor((corners[k] - lattice.lower) / lattice.size * top + 0.5f), 0.0f, top));
+  }
+  return mesh;
+}
+
 SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRanks* ranks, exact::TailOrder* order) {
   SurfaceTail tail;
   tail.vertices = mesh.vertices.size();
@@ -97,6 +174,7 @@ SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRan
   tail.bytes = exact::encode_tail(coarse, false, ranks, order);
   tail.low_bits = exact::low_bits_of(mesh, coarse.bits, order->vertices);
   for (const auto& payload : tail.low_bits) tail.low_bytes += payload.size();
+  tail.normals = own_normals_of(mesh, coarse, tail.bytes, *order);
   return tail;
 }
 
@@ -140,8 +218,9 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   };
   append_shading();
   if (tail.cover) append(ChunkType::cover, exact::encode_cover(*tail.cover));
-  const std::size_t most = tail.cover ? std::clamp(tail.bytes.size() / kTailPieces, kLeastTailPiece, exact::kTailPieceBytes)
-                                      : exact::kTailPieceBytes;
+  const std::size_t most = tail.cover
+                               ? std::clamp(tail.bytes.size() / kTailPieces, kLeastTailPiece, exact::kTailPieceBytes)
+                               : exact::kTailPieceBytes;
   const std::size_t together = std::clamp(tail.bytes.size() / kReads, kLeastReadTogether, kMostReadTogether);
   std::vector<std::vector<std::byte>> payloads = exact::pieces_of(tail.bytes, tail.parity ? together : most);
   Pieces pieces, low{tail.low_bits, {}};
@@ -151,16 +230,37 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   } else {
     pieces.data = std::move(payloads);
   }
+  // As much of the picture as shows something comes first: without it the mesh is not shown.
+  Pieces picture;
+  const bool picture_parity = tail.parity && tail.picture.size() <= kMostWithParity;
+  picture.data = exact::pieces_of(tail.picture, picture_parity ? together : kLeastTailPiece);
+  if (picture_parity && !picture.data.empty()) picture = pieces_with_parity(kGroupsOfPictures, picture.data);
+  std::size_t sent = 0, picture_bytes = 0;
+  const auto append_picture = [&](std::size_t until) {
+    for (; sent < picture.data.size() && picture_bytes < until; ++sent) {
+      picture_bytes += picture.data[sent].size();
+      append(picture_parity ? ChunkType::piece : ChunkType::picture, std::move(picture.data[sent]));
+    }
+  };
+  append_picture(tail.picture_first);
   for (std::vector<std::byte>& piece : pieces.data)
     append(tail.parity ? ChunkType::piece : ChunkType::exact, std::move(piece));
   OutgoingChunk& last = others.back();
   last.entry.vectors = static_cast<std::uint32_t>(tail.vertices);
   last.replaced = std::min(replaced, last.entry.vectors);
+  Pieces normals;
+  const bool normals_parity = tail.parity && tail.normals.size() <= kMostWithParity;
+  normals.data = exact::pieces_of(tail.normals, normals_parity ? together : kLeastTailPiece);
+  if (normals_parity && !normals.data.empty()) normals = pieces_with_parity(kGroupsOfNormals, normals.data);
+  append_picture(tail.picture_fine);
+  for (std::vector<std::byte>& piece : normals.data)
+    append(normals_parity ? ChunkType::piece : ChunkType::normals, std::move(piece));
+  append_picture(std::numeric_limits<std::size_t>::max());
   for (std::vector<std::byte>& piece : low.data)
     append(tail.parity ? ChunkType::piece : ChunkType::low_bits, std::move(piece));
   // Two bytes without which all of the mesh looks otherwise: again where other packets hold them.
   if (tail.parity) append_shading();
-  for (auto* parity : {&pieces.parity, &low.parity})
+  for (auto* parity : {&picture.parity, &pieces.parity, &normals.parity, &low.parity})
     for (std::vector<std::byte>& piece : *parity) append(ChunkType::piece, std::move(piece));
   if (tail.parity) append_shading();
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "qnv/displaced/surface.h"
+#include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
 #include "qnv/exact/cover.h"
 #include "qnv/exact/exact_tail.h"
+#include "qnv/exact/picture.h"
 
 #include <cstddef>
 #include <optional>
@@ -16,17 +18,24 @@ struct SurfaceTail {
   std::vector<std::byte> bytes;  // none: there is no tail
   std::size_t vertices = 0;
   exact::Shading shading;
-  std::optional<exact::Cover> cover;  // what of the stage before it covers
+  std::optional<exact::Cover> cover;             // what of the stage before it covers
   std::vector<std::vector<std::byte>> low_bits;  // behind it
   std::size_t low_bytes = 0;
+  std::vector<std::byte> picture;  // of its texture; none: it has none
+  std::size_t picture_first = 0;   // of its bytes: come before the mesh
+  std::size_t picture_fine = 0;    // likewise, before what is finer of the mesh
+  std::vector<std::byte> normals;  // of its corners, where no rule gives them
   bool parity = false;
   /// With what comes behind it.
-  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes; }
+  [[nodiscard]] std::size_t size() const { return bytes.size() + low_bytes + picture.size() + normals.size(); }
 };
 
 /// All of a source on a lattice of so many bits an axis; `bits` 0: of as many as its triangles are worth.
 [[nodiscard]] exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const displaced::Frame& frame,
                                              bool colored, int bits);
+
+/// The same of a textured surface, whose places count from the same origin.
+[[nodiscard]] exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::Frame& frame, int bits);
 
 /// `bits`: of the tail itself; those of the mesh that are finer come behind it. `ranks`, `order`: as encode_tail has
 /// them.

@@ -117,6 +117,15 @@ class MeshGuide {
   }
   [[nodiscard]] glm::ivec3 place() const { return mesh_.vertices[now_]; }
   [[nodiscard]] glm::ivec3 color() const { return luma_of(mesh_.colors[now_]); }
+  /// Of triangle t of those that were added.
+  [[nodiscard]] CornerCoordinates coordinates(std::uint32_t t) const {
+    CornerCoordinates is;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t half = halves_[3 * t + k];
+      is[k] = mesh_.coordinates[half / 3][half % 3];
+    }
+    return is;
+  }
   /// The half beside a side.
   [[nodiscard]] std::uint32_t beyond(std::uint32_t side) const { return twins_[halves_[side]]; }
   /// The number of the vertex opposite to a half; kNone: it has none yet.
@@ -243,6 +252,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   out.vertices.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);
   out.colors = std::move(mesh.colors);
+  out.normals = std::move(mesh.normals);
   out.triangles = std::move(mesh.triangles);
   return out;
 }
@@ -258,6 +268,7 @@ std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual, const Tail
   header.usual = usual;
   header.weights = kUsualWeights;
   header.cell_bits = ranks ? ranks->cell_bits : 0;
+  if (!mesh.coordinates.empty()) header.texture = mesh.texture;
   const std::vector<std::uint32_t> starts = ranks ? starts_of(mesh, *ranks) : std::vector<std::uint32_t>();
   const std::vector<std::uint32_t> twins = twins_of(mesh.triangles);
   std::vector<std::byte> body;

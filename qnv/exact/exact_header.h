@@ -10,7 +10,8 @@
 namespace gs::qnv::exact {
 
 // What a tail begins with: FORMAT.md, "Exact tail".
-inline constexpr std::size_t kTailFixedBytes = 11, kTailWeightsBytes = 2 * kNear * kSituations;
+inline constexpr std::size_t kTailFixedBytes = 11, kTailWeightsBytes = 2 * kNear * kSituations,
+                             kTextureLatticeBytes = 17;
 /// Parallelograms: beside the gate, and where two triangles are new, beside the one behind it as well.
 inline constexpr Weights kUsualWeights = [] {
   constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;

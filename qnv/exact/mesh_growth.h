@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/exact/corner_growth.h"
 #include "qnv/exact/exact_mesh.h"
 #include "qnv/exact/exact_numbers.h"
 #include "qnv/exact/gates.h"
@@ -26,8 +27,9 @@ struct TailHeader {
   bool usual = false;      // the weights are the usual ones, and not told
   int crease_angle = 180;  // of ExactMesh
   std::uint32_t vertices = 0, triangles = 0;
-  Weights weights{};   // of 2^kWeightBits
-  int cell_bits = 0;   // cells of 2^-cell_bits of the lattice have ranks; 0: they have none
+  Weights weights{};       // of 2^kWeightBits
+  TextureLattice texture;  // of the coordinates that corners have
+  int cell_bits = 0;       // cells of 2^-cell_bits of the lattice have ranks; 0: they have none
 };
 
 /// Cells are the highest bits of places; a mesh that has ranks grows where they are low first.
@@ -64,7 +66,11 @@ class MeshGrowth {
  public:
   /// `room`: for so many triangles at once.
   MeshGrowth(Coder& coder, const TailHeader& header, Guide& guide, std::size_t room)
-      : decisions_(coder), header_(header), guide_(guide), models_(std::make_unique<Models>()) {
+      : decisions_(coder),
+        header_(header),
+        guide_(guide),
+        models_(std::make_unique<Models>()),
+        corners_(header.texture) {
     const std::size_t vertices = std::min<std::size_t>(header.vertices, room);
     gates_.reserve(std::min<std::size_t>(header.triangles, room));
     places_.reserve(vertices);
@@ -86,14 +92,16 @@ class MeshGrowth {
   [[nodiscard]] std::vector<displaced::Corners> take_triangles() { return gates_.take_triangles(); }
   [[nodiscard]] std::vector<glm::ivec3> take_places() { return std::move(places_); }
   [[nodiscard]] const std::vector<glm::ivec3>& colors() const { return colors_; }
+  [[nodiscard]] const std::vector<CornerCoordinates>& coordinates() const { return corners_.coordinates(); }
 
  private:
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
   static constexpr std::size_t kRanks = 40, kGaps = 33, kTurns = 10;
   static constexpr std::uint8_t kNoRank = 255;
   // What a step takes at most: no decision takes more than 10 bits, no number more than 24 of them and 42 bits besides,
-  // a vertex has three, and three more as its colour; a component has three vertices.
-  static constexpr std::size_t kStepBytes = 288, kComponentBytes = 704;
+  // a vertex has three, and three more as its colour; a component has three vertices. Two triangles have six corners
+  // with two numbers each.
+  static constexpr std::size_t kStepBytes = 288, kComponentBytes = 704, kCornersBytes = 448;
 
   /// How far a vertex was from where it was expected, and how many triangles it has.
   struct Mark {
@@ -126,6 +134,9 @@ class MeshGrowth {
     bool two = false;
   };
 
+  /// Where the corners of new triangles lie in the texture.
+  bool corners();
+  [[nodiscard]] std::size_t corners_bytes() const { return corners_.wanted() ? kCornersBytes : 0; }
   [[nodiscard]] int top() const { return (1 << header_.bits) - 1; }
   [[nodiscard]] std::size_t turns(std::uint32_t v) const { return std::min<std::size_t>(marks_[v].triangles, 9); }
   [[nodiscard]] std::uint32_t gap_behind(std::uint32_t side) const;
@@ -155,6 +166,7 @@ class MeshGrowth {
   std::vector<glm::ivec3> places_, colors_;
   std::vector<Mark> marks_;
   std::vector<std::uint8_t> ranks_;  // by cell
+  CornerGrowth<Coder> corners_;
   std::uint32_t last_rank_ = 0;
   bool in_component_ = false;
 };
@@ -164,21 +176,32 @@ template <class More>
 typename MeshGrowth<Coder, Guide>::Growth MeshGrowth<Coder, Guide>::run(const More& more) {
   while (in_component_ || gates_.triangles().size() < header_.triangles) {
     if (!in_component_) {
-      if (!more(kComponentBytes)) return Growth::growing;
-      if (!component()) return Growth::wrong;
+      if (!more(kComponentBytes + corners_bytes())) return Growth::growing;
+      if (!component() || !corners()) return Growth::wrong;
       in_component_ = true;
     }
     while (in_component_) {
-      if (!more(kStepBytes)) return Growth::growing;
+      if (!more(kStepBytes + corners_bytes())) return Growth::growing;
       const auto gate = queue_.pop(gates_);
       in_component_ = gate.has_value();
-      if (gate && (!beside(*gate) || !decisions_.good())) return Growth::wrong;
+      if (gate && (!beside(*gate) || !corners() || !decisions_.good())) return Growth::wrong;
     }
   }
   if (!more(kStepBytes)) return Growth::growing;
   const bool good =
       places_.size() == header_.vertices && decisions_.bits(kEndMark, 16) == kEndMark && decisions_.good();
   return good ? Growth::whole : Growth::wrong;
+}
+
+template <class Coder, class Guide>
+bool MeshGrowth<Coder, Guide>::corners() {
+  if (!corners_.wanted()) return true;
+  while (corners_.coordinates().size() < gates_.triangles().size()) {
+    CornerCoordinates is{};
+    if constexpr (kWrites) is = guide_.coordinates(static_cast<std::uint32_t>(corners_.coordinates().size()));
+    if (!corners_.triangle(decisions_, gates_, places_, is)) return false;
+  }
+  return true;
 }
 
 /// That of the cell in which a vertex lies; it is told when it is asked for.

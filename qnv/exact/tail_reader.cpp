@@ -42,9 +42,9 @@ void TailReader::push(std::span<const std::byte> more) {
   const auto body = std::span<const std::byte>(g.bytes).subspan(std::min(head, g.bytes.size()));
   if (!g.growth) {
     const auto header = decode_tail_header(g.bytes, length_);
-    state_ = !header                                                                               ? State::refused
+    state_ = !header                                                                       ? State::refused
              : header->vertices > most_vertices_ || header->triangles / 2 > most_vertices_ ? State::full
-                                                                                               : State::growing;
+                                                                                           : State::growing;
     if (state_ != State::growing) return;
     g.header = *header;
     g.decoder.emplace(body);
@@ -61,6 +61,8 @@ std::size_t TailReader::triangles() const { return growing_->growth ? growing_->
 
 std::size_t TailReader::all_triangles() const { return growing_->growth ? growing_->header.triangles : 0; }
 
+bool TailReader::textured() const { return growing_->header.texture.bits > 0; }
+
 ExactMesh TailReader::mesh() const {
   ExactMesh mesh;
   if (!growing_->growth) return mesh;
@@ -71,6 +73,8 @@ ExactMesh TailReader::mesh() const {
   mesh.vertices = growth.places();
   mesh.twins = growth.twins();
   mesh.triangles = growth.triangles();
+  mesh.texture = growing_->header.texture;
+  mesh.coordinates = growth.coordinates();
   mesh.colors.resize(growth.colors().size());
   for (std::size_t v = 0; v < mesh.colors.size(); ++v) (void)color_of(growth.colors()[v], mesh.colors[v]);
   return mesh;

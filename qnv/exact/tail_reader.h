@@ -31,6 +31,8 @@ class TailReader {
   /// How many triangles have come, and how many there will be; 0: that is not known yet.
   [[nodiscard]] std::size_t triangles() const;
   [[nodiscard]] std::size_t all_triangles() const;
+  /// Whether corners have texture coordinates, as far as that is known.
+  [[nodiscard]] bool textured() const;
   /// What has come.
   [[nodiscard]] ExactMesh mesh() const;
 

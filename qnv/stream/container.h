@@ -43,11 +43,13 @@ enum class ChunkType : std::uint8_t {
   splits = 9,
   low_bits = 10,
   cover = 11,
+  picture = 12,
+  normals = 13,
   directory = 254
 };
 /// Whether a chunk's type is one of these; others are passed over.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
-  return type <= static_cast<std::uint8_t>(ChunkType::cover) ||
+  return type <= static_cast<std::uint8_t>(ChunkType::normals) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 

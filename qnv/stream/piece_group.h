@@ -19,20 +19,23 @@ inline constexpr std::size_t kMostPieces = 128, kMostPieceBytes = 4096, kMostGro
 struct CutGroup {
   std::vector<std::vector<std::byte>> data, parity;  // payloads of chunks
 };
-/// `number`: 0 to 63; the payloads with their lengths: at most kMostGroupBytes. `parity`: so many pieces more, as a
-/// part of the others, and so many besides. `aimed`: bytes of a piece, about.
+/// `number`: 0 to kMostGroup; the payloads with their lengths: at most kMostGroupBytes. `parity`: so many pieces more,
+/// as a part of the others, and so many besides. `aimed`: bytes of a piece, about.
 inline constexpr std::size_t kAimedPieceBytes = 1150;
 [[nodiscard]] CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads, double parity,
                                  std::size_t besides, std::size_t aimed = kAimedPieceBytes);
 
-/// From these numbers on groups hold pieces of exact tails, splits, and low bits; before them what chunks of displaced
-/// streams hold.
-inline constexpr int kGroupsOfTails = 16, kGroupsOfSplits = 32, kGroupsOfLowBits = 48, kMostGroup = 63;
+/// From these numbers on groups hold pieces of exact tails, splits, low bits, pictures, and normals; before them what
+/// chunks of displaced streams hold.
+inline constexpr int kGroupsOfTails = 16, kGroupsOfSplits = 32, kGroupsOfLowBits = 48, kGroupsOfPictures = 64,
+                     kGroupsOfNormals = 80, kMostGroup = 95;
 [[nodiscard]] constexpr ChunkType type_of_group(int number) {
-  return number < kGroupsOfTails     ? ChunkType::displaced
-         : number < kGroupsOfSplits  ? ChunkType::exact
-         : number < kGroupsOfLowBits ? ChunkType::splits
-                                     : ChunkType::low_bits;
+  return number < kGroupsOfTails      ? ChunkType::displaced
+         : number < kGroupsOfSplits   ? ChunkType::exact
+         : number < kGroupsOfLowBits  ? ChunkType::splits
+         : number < kGroupsOfPictures ? ChunkType::low_bits
+         : number < kGroupsOfNormals  ? ChunkType::picture
+                                      : ChunkType::normals;
 }
 
 /// What a piece says of itself.

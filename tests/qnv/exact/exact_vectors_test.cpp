@@ -7,6 +7,7 @@
 #include "tests/qnv/pinned_vectors.h"
 #include "tests/watched.h"
 
+#include <zlib.h>
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -175,6 +176,72 @@ TEST_CASE("a tail with ranks and its table of covered patches come back as they 
   CHECK(triangles == faces.size());
   CHECK(std::ranges::equal(cover->patches, covered));
   CHECK(covered.size() > 300);
+}
+
+// The same of displaced_textured, whose corners have texture coordinates and normals of their own, with a picture.
+TEST_CASE("a textured tail comes back as it was pinned: corners, normals and the files of its picture") {
+  TextureLattice lattice;
+  std::vector<displaced::Corners> faces;
+  std::vector<CornerCoordinates> coordinates;
+  std::vector<std::pair<std::size_t, glm::vec3>> normals;
+  std::vector<std::array<std::uint32_t, 3>> files;  // length, enough, checksum
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_textured.txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "texture") {
+      words >> lattice.bits >> lattice.lower.x >> lattice.lower.y >> lattice.size.x >> lattice.size.y;
+    } else if (kind == "face") {
+      displaced::Corners& t = faces.emplace_back();
+      words >> t[0] >> t[1] >> t[2];
+    } else if (kind == "corners") {
+      for (glm::ivec2& q : coordinates.emplace_back()) words >> q.x >> q.y;
+    } else if (kind == "own") {
+      auto& [corner, n] = normals.emplace_back();
+      words >> corner >> n.x >> n.y >> n.z;
+    } else if (kind == "file") {
+      auto& [length, enough, checksum] = files.emplace_back();
+      words >> length >> enough >> checksum;
+    }
+  }
+  REQUIRE(faces.size() > 700);
+  REQUIRE(normals.size() > 200);
+  REQUIRE(files.size() == 1);
+  const std::vector<std::byte> stream = read_bytes("displaced_textured.qnv");
+  TailPieces pieces;
+  std::map<int, PieceGroup> groups;
+  StreamReader reader;
+  REQUIRE(reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    const auto piece = type == ChunkType::piece ? read_piece_header(payload) : std::nullopt;
+    if (!piece) return;
+    CHECK(groups[piece->group].add(*piece, payload));
+    for (const auto& each : groups[piece->group].take())
+      if (type_of_group(piece->group) == ChunkType::exact) CHECK(pieces.add(each));
+  }));
+  const auto tail = pieces.take();
+  REQUIRE(tail);
+  const auto mesh = decode_tail(*tail, 1 << 16);
+  REQUIRE(mesh);
+  CHECK(mesh->triangles == faces);
+  CHECK(mesh->coordinates == coordinates);
+  CHECK(mesh->texture.bits == lattice.bits);
+  CHECK(mesh->texture.lower == lattice.lower);
+  CHECK(mesh->texture.size == lattice.size);
+  StreamDecoder decoder;
+  REQUIRE(decoder.push(stream));
+  CHECK(decoder.is_mesh());
+  const Cloud cloud = decoder.cloud();
+  REQUIRE(cloud.triangles.size() == 3 * faces.size());
+  REQUIRE(cloud.texture_coordinates.size() == cloud.size());
+  for (std::size_t corner = 0; corner < cloud.triangles.size(); ++corner)
+    REQUIRE_EACH(cloud.texture_coordinates[cloud.triangles[corner]] == lattice.at(coordinates[corner / 3][corner % 3]));
+  // What they are expected from is worked out in f32: a step of the square's.
+  for (const auto& [corner, n] : normals) REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 0.01f);
+  REQUIRE(cloud.picture);
+  CHECK(cloud.picture->bytes.size() == files[0][0]);
+  CHECK(crc32(0, reinterpret_cast<const Bytef*>(cloud.picture->bytes.data()),
+              static_cast<uInt>(cloud.picture->bytes.size())) == files[0][2]);
 }
 
 // The same of displaced_splits, by tests/qnv/vectors/splits.py.

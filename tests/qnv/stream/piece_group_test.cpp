@@ -113,7 +113,7 @@ TEST_CASE("what is no piece is refused, and what is damaged harms nothing") {
     changed[at] = static_cast<std::byte>(value);
     return read_piece_header(changed);
   };
-  CHECK(!with(0, 64));   // a group that is none
+  CHECK(!with(0, 96));   // a group that is none
   CHECK(!with(1, 0));    // no pieces
   CHECK(!with(1, 129));  // too many
   CHECK(!with(6, 255));  // a length that its pieces cannot have

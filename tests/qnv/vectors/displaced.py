@@ -9,7 +9,9 @@ deepest level, "place VERTEX X Y Z", nine significant digits, and "colour VERTEX
 
 Of an exact tail that has come as a whole then "exact BITS CREASE", "at X Y Z" of each vertex, on the lattice, with "R G B"
 where it has a colour, and "face A B C"; where a chunk says how it is shaded "shading ANGLE", and "normal CORNER X Y Z" of
-every eleventh corner; where a chunk says which patches it covers "cover STAGE PARTS TRIANGLES" and a number for each.
+every eleventh corner; where corners have texture coordinates "texture BITS S T WIDTH HEIGHT" and "corners" with six numbers for
+each face; where there is a picture "picture FLAGS" and "file LENGTH ENOUGH CHECKSUM" of its files; where there are normals of the
+file's own "own CORNER X Y Z" of every eleventh corner; where a chunk says which patches it covers "cover STAGE PARTS TRIANGLES" and a number for each.
 
 Vertices of a level: those of the base, those of edges in their order (from `from` on), those inside of patches in
 their order, j = 1 first.
@@ -525,13 +527,13 @@ class Tail:
 
     def __init__(self, data):
         flags, self.b, self.crease, self.count, self.most = struct.unpack_from("<BBBII", data, 0)
-        if flags > 15 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
+        if flags > 31 or not 8 <= self.b <= 20 or self.crease > 180 or not 1 <= self.most <= 64 * len(data):
             raise Refused("tail")
         self.colored = flags & 1 == 1
         if flags & 2:
             self.weights = [[2048, -2048, 2048, -2048] + [0] * 4] * 2 + [[4096, -4096] + [0] * 6] * 4
         else:
-            weights = struct.unpack_from("<48h", data, 11 + (flags >> 2 & 1) + (flags >> 3))
+            weights = struct.unpack_from("<48h", data, 11 + (flags >> 2 & 1) + (flags >> 3 & 1) + 17 * (flags >> 4))
             self.weights = [weights[8 * i:8 * i + 8] for i in range(6)]
         self.finest = data[11] if flags & 4 else self.b
         if not self.b <= self.finest <= 20:
@@ -539,8 +541,13 @@ class Tail:
         self.cell_bits = data[11 + (flags >> 2 & 1)] if flags & 8 else 0
         if flags & 8 and not 1 <= self.cell_bits <= 5:
             raise Refused("cells")
+        self.lattice = struct.unpack_from("<B4f", data, 11 + (flags >> 2 & 1) + (flags >> 3 & 1)) if flags & 16 else None
+        if self.lattice and not (1 <= self.lattice[0] <= 16 and min(self.lattice[3:]) >= 0):
+            raise Refused("lattice")
+        self.corners = Corners(self) if self.lattice else None
+        self.twin = {}
         self.ranks, self.last_rank, self.rank_models = {}, 0, Table(doubles)
-        self.coder = Coder(data[(11 if flags & 2 else 107) + (flags >> 2 & 1) + (flags >> 3):])
+        self.coder = Coder(data[(11 if flags & 2 else 107) + (flags >> 2 & 1) + (flags >> 3 & 1) + 17 * (flags >> 4):])
         self.places, self.colours, self.marks, self.turns, self.triangles = [], [], [], [], []
         self.state, self.behind, self.before = [], [], []
         self.waiting, self.clock = {}, 0  # (gap, when) -> (side, behind)
@@ -611,6 +618,7 @@ class Tail:
 
     def join(self, one, other):
         self.state[one] = self.state[other] = "joined"
+        self.twin[one], self.twin[other] = other, one
 
     def link(self, side, behind):
         self.behind[side] = behind
@@ -662,13 +670,19 @@ class Tail:
             for k in range(3):
                 self.link(side + k, side + (k + 1) % 3)
             self.wait(side, side + 1, side + 2)
+            self.dress()
             while self.queue:
                 key = heapq.heappop(self.queue)
                 side, behind = self.waiting.pop(key)
                 if self.state[side] == "open" and self.behind[side] == behind:
                     self.beside(side, key[1])
+                    self.dress()
         if len(self.places) != self.count or self.coder.bits(16) != 0x5143:
             raise Refused("end")
+
+    def dress(self):
+        while self.corners and len(self.corners.told) < len(self.triangles):
+            self.corners.triangle(len(self.corners.told))
 
     def vertex(self, place, colour, mark):
         if min(place) < 0 or max(place) >= 1 << self.b or len(self.places) >= self.count:
@@ -820,6 +834,190 @@ class Tail:
             mean = tuple(sum(c[k] for c in from_) // len(from_) for k in range(3))
             colour, mark = self.colour(mean, sum(self.marks[v][2] for v in (ia, ib, it)))
         self.vertex(tuple(place), colour, [min(4 * q, 4000), min(8 * abs(off), 4000), mark])
+
+
+class Corners:
+    """Corners: where those of each triangle lie in the texture."""
+
+    def __init__(self, tail):
+        self.tail, self.top = tail, (1 << tail.lattice[0]) - 1
+        self.told, self.last, self.turn = [], (0, 0), 1
+        self.at, self.several, self.off = {}, set(), {}  # of vertices: where it was told to lie last, ...
+        self.same, self.other, self.again = doubles(), Double(), Double()
+        self.sizes, self.before, self.digits = Table(doubles), Table(doubles), Table(lambda: Table(doubles))
+
+    def beside(self, side, step):
+        twin = self.tail.twin.get(side)
+        return None if twin is None or twin // 3 >= len(self.told) else self.told[twin // 3][(twin % 3 + step) % 3]
+
+    def triangle(self, t):
+        tail, found, apart = self.tail, [None] * 3, 0
+        for k, v in enumerate(tail.triangles[t]):
+            places = [self.beside(3 * t + k, 1), self.beside(3 * t + (k + 2) % 3, 0)]
+            places = [q for i, q in enumerate(places) if q is not None and q not in places[:i]]
+            if places:
+                if tail.yes(self.same[(apart, v in self.several, len(places))]):
+                    found[k] = places[0]
+                    continue
+                apart += 1
+                if len(places) == 2 and tail.yes(self.other):
+                    found[k] = places[1]
+                    continue
+            if v in self.at and self.at[v] not in places and tail.yes(self.again):
+                found[k] = self.at[v]
+        while None in found:
+            self.place(t, found.index(None), found)
+        (a, b), (c, d) = minus(found[1], found[0]), minus(found[2], found[0])
+        if a * d != b * c:
+            self.turn = 1 if a * d > b * c else -1
+        self.told.append(tuple(found))
+        for v, q in zip(tail.triangles[t], found):
+            if self.at.setdefault(v, q) != q:
+                self.several.add(v)
+            self.at[v] = q
+
+    def expected(self, t, k, found):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        if found[i] is None and found[j] is None:
+            return "alone", self.last
+        if found[i] is None or found[j] is None:
+            return "beside", found[j] if found[i] is None else found[i]
+        vertices = self.tail.triangles[t]
+        from_ = self.tail.places[vertices[i]]
+        edge, corner = minus(self.tail.places[vertices[j]], from_), minus(self.tail.places[vertices[k]], from_)
+        start, along = found[i], minus(found[j], found[i])
+        side = 3 * t + i
+        square = dot(edge, edge)
+        rounded = lambda a, by: (2 * a + by) // (2 * by)
+        most = lambda x: min(max(x, -(1 << 24)), 1 << 24)
+        if self.beside(side, 1) == found[i] and self.beside(side, 0) == found[j]:
+            if square == 0:
+                return "folded", start
+            twin = self.tail.twin[side]
+            beyond = minus(self.tail.places[self.tail.opposite(twin)], from_)
+            q = self.told[twin // 3][(twin % 3 + 2) % 3]
+            one, other = cross(edge, corner), cross(edge, beyond)
+            shift = max(0, max(abs(c) for c in one + other).bit_length() - 30)
+            here, there = (math.isqrt(sum((c >> shift) ** 2 for c in v)) for v in (one, other))
+            out = []
+            for s, a, q in zip(start, along, q):
+                c = s + rounded(dot(corner, edge) * a, square)
+                if there:
+                    off = most(q - s - rounded(dot(beyond, edge) * a, square))
+                    c -= rounded(here * off, there)
+                out.append(most(c))
+            return "folded", tuple(out)
+        if square == 0:
+            return "turned", start
+        area = cross(edge, corner)
+        shift = max(0, max(abs(c) for c in area).bit_length() - 30)
+        height = math.isqrt(sum((c >> shift) ** 2 for c in area)) << shift
+        across = (-along[1] * self.turn, along[0] * self.turn)
+        return "turned", tuple(most(s + rounded(dot(corner, edge) * a + height * c, square))
+                               for s, a, c in zip(start, along, across))
+
+    def place(self, t, k, found):
+        which, at = self.expected(t, k, found)
+        at = [min(max(c, 0), self.top) for c in at]
+        vertices = self.tail.triangles[t]
+        around = sum(self.off.get(vertices[(k + n) % 3], 8) for n in (1, 2))
+        rank, before, total = min(grade(around) // 2, 15), 0, 0
+        for axis in range(2):
+            off = self.tail.value(self.sizes[(which, rank)], self.before[(which, before)], self.digits[which])
+            at[axis] += off
+            before = min(abs(off).bit_length() + 1, 17)
+            total += abs(off)
+        if min(at) < 0 or max(at) > self.top:
+            raise Refused("corner")
+        if which in ("folded", "turned"):
+            self.off[vertices[k]] = min(4 * total, 4000)
+        found[k] = self.last = tuple(at)
+
+
+def creased(tail, angle):
+    """The normals of all corners by the tail's own rule: of the faces that edges join."""
+    faces = []
+    for t in tail.triangles:
+        a, b, c = (tail.places[v] for v in t)
+        faces.append(cross(minus(b, a), minus(c, a)))
+    sets = list(range(3 * len(faces)))
+
+    def find(c):
+        while sets[c] != c:
+            c = sets[c]
+        return c
+
+    after = lambda side: side - 2 if side % 3 == 2 else side + 1
+    least = math.cos(math.radians(angle + 0.01))
+    for side, twin in tail.twin.items():
+        n, m = faces[side // 3], faces[twin // 3]
+        if angle == 180 or length(n) * length(m) == 0 or dot(n, m) >= least * length(n) * length(m):
+            sets[find(side)] = find(after(twin))
+            sets[find(after(side))] = find(twin)
+    sums = {}
+    for corner in range(len(sets)):
+        sums[find(corner)] = plus(sums.get(find(corner), (0, 0, 0)), faces[corner // 3])
+    return [unit(sums[find(corner)]) if length(sums[find(corner)]) else (0, 0, 1) for corner in range(len(sets))]
+
+
+class Normals:
+    """Normals: those that corners have in their file."""
+
+    def __init__(self, data, tail):
+        bits, triangles = struct.unpack_from("<BI", data)
+        if not 4 <= bits <= 14 or triangles != len(tail.triangles):
+            raise Refused("normals")
+        self.top = (1 << bits) - 1
+        tail.coder = Coder(data[5:])
+        rule = creased(tail, tail.crease)
+        same, sizes, before_sizes, digits = doubles(), Table(doubles), Table(doubles), Table(doubles)
+        offs, last, self.normals = {}, 0, []
+        for corner in range(3 * triangles):
+            t, k = corner // 3, corner % 3
+            apart, normal = 0, None
+            known = []
+            for side, step in ((corner, 1), (3 * t + (k + 2) % 3, 0)):
+                twin = tail.twin.get(side)
+                there = twin is not None and twin // 3 < t
+                known.append(self.normals[twin // 3 * 3 + (twin % 3 + step) % 3] if there else None)
+            for i in range(2):
+                if known[i] is None or (i == 1 and known[0] == known[1]):
+                    continue
+                if tail.yes(same[(i, apart, last)]):
+                    normal = known[i]
+                    break
+                apart += 1
+            last = int(apart > 0)
+            if normal is None:
+                mirrored = rule[corner][2] < 0
+                turned = lambda n: (n[0], n[1], -n[2]) if mirrored else n
+                at = self.point(turned(rule[corner]))
+                vertices = tail.triangles[t]
+                rank, before, total = min(grade(sum(offs.get(v, 4) for v in vertices)) // 2, 15), 0, 0
+                for axis in range(2):
+                    off = tail.value(sizes[rank], before_sizes[before], digits)
+                    at[axis] = min(max(at[axis] + off, 0), self.top)
+                    before = min(abs(off).bit_length() + 1, 15)
+                    total += abs(off)
+                offs[vertices[k]] = min(4 * total, 4000)
+                normal = turned(self.direction(at))
+            self.normals.append(normal)
+        if tail.coder.bits(16) != 0x4E51:
+            raise Refused("end of normals")
+
+    def point(self, n):
+        n = times(n, 1 / sum(abs(c) for c in n))
+        x, y = n[:2]
+        if n[2] < 0:
+            x, y = math.copysign(1 - abs(n[1]), n[0]), math.copysign(1 - abs(n[0]), n[1])
+        return [min(max(math.floor((c + 1) / 2 * self.top + 0.5), 0), self.top) for c in (x, y)]
+
+    def direction(self, q):
+        x, y = (2 * c / self.top - 1 for c in q)
+        z = 1 - abs(x) - abs(y)
+        if z < 0:
+            x, y = math.copysign(1 - abs(y), x), math.copysign(1 - abs(x), y)
+        return unit((x, y, z))
 
 
 def cover_of(payload):
@@ -975,6 +1173,8 @@ def main(name):
     lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
     longest = max(u - l for l, u in zip(lower, upper))
     stages, pieces, groups, origin, shading, low_bits, cover = {}, {}, {}, None, None, {}, None
+    pictures, normals = {}, {}
+    kinds = {6: pieces, 12: pictures, 13: normals}
     at = 108
     while at + 6 <= header:
         tag, size = struct.unpack_from("<HI", data, at)
@@ -990,8 +1190,8 @@ def main(name):
         payload = data[at + 10:at + 10 + size]
         assert mark == 0x4351 and zlib.crc32(data[at:at + 6] + payload) == crc
         at += 10 + size
-        if kind == 6:
-            pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
+        if kind in kinds:
+            kinds[kind][struct.unpack_from("<I", payload)[0]] = payload[8:]
         if kind == 10:
             low_bits.setdefault(struct.unpack_from("<BI", payload), payload[5:])
         if kind == 11:
@@ -1006,12 +1206,13 @@ def main(name):
     for which, group in sorted(groups.items()):
         if which < 16:
             payloads += payloads_of(group)
-        elif which >= 48:
+        elif 48 <= which < 64:
             for payload in payloads_of(group):
                 low_bits.setdefault(struct.unpack_from("<BI", payload), payload[5:])
         else:
+            of = pieces if which < 48 else pictures if which < 80 else normals
             for payload in payloads_of(group):
-                pieces[struct.unpack_from("<I", payload)[0]] = payload[8:]
+                of[struct.unpack_from("<I", payload)[0]] = payload[8:]
     for payload in payloads:
         if payload[0] & 15 == 0:
             stages[payload[0] >> 4] = Stage(payload[1:])
@@ -1042,13 +1243,29 @@ def main(name):
     for v, c in list(enumerate(stages[shown].colours()))[::11]:
         print("colour", v, *c)
     if pieces:
-        tail = Tail(b"".join(piece for _, piece in sorted(pieces.items())))
+        joined = lambda parts: b"".join(part for _, part in sorted(parts.items()))
+        tail = Tail(joined(pieces))
+        own = Normals(joined(normals), tail).normals if normals else []
         refine(tail, low_bits)
         print("exact", tail.finest, tail.crease)
         for v, p in enumerate(tail.places):
             print("at", *p, *(tail.rgb(tail.colours[v]) if tail.colored else ()))
         for t in tail.triangles:
             print("face", *t)
+        if tail.lattice:
+            print("texture", tail.lattice[0], *("%.9g" % x for x in tail.lattice[1:]))
+            for corners in tail.corners.told:
+                print("corners", *(c for q in corners for c in q))
+        if pictures:
+            data = joined(pictures)
+            print("picture", data[0])
+            begin = 2 + 8 * data[1]
+            for i in range(data[1]):
+                size, enough = struct.unpack_from("<II", data, 2 + 8 * i)
+                print("file", size, enough, zlib.crc32(data[begin:begin + size]))
+                begin += size
+        for corner, n in list(enumerate(own))[::11]:
+            print("own", corner, *("%.6f" % x for x in n))
         if cover:
             print("cover", *cover[:3])
             print("covered", *cover[3])
