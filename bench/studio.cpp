@@ -40,12 +40,23 @@ std::vector<render::Image> Studio::pictures(const render::RenderList& list, cons
 render::RenderList list_of(qnv::Cloud cloud) {
   render::RenderList list;
   if (!cloud.triangles.empty()) {
-    render::DrawItem item;
-    item.mesh = render::mesh_of_surface(cloud);
-    item.material.lit = false;
-    item.surface = std::make_shared<const qnv::Cloud>(std::move(cloud));
-    render::dress_surface(item);
-    list.items.push_back(std::move(item));
+    const auto shared = std::make_shared<const qnv::Cloud>(std::move(cloud));
+    const auto add = [&](bool pictured) {
+      render::DrawItem item;
+      item.mesh = render::mesh_of_surface(*shared, pictured);
+      item.material.lit = false;
+      item.surface = shared;
+      render::dress_surface(item);
+      if (pictured && shared->picture) {
+        auto decoded = render::decode_image(shared->picture->bytes);
+        if (auto* image = std::get_if<render::Image>(&decoded))
+          item.texture = {std::make_shared<const render::Image>(std::move(*image)), shared->picture->repeat_s,
+                          shared->picture->repeat_t};
+      }
+      list.items.push_back(std::move(item));
+    };
+    if (shared->first_textured() > 0) add(false);
+    if (!shared->texture_coordinates.empty()) add(true);
     return list;
   }
   render::SplatItem item;

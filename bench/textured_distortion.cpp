@@ -1,5 +1,5 @@
-// Bytes against picture error of textured models: QNV (as `encode` makes it when told nothing, displaced, packed) beside
-// a simplified mesh with texture coordinates in Draco and its texture, made smaller, as JPEG.
+// Bytes against picture error of textured models: QNV (as `encode` makes it when told nothing, displaced, packed)
+// beside a simplified mesh with texture coordinates in Draco and its texture, made smaller, as JPEG.
 //
 //   textured_distortion [--streams-alone] MODEL...
 //
@@ -8,6 +8,7 @@
 // for each, the best of several simplifications, quantisations, sizes and qualities, with normals and without. A model
 // has one Shape with one texture. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
+#include "app/encode/textured_surface.h"
 #include "app/world/world_loader.h"
 #include "bench/picture_error.h"
 #include "bench/studio.h"
@@ -166,6 +167,9 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   options.payload = payload;
   options.two_sided = two_sided;
   options.only_if_suited = chosen;
+  options.exact_bits = qnv::kExactWherePays;
+  const auto textured = app::textured_surface(full, glm::dvec3(0));
+  if (textured) options.textured = &*textured;
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };
   auto encoded = qnv::row_of(payload).encode(std::cref(source), options, nullptr);
   if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded); problem && problem->unsuited)
@@ -173,8 +177,8 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   Curve curve;
   const auto* stream = std::get_if<qnv::EncodedStream>(&encoded);
   if (!stream) return curve;
-  std::fprintf(stderr, "%s: %zu bytes\n",
-               std::string(qnv::row_of(stream->header.payload).name).c_str(), stream->bytes.size());
+  std::fprintf(stderr, "%s: %zu bytes\n", std::string(qnv::row_of(stream->header.payload).name).c_str(),
+               stream->bytes.size());
   for (const std::size_t budget : kBudgets) {
     const std::size_t bytes = std::min(budget, stream->bytes.size());
     qnv::StreamDecoder decoder;
@@ -294,7 +298,8 @@ class DracoAndJpeg {
 int main(int count, char** arguments) {
   Studio studio;
   if (count < 2 || !studio.good()) {
-    std::fprintf(stderr, count < 2 ? "usage: textured_distortion [--streams-alone] MODEL...\n" : "no way to draw here\n");
+    std::fprintf(stderr,
+                 count < 2 ? "usage: textured_distortion [--streams-alone] MODEL...\n" : "no way to draw here\n");
     return 2;
   }
   bool others = true;
@@ -305,7 +310,8 @@ int main(int count, char** arguments) {
     }
     app::OpenedWorld world = app::load_world(arguments[i]);
     render::MeshCache cache;
-    const render::RenderList full = world.scene ? render::collect(*world.scene, world.images, cache) : render::RenderList{};
+    const render::RenderList full =
+        world.scene ? render::collect(*world.scene, world.images, cache) : render::RenderList{};
     const auto textured = [](const render::DrawItem& item) { return item.texture.image && app::has_surface(item); };
     const auto item = std::find_if(full.items.begin(), full.items.end(), textured);
     if (item == full.items.end()) {

@@ -195,6 +195,8 @@ bool describe_stream(Fact& facts, std::span<const std::byte> bytes, const std::s
       tail.put("triangles", exact.cover()->triangles);
       tail.put("triangles_come", exact.triangles());
     }
+    if (exact.picture_length() > 0)
+      tail.put("picture", Fact::named({{"bytes", exact.picture_length()}, {"come", exact.picture_come()}}));
     facts.put("exact", std::move(tail));
   }
   if (const qnv::ProgressiveSurface& progressive = decoder.progressive(); progressive.begun())

@@ -6,6 +6,7 @@
 #include "app/commands/options/options.h"
 #include "app/commands/options/shared.h"
 #include "app/encode/surface_triangles.h"
+#include "app/encode/textured_surface.h"
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "app/world/left_out.h"
@@ -131,12 +132,16 @@ std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
 
+// Of the JPEG files of textures, where the mesh itself was asked for.
+constexpr int kExactTextureQuality = 95;
+
 // So that a message says which of several it was.
 struct Surface {
   qnv::TriangleSource source;
   std::size_t triangles = 0;
   bool two_sided = false;
-  glm::dvec3 origin{0};  // from which triangles count
+  glm::dvec3 origin{0};                          // from which triangles count
+  const render::RenderList* textured = nullptr;  // some of its shapes have textures
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
 
@@ -149,6 +154,7 @@ Surface surface_of(const OpenedSurface& opened) {
   };
   surface.triangles = summary.triangles;
   surface.two_sided = summary.two_sided;
+  if (summary.textured) surface.textured = &opened.list;
   return surface;
 }
 
@@ -199,6 +205,13 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
   encode_options.exact_bits = options.exact_bits;
   encode_options.most_triangles = most_encoded_triangles(options.limits);
   encode_options.only_if_suited = !options.displaced && options.exact_bits <= 0;
+  // The mesh itself has its textures; all else has their colours.
+  std::optional<qnv::TexturedSurface> textured;
+  if (surface.textured && !options.records && !options.packed && !counted && options.exact_bits != 0 &&
+      (options.exact_bits > 0 || surface.triangles <= qnv::kMostChosenTriangles))
+    textured = textured_surface(*surface.textured, surface.origin,
+                                options.exact_bits > 0 ? kExactTextureQuality : kTextureQuality);
+  if (textured) encode_options.textured = &*textured;
   auto encoded = encode_as(options.records                                     ? qnv::Payload::records
                            : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
                                                                                : qnv::Payload::displaced);

@@ -44,9 +44,7 @@ struct HashEdge {
     return hash;
   }
 };
-bool before(const glm::vec3& a, const glm::vec3& b) {
-  return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
-}
+bool before(const glm::vec3& a, const glm::vec3& b) { return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z}; }
 EdgePlaces edge_places(const glm::vec3& a, const glm::vec3& b) {
   const glm::vec3 &least = before(a, b) ? a : b, &most = before(a, b) ? b : a;
   return {least.x, least.y, least.z, most.x, most.y, most.z};
@@ -86,22 +84,36 @@ class Emitter {
     normal_matrix_ = glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
     flipped_ = glm::dot(m[0], glm::cross(m[1], m[2])) < 0;
     if (flipped_) normal_matrix_ = -normal_matrix_;
-    const render::TextureUse& t = item.texture;
-    textured_ = t.image && t.image->components > 0 && t.image->width > 0 && t.image->height > 0 && !t.image->empty() &&
-                item.mesh->texture_coordinates.size() == item.mesh->positions.size();
+    textured_ = shows_picture(item);
+  }
+
+  /// Three corners for each triangle, until `work` is false.
+  template <class Work>
+  bool each(const Work& work) const {
+    const vrml::Mesh& mesh = *item_.mesh;
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+      std::array<SurfaceCorner, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
+      if (flipped_) std::swap(corners[1], corners[2]);
+      if (!work(corners)) return false;
+    }
+    return true;
+  }
+
+  void run_whole(const WholeTriangleSink& sink) const {
+    (void)each([&](const std::array<SurfaceCorner, 3>& corners) {
+      std::array<glm::vec2, 3> at{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (!finite(corners[k].position)) return true;
+        const glm::vec3 p = item_.texture.transform * glm::vec3(corners[k].texture, 1.0f);
+        if (textured_) at[k] = glm::vec2(std::isfinite(p.x) ? p.x : 0, std::isfinite(p.y) ? p.y : 0);
+      }
+      sink(item_, triangle_of(corners), at);
+      return true;
+    });
   }
 
   bool run() {
-    const vrml::Mesh& mesh = *item_.mesh;
-    const auto each = [&](auto&& work) {
-      for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
-        std::array<SurfaceCorner, 3> corners;
-        for (std::size_t k = 0; k < 3; ++k) corners[k] = corner(mesh, mesh.indices[i + k]);
-        if (flipped_) std::swap(corners[1], corners[2]);
-        if (!work(corners)) return false;
-      }
-      return true;
-    };
     if (textured_) (void)each([&](const auto& corners) { return measure_edges(corners); });
     const bool wanted = each([&](const auto& corners) {
       EdgeCuts cuts{};
@@ -192,8 +204,8 @@ class Emitter {
     return c;
   }
 
-  // Edges are cut as they say, whatever the others of the triangle do: so the triangle on the other side, which does the
-  // same, meets this one in the same places. `depth`: times that a triangle was divided before.
+  // Edges are cut as they say, whatever the others of the triangle do: so the triangle on the other side, which does
+  // the same, meets this one in the same places. `depth`: times that a triangle was divided before.
   bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);
@@ -232,15 +244,20 @@ class Emitter {
            emit({p, pq, r}, {half(k), across, last}, depth + 1);
   }
 
-  bool put(const std::array<SurfaceCorner, 3>& c) {
+  static qnv::Triangle triangle_of(const std::array<SurfaceCorner, 3>& c) {
     qnv::Triangle triangle;
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!finite(c[i].position)) return true;
       triangle.positions[i] = c[i].position;
       triangle.normals[i] = c[i].normal;
       triangle.colors[i] = to_rgb8(c[i].color);
     }
-    batch_.push_back(triangle);
+    return triangle;
+  }
+
+  bool put(const std::array<SurfaceCorner, 3>& c) {
+    for (const SurfaceCorner& corner : c)
+      if (!finite(corner.position)) return true;
+    batch_.push_back(triangle_of(c));
     return batch_.size() < kTriangleBatch || flush();
   }
 
@@ -268,6 +285,17 @@ bool has_surface(const render::DrawItem& item) {
 std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
 qnv::Rgb8 to_rgb8(const glm::vec3& color) { return {to_byte(color.x), to_byte(color.y), to_byte(color.z)}; }
+
+bool shows_picture(const render::DrawItem& item) {
+  const render::TextureUse& t = item.texture;
+  return t.image && t.image->components > 0 && t.image->width > 0 && t.image->height > 0 && !t.image->empty() &&
+         item.mesh->texture_coordinates.size() == item.mesh->positions.size();
+}
+
+void for_each_whole_triangle(const render::RenderList& list, const WholeTriangleSink& sink, const glm::dvec3& origin) {
+  for (const render::DrawItem& item : list.items)
+    if (has_surface(item)) Emitter(item, {}, origin).run_whole(sink);
+}
 
 bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink, const glm::dvec3& origin) {
   for (const render::DrawItem& item : list.items)

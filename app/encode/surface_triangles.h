@@ -4,10 +4,13 @@
 #include "qnv/base/triangles.h"
 #include "render/scene/render_list.h"
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 namespace gs::app {
 
@@ -18,6 +21,14 @@ namespace gs::app {
 /// when the sink wanted no more. Deterministic; reads the list only.
 bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& sink,
                        const glm::dvec3& origin = glm::dvec3(0));
+
+/// The same, not divided, with the texture coordinates that the item's TextureUse leads to; 0 where it shows no
+/// picture. `item`: to which they belong.
+using WholeTriangleSink = std::function<void(const render::DrawItem& item, const qnv::Triangle& triangle,
+                                             const std::array<glm::vec2, 3>& at)>;
+void for_each_whole_triangle(const render::RenderList& list, const WholeTriangleSink& sink, const glm::dvec3& origin);
+/// Whether the surface of an item shows its picture.
+[[nodiscard]] bool shows_picture(const render::DrawItem& item);
 
 /// What for_each_triangle is about to give.
 struct SurfaceSummary {

@@ -38,6 +38,10 @@ void set_cloud(OpenedWorld& world, const Arrivals::Cloud& arrival) {
   vrml::SceneGraph& scene = *arrival.place.scene;
   const vrml::Node* node = &scene.node(arrival.place.node);
   std::shared_ptr<const qnv::Cloud>& held = world.clouds[node];
+  if (arrival.image)
+    world.images[node] = arrival.image;
+  else
+    world.images.erase(node);
   auto transfer = transfer_of(scene.get<vrml::MFFloat>(arrival.place.node, "transfer"));
   if (transfer.empty()) {
     held = arrival.cloud;
@@ -94,8 +98,8 @@ std::vector<Arrivals::Place> take_in(OpenedWorld& world, Arrivals&& arrivals) {
   for (const Arrivals::Cloud& one : arrivals.clouds) {
     if (one.cloud)
       set_cloud(world, one);
-    else
-      world.clouds.erase(&one.place.scene->node(one.place.node));
+    else if (const vrml::Node* node = &one.place.scene->node(one.place.node); world.clouds.erase(node) > 0)
+      world.images.erase(node);
     changed.push_back(one.place);
   }
   world.feeds.insert(world.feeds.end(), arrivals.feeds.begin(), arrivals.feeds.end());

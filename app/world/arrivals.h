@@ -47,9 +47,10 @@ struct Arrivals {
     std::shared_ptr<const vrml::SceneGraph> held;  // whose budget they are drawn from
   };
   struct Cloud {
-    Place place;                              // of a QNV node
-    vrml::NodeId fallback;                    // the PROTO instance in whose place it is shown; null: none
-    std::shared_ptr<const qnv::Cloud> cloud;  // null: there is none
+    Place place;                                      // of a QNV node
+    vrml::NodeId fallback;                            // the PROTO instance in whose place it is shown; null: none
+    std::shared_ptr<const qnv::Cloud> cloud;          // null: there is none
+    std::shared_ptr<const render::Image> image = {};  // of its picture; null: there is none
   };
   /// A sound or movie.
   struct Media {

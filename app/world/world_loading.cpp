@@ -143,11 +143,13 @@ bool WorldLoading::State::step(std::chrono::milliseconds wait) {
 
 void WorldLoading::State::cloud_arrived(Arrivals::Cloud cloud) {
   changed = true;
+  if (cloud.cloud && cloud.cloud->picture) cloud.image = pictures.image_of(cloud.cloud->picture, budget);
   if (!taken) return set_cloud(world, cloud);
   for (Arrivals::Cloud& earlier : arrivals.clouds)
     if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&
         earlier.place.request == cloud.place.request) {
       earlier.cloud = std::move(cloud.cloud);
+      earlier.image = std::move(cloud.image);
       return;
     }
   arrivals.clouds.push_back(std::move(cloud));

@@ -2,6 +2,7 @@
 
 #include "app/base/load_limit.h"
 #include "app/base/world_budget.h"
+#include "app/formats/qnv/surface_pictures.h"
 #include "app/streams/cell_stream.h"
 #include "app/streams/load_ledger.h"
 #include "app/world/arrivals.h"
@@ -101,6 +102,7 @@ struct WorldLoading::State {
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
   BytesResult read_now(const std::string& url, const net::Origin& from);
 
+  SurfacePictures pictures;
   LoadOptions options;
   std::shared_ptr<LoadLedger> ledger;
   net::ReferencePolicy policy;

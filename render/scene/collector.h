@@ -115,6 +115,9 @@ class Collector {
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
+  bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
+  void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
+                const glm::dmat4& world_from_node);
   void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
                   const std::shared_ptr<const qnv::Cloud>& cloud, float detail, const RenderSources::Item& source);
   bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);

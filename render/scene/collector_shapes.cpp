@@ -43,9 +43,14 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     item.surface = cloud->second;
     world_from_node = world_from_cloud(world_from_node, *cloud->second);
     item.detail = detail_of(schemas_.view(*parent.scene, geometry));
-    item.mesh = resources_.surface_mesh(cloud->second);
-    dress_surface(item);
-    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, item.mesh->indices.size() / 3)) return;
+    if (!fits_float(world_from_node)) return;
+    const bool pictured = !cloud->second->texture_coordinates.empty();
+    if (pictured && cloud->second->first_textured() > 0) {
+      DrawItem other = item;
+      if (!surface_item(*parent.scene, geometry, false, other)) return;
+      add_item(parent, id, geometry, std::move(other), source, world_from_node);
+    }
+    if (!surface_item(*parent.scene, geometry, pictured, item)) return;
   } else if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
     item.mesh = resources_.primitive(*parent.scene, geometry, 0);
     source.scale = *scale;
@@ -66,6 +71,19 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
     if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
   }
+  add_item(parent, id, geometry, std::move(item), source, world_from_node);
+}
+
+/// What is drawn of a surface of a QNV node: what has its picture, or what has not.
+bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
+  item.mesh = resources_.surface_mesh(item.surface, pictured);
+  dress_surface(item);
+  if (pictured) item.texture = resources_.surface_texture(scene.node(geometry), *item.surface);
+  return has_room(scene, geometry, item.mesh->indices.size() / 3);
+}
+
+void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
+                         RenderSources::Item source, const dmat4& world_from_node) {
   item.world_from_node = world_from_node;
   item.directional_lights = directional_lights();
   item.place = add_place(parent, id);

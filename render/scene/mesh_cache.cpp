@@ -34,11 +34,11 @@ void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::
   entry.mesh = std::move(mesh);
 }
 
-std::shared_ptr<const vrml::Mesh> MeshCache::surface_of(const std::shared_ptr<const qnv::Cloud>& cloud) {
+std::shared_ptr<const vrml::Mesh> MeshCache::surface_of(const std::shared_ptr<const qnv::Cloud>& cloud, bool pictured) {
   SurfaceEntry& entry = surfaces[cloud.get()];
-  if (entry.mesh && entry.cloud.lock() == cloud) return entry.mesh;
-  entry = {cloud, mesh_of_surface(*cloud)};
-  const auto mesh = entry.mesh;
+  if (entry.cloud.lock() != cloud) entry = {cloud, {}};
+  if (entry.meshes[pictured]) return entry.meshes[pictured];
+  const auto mesh = entry.meshes[pictured] = mesh_of_surface(*cloud, pictured);
   std::erase_if(surfaces, [](const auto& each) { return each.second.cloud.expired(); });
   return mesh;
 }

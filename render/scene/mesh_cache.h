@@ -61,10 +61,11 @@ struct MeshCache {
   /// Of vectors with triangles between them, while those are there.
   struct SurfaceEntry {
     std::weak_ptr<const qnv::Cloud> cloud;
-    std::shared_ptr<const vrml::Mesh> mesh;
+    std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // the second of what shows its picture
   };
   std::unordered_map<const qnv::Cloud*, SurfaceEntry> surfaces;
-  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Cloud>& cloud);
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                                             bool pictured);
 
   /// Who makes large meshes of what changes, while the former ones stay; null: each is made when it is asked for.
   std::shared_ptr<LateMeshes> late;

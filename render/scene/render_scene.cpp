@@ -363,8 +363,11 @@ void RenderScene::dress_item(std::uint32_t index) {
   const Place& place = list_->places[place_index];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   if (!splat) {
-    resources_.dress(list_->items[index], *place.scene, shape);
-    dress_surface(list_->items[index]);
+    DrawItem& item = list_->items[index];
+    resources_.dress(item, *place.scene, shape);
+    dress_surface(item);
+    if (item.surface && !item.mesh->texture_coordinates.empty())
+      item.texture = resources_.surface_texture(*sources_.items[index].geometry, *item.surface);
     ++list_->dressed;
     return;
   }

@@ -64,6 +64,16 @@ void ShapeResources::dress(DrawItem& item, const vrml::SceneGraph& scene, const 
   item.texture = texture_use(scene, appearance);
 }
 
+TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const {
+  TextureUse use;
+  const auto given = images_.find(&node);
+  if (given == images_.end() || !given->second || given->second->empty() || !cloud.picture) return use;
+  use.image = given->second;
+  use.repeat_s = cloud.picture->repeat_s;
+  use.repeat_t = cloud.picture->repeat_t;
+  return use;
+}
+
 TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const NodeView& appearance) {
   TextureUse use;
   const auto id = appearance.get(AppearanceFields::texture, vrml::NodeId{});

@@ -52,10 +52,13 @@ class ShapeResources {
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// The mesh of vectors with triangles between them.
-  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud) {
-    return meshes_.surface_of(cloud);
+  /// The mesh of vectors with triangles between them: of those that show its picture, or of the others.
+  [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Cloud>& cloud,
+                                                               bool pictured) {
+    return meshes_.surface_of(cloud, pictured);
   }
+  /// The picture of a QNV node's surface (Cloud::picture), which is among the images of nodes; none while it is not.
+  [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::Cloud& cloud) const;
   /// The mesh of a Box, Cone, Cylinder or Sphere of the default measures, with those that are coarser. `fineness`: of
   /// kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,

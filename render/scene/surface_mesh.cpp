@@ -2,6 +2,8 @@
 
 #include "qnv/surface/patch_mesh.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,22 +20,32 @@ vrml::Color color_of(const qnv::Rgb8& c) {
 
 }  // namespace
 
-std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud) {
+std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured) {
   if (cloud.patches)
     return mesh_of_cut(*cloud.patches, qnv::even_cut(*cloud.patches, kMostMetTriangles), cloud.description.two_sided,
                        cloud.color);
+  // What shows the picture comes last.
+  const std::size_t border = cloud.first_textured(), first = pictured ? border : 0,
+                    count = (pictured ? cloud.size() : border) - first;
+  const auto middle = std::ranges::find_if(cloud.triangles, [&](std::uint32_t v) { return v >= border; });
+  std::vector<std::uint32_t> indices;
+  for (auto at = pictured ? middle : cloud.triangles.begin(); at != (pictured ? cloud.triangles.end() : middle); ++at)
+    indices.push_back(*at - static_cast<std::uint32_t>(first));
   auto mesh = std::make_shared<vrml::Mesh>();
-  mesh->positions = vrml::Array<glm::vec3>(std::span<const glm::vec3>(cloud.positions));
-  mesh->normals = vrml::Array<glm::vec3>(std::span<const glm::vec3>(cloud.normals));
-  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(cloud.triangles));
+  const auto positions = std::span(cloud.positions).subspan(first, count);
+  mesh->positions = vrml::Array<glm::vec3>(positions);
+  mesh->normals = vrml::Array<glm::vec3>(std::span(cloud.normals).subspan(first, count));
+  mesh->indices = vrml::Array<std::uint32_t>(std::span<const std::uint32_t>(indices));
   mesh->solid = !cloud.description.two_sided;
-  if (!cloud.colors.empty()) {
+  if (pictured) {
+    mesh->texture_coordinates = vrml::Array<glm::vec2>(std::span<const glm::vec2>(cloud.texture_coordinates));
+  } else if (!cloud.colors.empty()) {
     std::vector<vrml::Color> colors;
-    colors.reserve(cloud.colors.size());
-    for (const qnv::Rgb8& c : cloud.colors) colors.push_back(color_of(c));
+    colors.reserve(count);
+    for (std::size_t v = 0; v < count; ++v) colors.push_back(color_of(cloud.colors[v]));
     mesh->colors = vrml::Array<vrml::Color>(std::span<const vrml::Color>(colors));
   }
-  for (const glm::vec3& p : cloud.positions) mesh->bounds.add(p);
+  for (const glm::vec3& p : positions) mesh->bounds.add(p);
   return mesh;
 }
 

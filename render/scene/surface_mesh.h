@@ -9,9 +9,10 @@
 
 namespace gs::render {
 
-/// The mesh of vectors with triangles between them (qnv::Cloud::triangles). Of a surface in patches one of them all at
-/// a level, for who bumps into it; it is not what is drawn.
-[[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud);
+/// The mesh of vectors with triangles between them (qnv::Cloud::triangles): where some of them show a picture, of these
+/// if it is `pictured`, else of the others. Of a surface in patches one of them all at a level, for who bumps into it;
+/// it is not what is drawn.
+[[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Cloud& cloud, bool pictured = false);
 
 /// The triangles of a cut as a mesh; patches do not share vertices. `two_sided`: seen from behind, too.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface,

@@ -1,4 +1,5 @@
 #include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/surface_pictures.h"
 
 #include "app/base/gunzip.h"
 #include "app/formats/common/color_key.h"
@@ -125,7 +126,10 @@ std::optional<qnv::Cloud> CloudFileReader::stream() {
     report(Severity::error,
            "vectors take " + budget_->refusal(vrml::Resource::vectors) + "; the finer ones are left out");
   if (!decoder.header()) return std::nullopt;
-  return file_.to_draw ? decoder.cloud_to_draw() : decoder.cloud();
+  if (file_.to_draw) return decoder.cloud_to_draw();
+  qnv::Cloud cloud = decoder.cloud();
+  color_by_picture(cloud, budget_);
+  return cloud;
 }
 
 std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
