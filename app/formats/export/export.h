@@ -22,9 +22,9 @@ struct ExportOptions {
 
 using Exported = std::variant<std::vector<std::byte>, std::string>;
 
-/// PLY points, binary little-endian: x y z nx ny nz, red green blue (bytes), area; with the triangles between them, where
-/// there are some, a mesh. Axes and units as they are;
-/// the normals of a volume point away from higher values. Positions, normals and areas come back bit for bit.
+/// PLY points, binary little-endian: x y z nx ny nz, red green blue (bytes), area; with the triangles between them,
+/// where there are some, a mesh. Axes and units as they are; the normals of a volume point away from higher values.
+/// Positions, normals and areas come back bit for bit.
 [[nodiscard]] Exported export_points_ply(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
 /// Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. Axes: right, down, forward.
@@ -32,6 +32,8 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 
 /// glTF 2.0 binary with KHR_gaussian_splatting (release candidate of April 2026), one POINTS primitive; COLOR_0
 /// for viewers that do not know the extension. Refuses clouds of more than 4 GiB.
+[[nodiscard]] Exported export_glb_splats(const qnv::Cloud& cloud, const ExportOptions& options = {});
+/// The same of clouds without triangles; else the mesh that they make (export_glb_mesh.h).
 [[nodiscard]] Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options = {});
 
 /// Niantic's SPZ, version 4 (zstd) or 3 (gzip), degree 0. Axes: right, up, back. Positions to 24 bits of the

@@ -8,7 +8,8 @@ namespace {
 constexpr ExportFormat kExportFormats[] = {
     {"ply", ".ply", "PLY points with normals, colours and areas", export_points_ply},
     {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), degree 0", export_splats_ply},
-    {"glb", ".glb", "glTF binary with KHR_gaussian_splatting", export_glb},
+    {"glb", ".glb", "glTF binary: a mesh with its picture, or splats (KHR_gaussian_splatting)", export_glb},
+    {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats},
     {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz},
     {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3},
     {"vrml97", ".wrl", "VRML97 for any browser: points", export_vrml97_points},

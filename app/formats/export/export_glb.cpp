@@ -4,6 +4,7 @@
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_glb_mesh.h"
 #include "app/formats/splats/splats.h"
 
 #include <nlohmann/json.hpp>
@@ -113,30 +114,36 @@ Json document_of(const Attributes& attributes, const glm::dvec3& origin, const E
 
 }  // namespace
 
-Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
+Exported export_glb_splats(const qnv::Cloud& cloud, const ExportOptions& options) {
   constexpr std::size_t kHeaderRoom = 65536;
   if (cloud.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / kSplatBytes)
     return "a GLB file holds no more than 4 GiB: too many vectors (" + std::to_string(cloud.size()) + ")";
   const std::vector<ExportSplat> splats = splats_of(cloud, kFromRightUpBack);
   Attributes attributes(splats);
   if (!splats.empty()) add_all(splats, attributes);
-  std::string text =
-      document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
+  return glb_file(
+      document_of(attributes, cloud.description.origin, options).dump(-1, ' ', false, Json::error_handler_t::replace),
+      attributes.bytes);
+}
 
+Exported export_glb(const qnv::Cloud& cloud, const ExportOptions& options) {
+  return cloud.triangles.empty() ? export_glb_splats(cloud, options) : export_glb_mesh(cloud, options);
+}
+
+Exported glb_file(std::string text, std::span<const std::byte> binary) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
   std::vector<std::byte> bytes;
-  const std::size_t binary = attributes.bytes.empty() ? 0 : 8 + attributes.bytes.size();
-  const std::size_t total = 12 + 8 + text.size() + binary;
+  const std::size_t total = 12 + 8 + text.size() + (binary.empty() ? 0 : 8 + binary.size());
   if (total > std::numeric_limits<std::uint32_t>::max()) return "a GLB file holds no more than 4 GiB";
   bytes.reserve(total);
   for (const std::size_t word : {std::size_t{kGlbMagic}, std::size_t{2}, total, text.size(), std::size_t{kJsonChunk}})
     put_little(bytes, static_cast<std::uint32_t>(word));
   const auto* first = reinterpret_cast<const std::byte*>(text.data());
   bytes.insert(bytes.end(), first, first + text.size());
-  if (binary > 0) {
-    put_little(bytes, static_cast<std::uint32_t>(attributes.bytes.size()));
+  if (!binary.empty()) {
+    put_little(bytes, static_cast<std::uint32_t>(binary.size()));
     put_little(bytes, kBinaryChunk);
-    bytes.insert(bytes.end(), attributes.bytes.begin(), attributes.bytes.end());
+    bytes.insert(bytes.end(), binary.begin(), binary.end());
   }
   return bytes;
 }

@@ -1,0 +1,113 @@
+// Meshes as GLB, with colours or the picture that came with them.
+#include "app/formats/export/export_glb_mesh.h"
+#include "app/formats/qnv/surface_pictures.h"
+#include "app/world/world_loader.h"
+#include "render/image/image.h"
+#include "tests/app/scratch_folder.h"
+#include "tests/app/worlds.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+
+namespace gs::app::export_glb_mesh_test {
+namespace {
+
+/// A square from above, whose second half may show a picture of four colours.
+qnv::Cloud square(bool pictured) {
+  qnv::Cloud cloud;
+  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  cloud.normals.assign(6, glm::vec3(0, 0, 1));
+  cloud.weights.assign(6, 1.0f);
+  cloud.triangles = {0, 1, 2, 3, 4, 5};
+  for (const glm::vec3& p : cloud.positions) cloud.description.box.add(p);
+  cloud.colors.assign(6, {255, 0, 0});
+  if (!pictured) return cloud;
+  cloud.texture_coordinates = {{0.25f, 0.25f}, {0.75f, 0.75f}, {0.25f, 0.75f}};
+  render::Image image;
+  image.width = image.height = 2;
+  image.components = 3;
+  image.pixels = {10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120};  // the upper row first
+  auto picture = std::make_shared<qnv::SurfacePicture>();
+  picture->bytes = render::encode_png(image);
+  picture->whole = true;
+  picture->repeat_t = false;
+  cloud.picture = picture;
+  return cloud;
+}
+
+OpenedWorld loaded(const ScratchFolder& folder, const qnv::Cloud& cloud) {
+  const Exported glb = export_glb(cloud, {"square", {}});
+  REQUIRE(std::holds_alternative<std::vector<std::byte>>(glb));
+  const auto& bytes = std::get<std::vector<std::byte>>(glb);
+  return load_world(folder.write("square.glb", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+}
+
+}  // namespace
+
+TEST_CASE("a cloud with triangles is a mesh in GLB, with its colours") {
+  const ScratchFolder folder;
+  OpenedWorld world = loaded(folder, square(false));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  render::MeshCache meshes;
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  REQUIRE(list.items.size() == 1);
+  const vrml::Mesh& mesh = *list.items[0].mesh;
+  CHECK(mesh.indices.size() == 6);
+  CHECK(mesh.normals.size() == mesh.positions.size());
+  REQUIRE(!mesh.colors.empty());
+  CHECK(mesh.colors[0].r == Approx(1).margin(0.01));
+  CHECK(mesh.colors[0].g == Approx(0).margin(0.01));
+  CHECK(!list.items[0].texture.image);
+}
+
+TEST_CASE("what shows a picture has it in GLB, pixel by pixel, beside what has colours") {
+  const ScratchFolder folder;
+  OpenedWorld world = loaded(folder, square(true));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  render::MeshCache meshes;
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  REQUIRE(list.items.size() == 2);
+  CHECK(!list.items[0].texture.image);
+  const render::DrawItem& item = list.items[1];
+  REQUIRE(item.texture.image);
+  CHECK(item.texture.image->pixels[0] == 10);
+  CHECK(item.texture.repeat_s);
+  CHECK(!item.texture.repeat_t);
+  REQUIRE(item.mesh->texture_coordinates.size() == 3);
+  glm::vec2 least(9), most(-9);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::vec3 at = item.texture.transform * glm::vec3(item.mesh->texture_coordinates[i], 1);
+    least = glm::min(least, glm::vec2(at));
+    most = glm::max(most, glm::vec2(at));
+  }
+  CHECK(least == glm::vec2(0.25f, 0.25f));
+  CHECK(most == glm::vec2(0.75f, 0.75f));
+}
+
+TEST_CASE("who shows no picture has its colours at vertices") {
+  qnv::Cloud cloud = square(true);
+  color_by_picture(cloud, own_budget());
+  CHECK(cloud.colors[0] == qnv::Rgb8{255, 0, 0});
+  CHECK(cloud.colors[3] == qnv::Rgb8{70, 80, 90});
+  CHECK(cloud.colors[4] == qnv::Rgb8{40, 50, 60});
+  CHECK(cloud.colors[5] == qnv::Rgb8{10, 20, 30});
+  qnv::Cloud plain = square(false);
+  color_by_picture(plain, own_budget());
+  CHECK(plain.colors[5] == qnv::Rgb8{255, 0, 0});
+}
+
+TEST_CASE("a mesh of nothing is no file, and splats can be had of a mesh") {
+  qnv::Cloud cloud = square(false);
+  const Exported splats = export_glb_splats(cloud);
+  REQUIRE(std::holds_alternative<std::vector<std::byte>>(splats));
+  const auto& bytes = std::get<std::vector<std::byte>>(splats);
+  CHECK(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find("KHR_gaussian_splatting") !=
+        std::string::npos);
+  cloud.triangles.clear();
+  CHECK(std::holds_alternative<std::string>(export_glb_mesh(cloud)));
+}
+
+}  // namespace gs::app::export_glb_mesh_test
