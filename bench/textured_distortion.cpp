@@ -168,6 +168,7 @@ Curve measure_stream(Studio& studio, const render::RenderList& full, const std::
   options.two_sided = two_sided;
   options.only_if_suited = chosen;
   options.exact_bits = qnv::kExactWherePays;
+  if (const auto shine = app::summarize_surface(full).shine) options.metadata = render::metadata_of(*shine);
   const auto textured = app::textured_surface(full, glm::dvec3(0));
   if (textured) options.textured = &*textured;
   const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); };

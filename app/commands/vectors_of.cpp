@@ -142,6 +142,7 @@ struct Surface {
   bool two_sided = false;
   glm::dvec3 origin{0};                          // from which triangles count
   const render::RenderList* textured = nullptr;  // some of its shapes have textures
+  std::optional<render::Shine> shine;
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
 
@@ -154,6 +155,7 @@ Surface surface_of(const OpenedSurface& opened) {
   };
   surface.triangles = summary.triangles;
   surface.two_sided = summary.two_sided;
+  surface.shine = summary.shine;
   if (summary.textured) surface.textured = &opened.list;
   return surface;
 }
@@ -194,6 +196,8 @@ Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar
 std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const Options& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
+  if (surface.shine)
+    for (auto& pair : render::metadata_of(*surface.shine)) encode_options.metadata.push_back(std::move(pair));
   encode_options.origin = surface.origin;
   if (options.fraction > 0 && surface.triangles > 0)
     encode_options.vectors = part_of(options.fraction, surface.triangles);

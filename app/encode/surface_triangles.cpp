@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace gs::app {
@@ -305,10 +306,15 @@ bool for_each_triangle(const render::RenderList& list, const qnv::TriangleSink& 
 
 SurfaceSummary summarize_surface(const render::RenderList& list) {
   SurfaceSummary summary;
+  bool first = true;
   for (const render::DrawItem& item : list.items) {
     if (!has_surface(item)) continue;
     const vrml::Mesh& mesh = *item.mesh;
     summary.triangles += mesh.indices.size() / 3;
+    const render::Material& material = item.material;
+    const render::Shine shine = material.lit ? render::Shine{material.specular, material.shininess} : render::Shine{};
+    if (std::exchange(first, false)) summary.shine = shine;
+    if (summary.shine != shine) summary.shine.reset();
     summary.two_sided = summary.two_sided || !mesh.solid;
     summary.textured = summary.textured || item.texture.image != nullptr;
     for (const std::uint32_t index : mesh.indices) {

@@ -3,6 +3,7 @@
 #include "qnv/base/cloud.h"
 #include "qnv/base/triangles.h"
 #include "render/scene/render_list.h"
+#include "render/scene/surface_mesh.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -11,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 namespace gs::app {
 
@@ -36,6 +38,7 @@ struct SurfaceSummary {
   std::size_t triangles = 0;  // before division
   bool two_sided = false;     // some mesh is to be seen from behind too
   bool textured = false;
+  std::optional<render::Shine> shine;  // of all of it; nothing where shapes differ
 };
 [[nodiscard]] SurfaceSummary summarize_surface(const render::RenderList& list);
 

@@ -39,7 +39,7 @@ constexpr std::uint32_t kCoarsest = 48, kFiner = 4;
 constexpr std::size_t kWorthOfCoarse = 3;
 constexpr int kCoarseQuality = 65, kFullChroma = 95;
 // PNG is to be so many times smaller than JPEG.
-constexpr std::size_t kWorthOfPng = 2;
+constexpr std::size_t kWorthOfPng = 3;
 
 /// One of the pictures that are painted side by side.
 struct TextureTile {

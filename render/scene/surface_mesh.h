@@ -5,7 +5,12 @@
 #include "render/scene/render_list.h"
 #include "vrml/mesh/mesh.h"
 
+#include <glm/vec3.hpp>
+
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::render {
 
@@ -19,7 +24,19 @@ namespace gs::render {
                                                             const qnv::SurfaceCut& cut, bool two_sided,
                                                             const qnv::Rgb8& color);
 
-/// A surface is lit even where no Material asks for it; then it has the colour of its stream.
+/// How a surface shines (VRML97 6.27), which its stream says in its metadata.
+struct Shine {
+  glm::vec3 specular{0};
+  float shininess = 0.2f;
+  friend bool operator==(const Shine&, const Shine&) = default;
+};
+/// Nothing where it does not shine.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> metadata_of(const Shine& shine);
+/// What is no number from 0 to 1 is passed over.
+[[nodiscard]] Shine shine_of(const qnv::Description& description);
+
+/// A surface is lit even where no Material asks for it; then it has the colour of its stream, and
+/// shines as that says.
 void dress_surface(DrawItem& item);
 
 }  // namespace gs::render

@@ -1,0 +1,87 @@
+#include "render/scene/surface_mesh.h"
+
+#include <catch2/catch.hpp>
+
+#include <memory>
+#include <string>
+
+namespace gs::render::surface_mesh_test {
+namespace {
+
+/// Two triangles, of which the second one shows a picture.
+qnv::Cloud half_pictured() {
+  qnv::Cloud cloud;
+  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 5}, {1, 1, 5}, {0, 1, 5}};
+  cloud.normals.assign(6, glm::vec3(0, 0, 1));
+  cloud.weights.assign(6, 1.0f);
+  cloud.colors.assign(6, {51, 102, 255});
+  cloud.triangles = {0, 1, 2, 3, 4, 5};
+  cloud.texture_coordinates = {{0, 0}, {1, 1}, {0, 1}};
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("what shows a picture is a mesh of its own, beside what has colours") {
+  const qnv::Cloud cloud = half_pictured();
+  const auto plain = mesh_of_surface(cloud), pictured = mesh_of_surface(cloud, true);
+  REQUIRE(plain->positions.size() == 3);
+  CHECK(plain->colors[0].g == Approx(0.4));
+  CHECK(plain->texture_coordinates.empty());
+  CHECK(plain->bounds.upper.z == 0);
+  REQUIRE(plain->indices.size() == 3);
+  CHECK(plain->indices[2] == 2);
+  REQUIRE(pictured->positions.size() == 3);
+  CHECK(pictured->positions[0] == glm::vec3(0, 0, 5));
+  CHECK(pictured->colors.empty());
+  CHECK(pictured->texture_coordinates[1] == glm::vec2(1, 1));
+  REQUIRE(pictured->indices.size() == 3);
+  CHECK(pictured->indices[0] == 0);
+  CHECK(pictured->bounds.lower.z == 5);
+}
+
+TEST_CASE("a cloud without a picture is one mesh") {
+  qnv::Cloud cloud = half_pictured();
+  cloud.texture_coordinates.clear();
+  CHECK(mesh_of_surface(cloud)->indices.size() == 6);
+  CHECK(mesh_of_surface(cloud, true)->indices.empty());
+}
+
+TEST_CASE("how a surface shines is a part of its stream's metadata") {
+  const Shine shine{{0.25f, 0.5f, 1}, 0.125f};
+  qnv::Description description;
+  description.metadata = metadata_of(shine);
+  CHECK(description.metadata.size() == 2);
+  CHECK(shine_of(description) == shine);
+  CHECK(metadata_of(Shine{}).empty());
+  CHECK(shine_of({}) == Shine{});
+  for (const std::string text :
+       {"", "1", "0.1 0.2", "0.1 0.2 1.5", "0.1 0.2 -1", "a b c", "0.1 0.2 0.3 0.4", "nan nan nan"}) {
+    INFO(text);
+    description.metadata = {{"specular", text}, {"shininess", text == "1" ? "x" : text}};
+    CHECK(shine_of(description) == Shine{});
+  }
+}
+
+TEST_CASE("a surface that nobody gave a material has the colour of its stream and shines as that says") {
+  DrawItem item;
+  item.material.lit = false;
+  auto cloud = std::make_shared<qnv::Cloud>(half_pictured());
+  cloud->color = {255, 0, 51};
+  cloud->description.metadata = metadata_of({{0.5f, 0.5f, 0.5f}, 0.75f});
+  item.surface = cloud;
+  dress_surface(item);
+  CHECK(item.material.lit);
+  CHECK(item.material.diffuse == glm::vec3(1, 0, 0.2f));
+  CHECK(item.material.specular == glm::vec3(0.5f));
+  CHECK(item.material.shininess == 0.75f);
+  DrawItem given;
+  given.material.lit = true;
+  given.material.diffuse = glm::vec3(0.1f);
+  given.surface = cloud;
+  dress_surface(given);
+  CHECK(given.material.diffuse == glm::vec3(0.1f));
+  CHECK(given.material.specular == glm::vec3(0));
+}
+
+}  // namespace gs::render::surface_mesh_test
