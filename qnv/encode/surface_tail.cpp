@@ -40,7 +40,7 @@ constexpr double kWorthOfFewBits = 1.01;
 constexpr double kNormalsApart = 0.035;
 // Texture coordinates lie this many places of their lattice apart for each pixel, as a power of two; between so many
 // bits.
-constexpr int kTexelBits = 2, kFewestTextureBits = 8;
+constexpr int kTexelBits = 1, kFewestTextureBits = 8;
 
 float mean_edge_of(const displaced::SurfaceMesh& mesh) {
   double sum = 0;
