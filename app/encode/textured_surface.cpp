@@ -37,7 +37,7 @@ constexpr float kMostSpan = 16;
 // more than this part of the picture there is none. Before PNG, which shows row by row, there are more.
 constexpr std::uint32_t kCoarsest = 48, kFiner = 4;
 constexpr std::size_t kWorthOfCoarse = 3;
-constexpr int kCoarseQuality = 65, kFullChroma = 95;
+constexpr int kCoarseQuality = 50, kFullChroma = 95;
 // PNG is to be so many times smaller than JPEG.
 constexpr std::size_t kWorthOfPng = 3;
 
@@ -321,10 +321,13 @@ void pack(const Image& image, int quality, qnv::TexturedSurface& surface) {
   double error = std::numeric_limits<double>::infinity();  // of the files so far
   std::uint32_t by = std::bit_floor(std::max(image.width, image.height) / kCoarsest);
   for (; by > 1; by = as_png ? by / kFiner : 0) {
-    std::vector<std::byte> coarse = render::encode_jpeg(smaller(image, by), {kCoarseQuality, false});
+    // Parts of a texture lie side by side: its colours are as fine as its brightness.
+    std::vector<std::byte> coarse = render::encode_jpeg(smaller(image, by), {kCoarseQuality, true});
     if (coarse.empty() || coarse.size() > fine.size() / kWorthOfCoarse) break;
-    const auto [enough, better] = enough_of(coarse, image, error);
-    error = better;
+    // The first one is small: its first scans have next to no colours.
+    const Enough all = enough_of(coarse, image, error);
+    const std::size_t enough = surface.picture.empty() ? coarse.size() : all.bytes;
+    error = all.error;
     surface.picture.push_back({std::move(coarse), enough});
   }
   const std::size_t enough = as_png ? fine.size() : enough_of(fine, image, error).bytes;
