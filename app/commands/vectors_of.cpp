@@ -216,6 +216,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
     textured = textured_surface(*surface.textured, surface.origin,
                                 options.exact_bits > 0 ? kExactTextureQuality : kTextureQuality);
   if (textured) encode_options.textured = &*textured;
+  if (options.packed || options.records || (counted && !options.displaced)) encode_options.exact_bits = 0;
   auto encoded = encode_as(options.records                                     ? qnv::Payload::records
                            : options.packed || (counted && !options.displaced) ? qnv::Payload::packed
                                                                                : qnv::Payload::displaced);

@@ -93,7 +93,10 @@ constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 constexpr std::array<PayloadRow, 5> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes,
      1200 / kRecordBytes, encode_records, decode_vectors},
-    {Payload::packed, "packed", PayloadReader::levels, only(ChunkType::packed), 0, 0, 0, encode_packed, decode_vectors},
+    {Payload::packed, "packed", PayloadReader::levels,
+     types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, encode_packed, decode_vectors},
     {Payload::outlines, "outlines", PayloadReader::polygons, types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0,
      encode_groups, decode_polygons},
     {Payload::displaced, "displaced", PayloadReader::vectors,

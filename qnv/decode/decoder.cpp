@@ -75,6 +75,7 @@ void StreamDecoder::finish() {
 void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   if (!header()) return;
   begin_surface();
+  const bool may_be_meshed = header()->payload == Payload::displaced || header()->payload == Payload::packed;
   if (!missing.empty() && type != ChunkType::records) {
     ++refused_chunks_;
   } else if (type == ChunkType::directory) {
@@ -90,21 +91,21 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     });
   } else if (type == ChunkType::displaced && header()->payload == Payload::displaced) {
     surface_.add(payload);
-  } else if (type == ChunkType::piece && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::piece && may_be_meshed) {
     add_piece(payload);
   } else if (type == ChunkType::splits && header()->payload == Payload::displaced) {
     progressive_.add(payload);
-  } else if (type == ChunkType::shading && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::shading && may_be_meshed) {
     exact_.add_shading(payload);
-  } else if (type == ChunkType::low_bits && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::low_bits && may_be_meshed) {
     exact_.add_low_bits(payload);
   } else if (type == ChunkType::cover && header()->payload == Payload::displaced) {
     exact_.add_cover(payload);
-  } else if (type == ChunkType::picture && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::picture && may_be_meshed) {
     exact_.add_picture(payload);
-  } else if (type == ChunkType::normals && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::normals && may_be_meshed) {
     exact_.add_normals(payload);
-  } else if (type == ChunkType::exact && header()->payload == Payload::displaced) {
+  } else if (type == ChunkType::exact && may_be_meshed) {
     exact_.add(payload, header()->description.box, most_vectors_);
   } else if (type == ChunkType::records && header()->payload == Payload::records) {
     add_records(payload, missing);
@@ -169,6 +170,7 @@ Cloud StreamDecoder::cloud() const {
     progressive_.shown().append(cloud, header()->colored);
   else
     append_surface(cloud);
+  if (exact_.whole()) return cloud;
   packed_.visit_shown([&](const Cluster& cluster, std::size_t first, std::size_t count) {
     append_discs(cluster, first, count, header()->cube, cloud);
   });

@@ -46,17 +46,16 @@ class StreamDecoder {
   }
   /// How many discs `cloud` has.
   [[nodiscard]] std::size_t vectors() const {
+    if (exact_.whole()) return exact_.vectors();
     return records_vectors_ + packed_.count().vectors + voxels_.count().vectors +
-           (exact_.whole()          ? exact_.vectors()
-            : progressive_.begun() ? progressive_.shown().positions.size()
-                                   : surface_vectors());
+           (progressive_.begun() ? progressive_.shown().positions.size() : surface_vectors());
   }
   /// Changes whenever `cloud` would.
   [[nodiscard]] std::uint64_t revision() const {
     return records_revision_ + packed_.count().taken + voxels_.count().taken + surface_.count().taken +
            exact_.count().taken + progressive_.count().taken;
   }
-  /// Of a displaced surface: the mesh itself, as far as it has come.
+  /// Of a displaced surface, or an octree of one: the mesh itself, as far as it has come.
   [[nodiscard]] const ExactSurface& exact() const { return exact_; }
   /// The same of one that becomes the mesh vertex by vertex.
   [[nodiscard]] const ProgressiveSurface& progressive() const { return progressive_; }

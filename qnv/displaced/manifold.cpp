@@ -131,7 +131,7 @@ void part_at(SurfaceMesh& mesh, std::vector<Side> sides) {
 
 }  // namespace
 
-MeshBuilder::MeshBuilder(bool colored) : colored_(colored), table_(1 << 12, 0) {}
+MeshBuilder::MeshBuilder(bool colored, bool apart) : colored_(colored), apart_(apart), table_(1 << 12, 0) {}
 
 void MeshBuilder::grow() {
   table_.assign(table_.size() * 2, 0);
@@ -146,9 +146,10 @@ std::uint32_t MeshBuilder::vertex(const glm::vec3& position, Rgb8 color) {
   const glm::vec3 p = position + 0.0f;  // -0 is 0
   std::size_t at = hash(p) & (table_.size() - 1);
   for (; table_[at] != 0; at = (at + 1) & (table_.size() - 1))
-    if (mesh_.positions[table_[at] - 1] == p) break;
+    if (mesh_.positions[table_[at] - 1] == p && (!apart_ || own_colors_[table_[at] - 1] == color)) break;
   if (table_[at] == 0) {
     mesh_.positions.push_back(p);
+    if (apart_) own_colors_.push_back(color);
     if (colored_) {
       sums_.emplace_back(0.0f);
       counts_.push_back(0);

@@ -27,8 +27,8 @@ struct SurfaceMesh {
 /// Gathers triangles and welds what lies at the same place.
 class MeshBuilder {
  public:
-  /// `colored`: vertices get the mean of the colours at their place.
-  explicit MeshBuilder(bool colored);
+  /// `colored`: vertices get the mean of the colours at their place; `apart`: other colours are other vertices.
+  explicit MeshBuilder(bool colored, bool apart = false);
   /// Triangles that are not finite, or have no area, are left out.
   void add(std::span<const Triangle> triangles);
   /// How many triangles it has.
@@ -44,10 +44,11 @@ class MeshBuilder {
   void grow();
   void add_colors(SurfaceMesh& mesh) const;
 
-  bool colored_;
+  bool colored_, apart_;
   SurfaceMesh mesh_;
   std::vector<glm::vec3> sums_;        // of the colours of a vertex
   std::vector<std::uint32_t> counts_;  // how many
+  std::vector<Rgb8> own_colors_;       // of vertices, where others are apart
   std::vector<std::uint32_t> table_;   // open addressing: vertex + 1
 };
 

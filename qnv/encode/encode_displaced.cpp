@@ -335,8 +335,6 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   float step = std::ldexp(1.0f, -stage_options.step_exponent);
   for (stage_options.layers = 1; stage_options.layers < displaced::kLayers && step > wanted; ++stage_options.layers)
     step = std::ldexp(step, -displaced::kLayerShift);
-  exact::TailPicture picture;
-  if (textured) picture = {textured->picture, textured->repeat_s, textured->repeat_t};
   int tail_bits = kTailBits;
   std::size_t tail_size = 0;  // about, with the bits behind it
   const auto room = [&] {
@@ -358,6 +356,16 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (stages.empty() && options.only_if_suited && !follows) {
       bool fits = false;
       if (small) {
+        if (s.colored && !textured) {
+          // Parts of other colours that touch have borders, not blends.
+          displaced::MeshBuilder parted(true, true);
+          const bool again = source([&](std::span<const Triangle> some) {
+            parted.add(some);
+            return !cancelled();
+          });
+          if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
+          small = exact_mesh_of(parted, frame, true, kFewBits);
+        }
         auto split = textured ? std::nullopt : progressive::encode_progressive(*small, stage_options.most_bytes);
         if (split) {
           header.base = std::move(split->front);
@@ -429,11 +437,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     SurfaceTail tail = tail_of(*exact, tail_bits, ranks ? &*ranks : nullptr, &order);
     tail.cover = beside.cover(main.number, order);
     tail.parity = options.exact_bits <= 0;
-    if (!exact->coordinates.empty()) {
-      tail.picture = exact::encode_picture(picture);
-      tail.picture_first = exact::bytes_until_shown(picture, 0);
-      tail.picture_fine = exact::bytes_until_shown(picture, picture.files.size() - 1);
-    }
+    if (!exact->coordinates.empty()) set_picture(tail, *textured);
     append_tail(tail, s.box, chunks);
   }
   // All of a stage is lost without its front. Of one that another one follows, that is no great loss.

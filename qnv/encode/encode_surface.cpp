@@ -2,6 +2,7 @@
 
 #include "qnv/base/voxels.h"
 #include "qnv/encode/stream_writer.h"
+#include "qnv/encode/surface_tail.h"
 #include "qnv/encode/survey.h"
 #include "qnv/packed/packed.h"
 
@@ -19,6 +20,9 @@ constexpr std::size_t kFewestVectors = 200'000, kMostVectorsByDefault = 1'000'00
 constexpr double kVoxelsPerArea = 1.5;
 // What a disc costs about, for --max-bytes: few enough bits that the budget is filled to its end.
 constexpr double kLeastBitsPerVector = 3.5;
+
+// Before the mesh itself comes so much of the octree: a part of its bytes, and this at least.
+constexpr std::size_t kBeforeMesh = 2, kLeastBeforeMesh = 4000;
 
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {
@@ -90,6 +94,44 @@ std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, S
   return chunks;
 }
 
+/// The mesh itself behind the octree, where it is small enough; then there is less of what stands before it. False: it
+/// could not be read.
+bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const EncodeOptions& options,
+                 StreamHeader& header, std::vector<OutgoingChunk>& chunks) {
+  const TexturedSurface* textured = options.textured;
+  const bool asked = options.exact_bits > 0;
+  if (!asked && (textured ? textured->triangles.size() : s.triangles) > kMostChosenTriangles) return true;
+  const displaced::Frame frame(s.box);
+  exact::ExactMesh mesh;
+  if (textured) {
+    mesh = exact_mesh_of(*textured, frame, std::max(options.exact_bits, 0));
+  } else {
+    // Parts of other colours that touch have borders, not blends.
+    displaced::MeshBuilder builder(s.colored, true);
+    const bool read = source([&](std::span<const Triangle> triangles) {
+      builder.add(triangles);
+      return true;
+    });
+    if (!read) return false;
+    mesh = exact_mesh_of(builder, frame, s.colored, std::max(options.exact_bits, 0));
+  }
+  SurfaceTail tail = tail_of(mesh, asked ? fewest_tail_bits(mesh) : first_tail_bits(mesh));
+  if (textured) set_picture(tail, *textured);
+  tail.parity = !asked;
+  const std::size_t before = tail.bytes.size() + tail.picture_first,
+                    most = std::max(kLeastBeforeMesh, before / kBeforeMesh);
+  if (tail.bytes.empty() || tail.size() > exact::kMostTailBytes ||
+      (options.max_bytes != 0 && tail.size() + most > options.max_bytes))
+    return true;
+  std::size_t bytes = 0, kept = 0;
+  for (; kept < chunks.size() && (kept == 0 || bytes + chunks[kept].payload.size() <= most); ++kept)
+    bytes += chunks[kept].payload.size();
+  chunks.resize(kept);
+  header.meshed = true;
+  append_tail(tail, s.box, chunks);
+  return true;
+}
+
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
@@ -144,6 +186,8 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
   if (cancelled()) return EncodeError{"cancelled"};
   if (chunks.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
+  if (options.exact_bits != 0 && !append_mesh(source, s, options, header, chunks))
+    return EncodeError{cancelled() ? "cancelled" : "the surface could not be read again"};
   EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
     return EncodeError{"the coarsest picture takes " + std::to_string(stream.bytes.size()) + " bytes; at most " +

@@ -178,6 +178,13 @@ SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRan
   return tail;
 }
 
+void set_picture(SurfaceTail& tail, const TexturedSurface& surface) {
+  const exact::TailPicture picture{surface.picture, surface.repeat_s, surface.repeat_t};
+  tail.picture = exact::encode_picture(picture);
+  tail.picture_first = exact::bytes_until_shown(picture, 0);
+  tail.picture_fine = exact::bytes_until_shown(picture, picture.files.size() - 1);
+}
+
 std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits) {
   const exact::ExactMesh coarse = coarser(mesh, bits);
   const std::size_t low = 3 * mesh.vertices.size() * static_cast<std::size_t>(mesh.bits - coarse.bits) / 8;

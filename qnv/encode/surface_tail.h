@@ -41,6 +41,8 @@ struct SurfaceTail {
 /// them.
 [[nodiscard]] SurfaceTail tail_of(const exact::ExactMesh& mesh, int bits, const exact::TailRanks* ranks = nullptr,
                                   exact::TailOrder* order = nullptr);
+/// That of the surface's texture, where the mesh has one.
+void set_picture(SurfaceTail& tail, const TexturedSurface& surface);
 /// About how many bytes a tail takes, with what comes behind it.
 [[nodiscard]] std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits);
 /// How many bits are in the tail itself where it is to be there soon; what is finer comes behind it.

@@ -31,8 +31,8 @@ std::size_t cell_at(const exact::ExactMesh& mesh, std::uint32_t vertex) {
   return exact::cell_of(mesh.vertices[vertex], mesh.bits, kRankCellBits);
 }
 
-/// The triangles of a mesh but for those of components that have less than this part of its area: stages leave them out,
-/// and they come last. All of them where no component has more.
+/// The triangles of a mesh but for those of components that have less than this part of its area: stages leave them
+/// out, and they come last. All of them where no component has more.
 std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& mesh, double least_part,
                                                  std::vector<std::uint32_t>& numbers) {
   std::vector<std::uint32_t> root(mesh.positions.size());
@@ -102,35 +102,33 @@ TailCover::TailCover(const exact::ExactMesh& mesh, const displaced::Surface& sur
   const displaced::TriangleTree tree(lattice, threads);
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
-  const std::vector<glm::vec3> facing =
-      displaced::slot_normals(surface.patches(), surface.slots(), level, places);
+  const std::vector<glm::vec3> facing = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   std::vector<std::uint32_t> triangle(vertex_of.size(), displaced::kNone);
   std::vector<float> errors(vertex_of.size(), 0);
   constexpr std::size_t kRun = 1024;  // slots
-  parallel_for(
-      (vertex_of.size() + kRun - 1) / kRun,
-      [&](std::size_t run) {
-        for (std::size_t slot = run * kRun; slot < std::min((run + 1) * kRun, vertex_of.size()); ++slot) {
-          const glm::vec3 from = places[vertex_of[slot]];
-          displaced::SurfacePoint there = tree.nearest(from, kCoverReach, facing[slot], kCoverSide);
-          const bool opposite = there.triangle != displaced::kNone;
-          if (!opposite) there = tree.nearest(from, kAnyReach, facing[slot], -1.0f);
-          triangle[slot] = there.triangle == displaced::kNone ? displaced::kNone : numbers[there.triangle];
-          if (!opposite) continue;
-          const glm::vec3 weights = tree.weights(there);
-          glm::vec3 normal(0);
-          for (int k = 0; k < 3; ++k) {
-            const glm::vec3& n = normals[lattice.triangles[there.triangle][static_cast<std::size_t>(k)]];
-            const float length = glm::length(n);
-            if (length > 0) normal += weights[k] / length * n;
-          }
-          const float length = glm::length(normal);
-          const glm::vec3 off = (length > 0 ? normal / length : facing[slot]) - facing[slot];
-          const float away = glm::length(there.position - from) / kOutlineUnit;
-          errors[slot] = glm::dot(off, off) + kOutlineWorth * away * away;
-        }
-      },
-      threads);
+  parallel_for((vertex_of.size() + kRun - 1) / kRun,
+               [&](std::size_t run) {
+                 for (std::size_t slot = run * kRun; slot < std::min((run + 1) * kRun, vertex_of.size()); ++slot) {
+                   const glm::vec3 from = places[vertex_of[slot]];
+                   displaced::SurfacePoint there = tree.nearest(from, kCoverReach, facing[slot], kCoverSide);
+                   const bool opposite = there.triangle != displaced::kNone;
+                   if (!opposite) there = tree.nearest(from, kAnyReach, facing[slot], -1.0f);
+                   triangle[slot] = there.triangle == displaced::kNone ? displaced::kNone : numbers[there.triangle];
+                   if (!opposite) continue;
+                   const glm::vec3 weights = tree.weights(there);
+                   glm::vec3 normal(0);
+                   for (int k = 0; k < 3; ++k) {
+                     const glm::vec3& n = normals[lattice.triangles[there.triangle][static_cast<std::size_t>(k)]];
+                     const float length = glm::length(n);
+                     if (length > 0) normal += weights[k] / length * n;
+                   }
+                   const float length = glm::length(normal);
+                   const glm::vec3 off = (length > 0 ? normal / length : facing[slot]) - facing[slot];
+                   const float away = glm::length(there.position - from) / kOutlineUnit;
+                   errors[slot] = glm::dot(off, off) + kOutlineWorth * away * away;
+                 }
+               },
+               threads);
   std::vector<std::uint32_t> grid;
   for (std::uint32_t p = 0; p < near_.size(); ++p) {
     surface.slots().grid(p, level, grid);
@@ -166,9 +164,8 @@ exact::TailRanks TailCover::ranks() const {
     order.push_back(i);
     all += vertices[i];
   }
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return gains[a] * costs[b] > gains[b] * costs[a];
-  });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return gains[a] * costs[b] > gains[b] * costs[a]; });
   exact::TailRanks ranks{kRankCellBits, std::vector<std::uint8_t>(kRankCells, exact::GateQueue::kRanks - 1)};
   double so_far = 0;
   for (const std::size_t i : order) {

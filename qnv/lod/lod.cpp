@@ -16,6 +16,8 @@ constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 LodStream::Opened LodStream::make(StreamHeader header, std::size_t cache_bytes, bool grows) {
   if (header.payload != Payload::packed)
     return StreamProblem{11, "a stream of records has no levels of detail; expected a packed one"};
+  if (header.meshed)
+    return StreamProblem{20, "the mesh itself takes the place of the levels of detail; it is held whole"};
   return std::unique_ptr<LodStream>(new LodStream(std::move(header), cache_bytes, grows));
 }
 

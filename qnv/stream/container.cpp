@@ -28,7 +28,7 @@ enum Tag : std::uint16_t {
   kLattice = 6,
   kOrigin = 7
 };
-enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2 };
+enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
   if (bytes.empty()) return from;  // crc32_z takes a null pointer for a request of the first value
@@ -136,7 +136,8 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   write.integer(static_cast<std::uint8_t>(header.payload));
   write.integer(std::uint32_t{0});  // length, below
   write.integer(std::uint32_t{0});  // checksum, below
-  write.integer(static_cast<std::uint16_t>((d.two_sided ? kTwoSided : 0) | (header.colored ? kColored : 0)));
+  write.integer(static_cast<std::uint16_t>((d.two_sided ? kTwoSided : 0) | (header.colored ? kColored : 0) |
+                                           (header.meshed ? kMeshed : 0)));
   put_color(write, header.color);
   write.integer(std::uint8_t{0});
   for (const glm::vec3& p : {d.box.lower, d.box.upper})
@@ -233,6 +234,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   const auto flags = read.integer<std::uint16_t>();
   d.two_sided = (flags & kTwoSided) != 0;
   header.colored = (flags & kColored) != 0;
+  header.meshed = (flags & kMeshed) != 0;
   header.color = get_color(read);
   (void)read.integer<std::uint8_t>();
   for (glm::vec3* p : {&d.box.lower, &d.box.upper})

@@ -57,6 +57,7 @@ struct StreamHeader {
   Description description;
   Payload payload = Payload::packed;
   bool colored = false;         // vectors have their own colours
+  bool meshed = false;          // packed: the mesh itself comes behind the octree
   Rgb8 color;                   // else of all
   std::uint64_t vectors = 0;    // at full detail
   std::uint32_t chunks = 0;     // without the directory; 0: not known when the header was written

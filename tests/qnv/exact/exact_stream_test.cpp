@@ -378,12 +378,14 @@ TEST_CASE("a decoder that may hold fewer vectors than a mesh has shows the refin
   CHECK(decoder.vectors() <= 9000);
 }
 
-TEST_CASE("the same mesh gives the same exact stream, whatever the threads, and only displaced ones carry it") {
+TEST_CASE("the same mesh gives the same exact stream, whatever the threads, and displaced ones and octrees carry it") {
   const Sample& s = samples()[1];
   for (const unsigned threads : {1u, 3u})
     CHECK(std::get<EncodedStream>(encoded(s.source.triangles, s.bits, threads)).bytes == s.stream);
   CHECK(carries(row_of(Payload::displaced), ChunkType::exact));
-  CHECK(!carries(row_of(Payload::packed), ChunkType::exact));
+  CHECK(carries(row_of(Payload::packed), ChunkType::exact));
+  CHECK(!carries(row_of(Payload::packed), ChunkType::cover));
+  CHECK(!carries(row_of(Payload::records), ChunkType::exact));
   // In a stream of another payload it is refused.
   const TriangleSource source = source_of(s.source.triangles);
   const auto packed = row_of(Payload::packed).encode(std::cref(source), {}, nullptr);
