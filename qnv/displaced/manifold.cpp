@@ -1,7 +1,7 @@
 #include "qnv/displaced/manifold.h"
 
 #include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
+#include "qnv/displaced/sides.h"
 
 #include <glm/geometric.hpp>
 
@@ -20,113 +20,93 @@ std::uint64_t hash(const glm::vec3& p) {
   return h ^ h >> 31;
 }
 
-/// One side of a triangle.
-struct Side {
-  std::uint32_t low, high;  // its vertices
-  std::uint32_t at;         // 3 * triangle + corner where it begins
-};
-
-constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // whose sides a thread sorts
-
-/// All sides, those between the same vertices beside each other.
-std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
-  // Counted out by the lower vertex; of each there are a few.
-  std::uint32_t vertices = 0;
-  for (const Corners& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  std::vector<std::uint32_t> ends(std::size_t{vertices} + 1, 0);
-  for (const Corners& t : triangles)
-    for (std::size_t k = 0; k < 3; ++k) ++ends[std::min(t[k], t[(k + 1) % 3]) + 1];
-  for (std::size_t v = 1; v < ends.size(); ++v) ends[v] += ends[v - 1];
-  std::vector<Side> sides(triangles.size() * 3);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), 3 * t + k};
-    }
-  const std::size_t parts = (std::size_t{vertices} + kVerticesTogether - 1) / kVerticesTogether;
-  parallel_for(parts, [&](std::size_t part) {
-    std::size_t v = part * kVerticesTogether, first = v == 0 ? 0 : ends[v - 1];
-    for (const std::size_t last = std::min<std::size_t>(v + kVerticesTogether, vertices); v < last; first = ends[v++])
-      std::sort(sides.begin() + static_cast<std::ptrdiff_t>(first), sides.begin() + ends[v],
-                [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.at < b.at; });
-  });
-  return sides;
-}
-
 std::uint32_t find(std::vector<std::uint32_t>& sets, std::uint32_t i) {
   while (sets[i] != i) i = sets[i] = sets[sets[i]];
   return i;
 }
 
-bool same_edge(const Side& a, const Side& b) { return a.low == b.low && a.high == b.high; }
-std::uint32_t next(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+bool named_in_order(const SurfaceMesh& mesh) {
+  std::uint32_t named = 0;
+  for (const Corners& t : mesh.triangles)
+    for (const std::uint32_t v : t) {
+      if (v > named) return false;
+      named += v == named ? 1 : 0;
+    }
+  return named == mesh.positions.size();
+}
 
 /// Corners at one vertex stay together where an edge of two triangles that turn the same way joins them; every fan of
-/// such gets a vertex of its own.
-/// `sides`: of its triangles. False where the triangles are as they were.
-bool part_fans(SurfaceMesh& mesh, const std::vector<Side>& sides) {
+/// such gets a vertex of its own. Vertices are numbered as triangles name them.
+void part_fans(SurfaceMesh& mesh, const Neighbours& beside) {
   auto& triangles = mesh.triangles;
-  std::vector<std::uint32_t> sets(triangles.size() * 3);
-  std::iota(sets.begin(), sets.end(), 0u);
-  const auto vertex_at = [&](std::uint32_t corner) { return triangles[corner / 3][corner % 3]; };
-  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-    for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
-    if (end - i != 2) continue;
-    const std::uint32_t a = sides[i].at, b = sides[i + 1].at;
-    if (vertex_at(a) != vertex_at(next(b))) continue;
-    sets[find(sets, a)] = find(sets, next(b));
-    sets[find(sets, next(a))] = find(sets, b);
-  }
+  const std::vector<std::uint8_t> whole = one_fan(triangles, mesh.positions.size(), beside);
+  if (std::find(whole.begin(), whole.end(), 0) == whole.end() && named_in_order(mesh)) return;
   SurfaceMesh out;
   out.triangles.reserve(triangles.size());
   out.positions.reserve(mesh.positions.size());
   out.colors.reserve(mesh.colors.size());
-  std::vector<std::uint32_t> places(sets.size(), kNone);
+  std::vector<std::uint32_t> places(mesh.positions.size(), kNone), apart(triangles.size() * 3, kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     Corners corners;
     for (std::uint32_t k = 0; k < 3; ++k) {
-      std::uint32_t& place = places[find(sets, 3 * t + k)];
+      const std::uint32_t v = triangles[t][k];
+      std::uint32_t& place = whole[v] != 0 ? places[v] : apart[3 * t + k];
       if (place == kNone) {
         place = static_cast<std::uint32_t>(out.positions.size());
-        out.positions.push_back(mesh.positions[triangles[t][k]]);
-        if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[triangles[t][k]]);
+        out.positions.push_back(mesh.positions[v]);
+        if (!mesh.colors.empty()) out.colors.push_back(mesh.colors[v]);
+        if (whole[v] == 0)
+          for_each_in_fan(triangles, beside, 3 * t + k, [&](std::uint32_t corner) {
+            apart[corner] = place;
+            return true;
+          });
       }
       corners[k] = place;
     }
     out.triangles.push_back(corners);
   }
   out.normals = std::move(mesh.normals);
-  const bool changed = out.triangles != triangles;
   mesh = std::move(out);
-  return changed;
 }
 
 /// Where fans that meet again further on leave more than two sides at an edge, all triangles but the first get vertices
-/// of their own. False where there is no such edge.
-bool part_crowded_edges(SurfaceMesh& mesh, const std::vector<Side>& sides) {
-  bool parted = false;
-  for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-    for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
-    const auto begins = [&](std::size_t s) { return mesh.triangles[sides[s].at / 3][sides[s].at % 3]; };
-    if (end - i == 1 || (end - i == 2 && begins(i) != begins(i + 1))) continue;
-    for (std::size_t s = i + 1; s < end; ++s)
-      for (std::uint32_t& v : mesh.triangles[sides[s].at / 3]) {
+/// of their own, and have no neighbours any more. False where there is no such edge. `odd`: as of join_at.
+bool part_crowded_edges(SurfaceMesh& mesh, std::span<const Side> odd, Neighbours& beside) {
+  for (std::size_t i = 0, end = 0; i < odd.size(); i = end) {
+    for (end = i + 1; end < odd.size() && same_edge(odd[i], odd[end]);) ++end;
+    for (std::size_t s = i + 1; s < end; ++s) {
+      const std::uint32_t t = odd[s].at / 3;
+      for (std::uint32_t& v : mesh.triangles[t]) {
         mesh.positions.push_back(glm::vec3(mesh.positions[v]));
         if (!mesh.colors.empty()) mesh.colors.push_back(Rgb8(mesh.colors[v]));
         v = static_cast<std::uint32_t>(mesh.positions.size() - 1);
-        parted = true;
       }
+      for (std::uint32_t& other : beside[t]) {
+        if (other == kNone) continue;
+        for (std::uint32_t& back : beside[other])
+          if (back == t) back = kNone;
+        other = kNone;
+      }
+    }
   }
-  return parted;
+  return !odd.empty();
 }
 
-/// Sorting them takes longest: what is a manifold already has the same ones all the time.
-void part_at(SurfaceMesh& mesh, std::vector<Side> sides) {
+/// `beside`: of what comes out.
+void part_at(SurfaceMesh& mesh, const std::vector<Side>& sides, Neighbours& beside) {
+  beside.assign(mesh.triangles.size(), {kNone, kNone, kNone});
+  // Where vertices part no edges meet that did not before: only the odd ones can be others then.
+  std::vector<Side> odd = join_at(mesh.triangles, sides, beside);
   do {
-    if (part_fans(mesh, sides)) sides = sorted_sides(mesh.triangles);
-    if (!part_crowded_edges(mesh, sides)) return;
-    sides = sorted_sides(mesh.triangles);
-  } while (true);
+    part_fans(mesh, beside);
+    for (Side& side : odd) {
+      const Corners& t = mesh.triangles[side.at / 3];
+      const std::uint32_t a = t[side.at % 3], b = t[(side.at + 1) % 3];
+      side = {std::min(a, b), std::max(a, b), side.at};
+    }
+    std::sort(odd.begin(), odd.end(), side_before);
+    odd = join_at(mesh.triangles, odd, beside);
+  } while (part_crowded_edges(mesh, odd, beside));
 }
 
 }  // namespace
@@ -183,29 +163,27 @@ void MeshBuilder::add(std::span<const Triangle> triangles) {
   }
 }
 
-SurfaceMesh MeshBuilder::finish() {
+SurfaceMesh MeshBuilder::finish(Neighbours* beside) {
   auto& triangles = mesh_.triangles;
   std::vector<Side> sides = sorted_sides(triangles);
   // Of triangles with the same corners one stays.
   {
-    std::vector<bool> twice(triangles.size(), false);
+    std::vector<std::uint8_t> twice(triangles.size(), 0);  // bytes, which threads may write beside each other
     // Such meet at every side of theirs; the one between its two lowest corners tells.
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // the third corner, the triangle
-    for (std::size_t i = 0, end = 0; i < sides.size(); i = end) {
-      for (end = i + 1; end < sides.size() && same_edge(sides[i], sides[end]);) ++end;
-      if (end - i == 1) continue;
-      there.clear();
-      for (std::size_t s = i; s < end; ++s) {
-        const std::uint32_t t = sides[s].at / 3, third = triangles[t][(sides[s].at + 2) % 3];
-        if (third > sides[s].high) there.emplace_back(third, t);
-      }
+    for_each_edge(sides, [&](std::size_t i, std::size_t end) {
+      if (end - i == 1) return;
+      const auto third = [&](std::size_t s) { return triangles[sides[s].at / 3][(sides[s].at + 2) % 3]; };
+      if (end - i == 2 && third(i) != third(i + 1)) return;
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // the third corner, the triangle
+      for (std::size_t s = i; s < end; ++s)
+        if (third(s) > sides[s].high) there.emplace_back(third(s), sides[s].at / 3);
       std::sort(there.begin(), there.end());
       for (std::size_t k = 1; k < there.size(); ++k)
-        if (there[k].first == there[k - 1].first) twice[there[k].second] = true;
-    }
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      if (!twice[t]) {
+        if (there[k].first == there[k - 1].first) twice[there[k].second] = 1;
+    });
+    std::size_t kept = static_cast<std::size_t>(std::find(twice.begin(), twice.end(), 1) - twice.begin());
+    for (std::size_t t = kept; t < triangles.size(); ++t)
+      if (twice[t] == 0) {
         mesh_.normals[kept] = mesh_.normals[t];
         triangles[kept++] = triangles[t];
       }
@@ -218,7 +196,8 @@ SurfaceMesh MeshBuilder::finish() {
   SurfaceMesh out = std::move(mesh_);
   mesh_ = {};
   add_colors(out);
-  part_at(out, std::move(sides));
+  Neighbours found;
+  part_at(out, sides, beside ? *beside : found);
   return out;
 }
 
@@ -238,7 +217,10 @@ void MeshBuilder::add_colors(SurfaceMesh& mesh) const {
   }
 }
 
-void part(SurfaceMesh& mesh) { part_at(mesh, sorted_sides(mesh.triangles)); }
+void part(SurfaceMesh& mesh) {
+  Neighbours beside;
+  part_at(mesh, sorted_sides(mesh.triangles), beside);
+}
 
 SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {
   std::vector<std::uint32_t> sets(mesh.positions.size());
@@ -258,8 +240,7 @@ SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {
   }
   SplitMesh parts;
   std::vector<std::uint32_t> places(mesh.positions.size(), kNone);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Corners& t = mesh.triangles[i];
+  for (const Corners& t : mesh.triangles) {
     SurfaceMesh& part = areas[find(sets, t[0])] >= least_part * all ? parts.large : parts.small;
     Corners corners;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -267,22 +248,20 @@ SplitMesh split_components(const SurfaceMesh& mesh, double least_part) {
       if (place == kNone) {
         place = static_cast<std::uint32_t>(part.positions.size());
         part.positions.push_back(mesh.positions[t[k]]);
-        if (!mesh.colors.empty()) part.colors.push_back(mesh.colors[t[k]]);
       }
       corners[k] = place;
     }
     part.triangles.push_back(corners);
-    if (!mesh.normals.empty()) part.normals.push_back(mesh.normals[i]);
   }
   return parts;
 }
 
-std::vector<std::array<std::uint32_t, 3>> neighbours_of(std::span<const Corners> triangles) {
-  std::vector<std::array<std::uint32_t, 3>> beside(triangles.size(), {kNone, kNone, kNone});
+Neighbours neighbours_of(std::span<const Corners> triangles) {
+  Neighbours beside(triangles.size(), {kNone, kNone, kNone});
   const std::vector<Side> sides = sorted_sides(triangles);
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     const Side &a = sides[i], &b = sides[i + 1];
-    if (a.low != b.low || a.high != b.high) continue;
+    if (!same_edge(a, b)) continue;
     beside[a.at / 3][a.at % 3] = b.at / 3;
     beside[b.at / 3][b.at % 3] = a.at / 3;
   }

@@ -24,6 +24,11 @@ struct SurfaceMesh {
   std::vector<std::array<glm::vec3, 3>> normals;  // for shading, a corner each, unit; or none at all
 };
 
+/// Triangles beside triangles: neighbours[t][k] lies beside the edge from corner k to corner k + 1; kNone where the
+/// mesh ends.
+using Neighbours = std::vector<std::array<std::uint32_t, 3>>;
+inline constexpr std::uint32_t kNone = 0xffffffff;
+
 /// Gathers triangles and welds what lies at the same place.
 class MeshBuilder {
  public:
@@ -37,7 +42,8 @@ class MeshBuilder {
   [[nodiscard]] SurfaceMesh welded() const;
   /// A mesh in which every edge has one triangle a side or is a rim, and the triangles round every vertex are one fan:
   /// double triangles are left out, and where more than two meet, or two turn different ways, the surface is cut.
-  [[nodiscard]] SurfaceMesh finish();
+  /// `beside`: gets its neighbours.
+  [[nodiscard]] SurfaceMesh finish(Neighbours* beside = nullptr);
 
  private:
   std::uint32_t vertex(const glm::vec3& position, Rgb8 color);
@@ -56,16 +62,14 @@ class MeshBuilder {
 /// two turn different ways.
 void part(SurfaceMesh& mesh);
 
-/// A mesh in two: components that have at least this part of the area, and the others. Vertices that neither uses are
-/// left out.
+/// A mesh in two, without colours and normals: components that have at least this part of the area, and the others.
+/// Vertices that neither uses are left out.
 struct SplitMesh {
   SurfaceMesh large, small;
 };
 [[nodiscard]] SplitMesh split_components(const SurfaceMesh& mesh, double least_part);
 
-/// Triangles beside triangles: neighbours[t][k] lies beside the edge from corner k to corner k + 1; kNone where the
-/// mesh ends. The mesh is as `MeshBuilder::finish` gives it.
-inline constexpr std::uint32_t kNone = 0xffffffff;
-[[nodiscard]] std::vector<std::array<std::uint32_t, 3>> neighbours_of(std::span<const Corners> triangles);
+/// The mesh is as `MeshBuilder::finish` gives it.
+[[nodiscard]] Neighbours neighbours_of(std::span<const Corners> triangles);
 
 }  // namespace gs::qnv::displaced

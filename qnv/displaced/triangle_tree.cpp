@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -60,10 +61,18 @@ glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& ab
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
+/// Whether a comparison says so anywhere.
+template <typename Mask>
+bool any(const Mask& mask) {
+  const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(mask);
+  return (halves[0] | halves[1]) != 0;
+}
+
 /// The children that are nearer than `most`, the nearest last.
 template <typename Four>
 void push_near(const Four& distances, float most, const std::array<std::uint32_t, 4>& first,
                const std::array<std::uint32_t, 4>& count, std::array<Waiting, kDeepest>& stack, std::size_t& top) {
+  if (!any(distances <= most)) return;
   const std::size_t bottom = top;
   for (std::size_t slot = 0; slot < 4; ++slot) {
     if (!(distances[slot] <= most)) continue;
@@ -149,10 +158,9 @@ void TriangleTree::halve(std::vector<Centre>& centres, std::uint32_t first, std:
   for (std::uint32_t i = 0; i < count; ++i) box.add(begin[i].place);
   const glm::vec3 size = box.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::nth_element(begin, begin + count / 2, begin + count, [axis](const Centre& a, const Centre& b) {
-    return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.triangle < b.triangle;
-  });
+  put_middle(begin, begin + count / 2, begin + count, axis);
 }
+
 void TriangleTree::split(std::vector<Centre>& centres, const Part& part, std::vector<Part>& below) {
   if (part.count > kLeaf) {
     halve(centres, part.first, part.count);
@@ -257,10 +265,10 @@ SurfacePoint TriangleTree::along(const glm::vec3& from, const glm::vec3& directi
     const Four u = dot(to, across) / determinant, v = dot(d, turned) / determinant;
     const Four distances = dot(leaf.ac, turned) / determinant;
     const Four turns = dot(leaf.normal, all(facing));
+    const auto missed = (turns < least) | (u < -1e-5f) | (v < -1e-5f) | (u + v > 1.00001f);
+    if (!any(~missed)) continue;
     for (std::size_t k = 0; k < next.count; ++k) {
-      if (!(std::abs(determinant[k]) >= 1e-30f) || turns[k] < least || u[k] < -1e-5f || v[k] < -1e-5f ||
-          u[k] + v[k] > 1.00001f || !(std::abs(distances[k]) < nearest))
-        continue;
+      if (missed[k] || !(std::abs(determinant[k]) >= 1e-30f) || !(std::abs(distances[k]) < nearest)) continue;
       nearest = std::abs(distances[k]);
       found = {leaf.triangle[k], from + distances[k] * direction, distances[k]};
     }

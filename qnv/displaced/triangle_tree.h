@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/cloud.h"
+#include "qnv/displaced/centre.h"
 #include "qnv/displaced/manifold.h"
 
 #include <glm/vec3.hpp>
@@ -53,10 +54,6 @@ class TriangleTree {
   struct Leaf {
     std::array<Four, 3> a, ab, ac, normal;  // a corner, from it to the others; unit, or zero where there is no area
     std::array<std::uint32_t, 4> triangle;
-  };
-  struct Centre {
-    glm::vec3 place;
-    std::uint32_t triangle;
   };
   /// Triangles that a node is to have, and where it, what lies below it, and its leaves stand.
   struct Part {

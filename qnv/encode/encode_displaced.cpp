@@ -2,6 +2,7 @@
 #include "qnv/decode/decoder.h"
 #include "qnv/displaced/simplify/simplify.h"
 #include "qnv/displaced/stage/stage_encode.h"
+#include "qnv/encode/conveyor.h"
 #include "qnv/encode/encode_surface.h"
 #include "qnv/encode/stream_writer.h"
 #include "qnv/encode/surface_tail.h"
@@ -277,12 +278,13 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   SurfaceSurvey s;
   displaced::MeshBuilder builder(true);
   bool too_many = false;
+  Conveyor joined([&](std::span<const Triangle> triangles) { builder.add(triangles); }, options.threads);
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     too_many = options.most_triangles != 0 && s.triangles > options.most_triangles;
-    if (!too_many) builder.add(triangles);
-    return !too_many && !cancelled();
+    return !too_many && joined.put(triangles) && !cancelled();
   });
+  joined.finish();
   if (too_many) {
     builder = displaced::MeshBuilder(true);  // its memory is needed
     return encode_thinned(source, options, progress);
@@ -303,7 +305,8 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
     small = textured ? exact_mesh_of(*textured, frame, kFewBits) : exact_mesh_of(builder, frame, s.colored, kFewBits);
-  displaced::SurfaceMesh mesh = builder.finish();
+  displaced::Neighbours neighbours;
+  displaced::SurfaceMesh mesh = builder.finish(&neighbours);
   if (mesh.triangles.empty()) return EncodeError{"there is no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   if (progress) progress->stage = "simplifying";
@@ -313,7 +316,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
   const displaced::SurfaceMesh coarse =
       displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
-                          [&] { made.emplace(mesh, options.threads); });
+                          [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); });
   const displaced::Target& target = *made;
   if (cancelled()) return EncodeError{"cancelled"};
   StreamHeader header;
@@ -326,7 +329,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   header.description.box = s.box;
   header.description.total = s.area;
   header.description.metadata = options.metadata;
+  displaced::BasesAhead bases_ahead(coarse, options.threads);
   displaced::StageOptions stage_options;
+  stage_options.bases = &bases_ahead;
   stage_options.colored = s.colored;
   stage_options.threads = options.threads;
   stage_options.triangles = kFirstTriangles;
@@ -397,7 +402,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (!stages.empty() && static_cast<double>(bases) > kBasesBeforeTail * room()) break;
     stage.clusters = ordered(std::move(stage.clusters), stage.header.base.triangles.size());
     stages.push_back(std::move(stage));
-    stage_options.triangles = 4 * stages.back().header.base.triangles.size();
+    stage_options.triangles = displaced::kMoreTriangles * stages.back().header.base.triangles.size();
     stage_options.most_bytes = 0;
   } while (stages.back().error > kMostError * target.edge() && stage_options.triangles < coarse.triangles.size() &&
            stages.size() < kMostStages);

@@ -1,4 +1,5 @@
 #include "qnv/base/parallel.h"
+#include "qnv/displaced/centre.h"
 #include "qnv/displaced/simplify/simplifier.h"
 #include "qnv/displaced/simplify/simplify.h"
 
@@ -27,10 +28,6 @@ struct Part {
 
 /// Triangles in `parts` runs, a power of two, each beside each other in space.
 std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, unsigned threads) {
-  struct Centre {
-    glm::vec3 place;
-    std::uint32_t triangle;
-  };
   std::vector<Centre> centres;
   centres.reserve(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -46,9 +43,7 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, u
       for (auto at = begin; at != end; ++at) box.add(at->place);
       const glm::vec3 size = box.size();
       const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-      std::nth_element(begin, middle, end, [axis](const Centre& a, const Centre& b) {
-        return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis] : a.triangle < b.triangle;
-      });
+      put_middle(begin, middle, end, axis);
     };
     parallel_for(runs, halve, threads);
   }

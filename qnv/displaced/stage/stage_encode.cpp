@@ -78,7 +78,9 @@ class StageEncoder {
 void StageEncoder::make_base(const SurfaceMesh& coarse) {
   std::size_t wanted = options_.triangles;
   for (int attempt = 0; attempt < 8; ++attempt) {
-    const SurfaceMesh small = options_.beside ? coarse : simplify(coarse, wanted);
+    const SurfaceMesh small = options_.beside  ? coarse
+                              : options_.bases ? options_.bases->base(wanted)
+                                               : simplify(coarse, wanted);
     BaseMesh base;
     base.bits = small.triangles.size() > 8000   ? 11
                 : small.triangles.size() > 3000 ? 10
@@ -371,7 +373,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
 
 /// Whether another stage follows, whatever the levels behind this one bring.
 bool StageEncoder::surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const {
-  if (!(options_.most_error > 0) || 4 * surface.patches().size() >= coarse.triangles.size()) return false;
+  if (!(options_.most_error > 0) || kMoreTriangles * surface.patches().size() >= coarse.triangles.size()) return false;
   const Errors errors = errors_of(surface, level);
   error = errors.all;
   return errors.far > options_.most_error && errors.all < options_.trusted_error;
@@ -379,6 +381,8 @@ bool StageEncoder::surely_followed(const Surface& surface, int level, const Surf
 
 void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   make_base(coarse);
+  const std::size_t next = kMoreTriangles * out_.header.base.triangles.size();
+  if (options_.bases && options_.most_error > 0 && next < coarse.triangles.size()) options_.bases->expect(next);
   Surface surface(out_.header);
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   int depth = out_.header.depth;

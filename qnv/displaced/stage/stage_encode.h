@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/parallel.h"
+#include "qnv/displaced/stage/bases_ahead.h"
 #include "qnv/displaced/stage/target.h"
 #include "qnv/displaced/surface.h"
 
@@ -37,8 +38,12 @@ struct StageOptions {
   // Another stage follows where the error is larger; 0: none ever does. A stage of which that is clear beforehand is
   // made without its finest levels, unless its error is larger than can be trusted then.
   float most_error = 0, trusted_error = 0;
+  BasesAhead* bases = nullptr;  // of `coarse`; null: bases are made when they are asked for
   unsigned threads = 0;
 };
+
+/// The base of the stage behind one has so many times as many triangles.
+inline constexpr std::size_t kMoreTriangles = 4;
 
 /// The payload of a cluster: its header, and the numbers that a surface has there.
 [[nodiscard]] std::vector<std::byte> encode_cluster(Surface& surface, const ClusterHeader& header);

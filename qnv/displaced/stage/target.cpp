@@ -14,10 +14,9 @@ constexpr float kShortLook = 1.0f / 8;  // of the reach
 // Corners of two triangles that are shaded apart by more than this (a cosine) make a line.
 constexpr float kShadedApart = 0.94f;
 
-SurfaceMesh lines_of(const SurfaceMesh& mesh) {
+SurfaceMesh lines_of(const SurfaceMesh& mesh, const Neighbours& beside) {
   SurfaceMesh lines;
   lines.positions = mesh.positions;
-  const auto beside = neighbours_of(mesh.triangles);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3], other = beside[t][k];
@@ -44,9 +43,9 @@ float mean_edge(const SurfaceMesh& mesh) {
 
 }  // namespace
 
-Target::Target(const SurfaceMesh& mesh, unsigned threads)
+Target::Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads)
     : mesh_(mesh),
-      lines_(lines_of(mesh_)),
+      lines_(lines_of(mesh_, beside)),
       tree_(mesh_, threads),
       line_tree_(lines_, threads),
       edge_(mean_edge(mesh_)) {}

@@ -12,8 +12,8 @@ namespace gs::qnv::displaced {
 /// The surface that a stream stands for, as encoders look at it, in a Frame, like all that follows.
 class Target {
  public:
-  /// The mesh must stay. Made on `threads` threads (0: one a core).
-  Target(const SurfaceMesh& mesh, unsigned threads);
+  /// The mesh must stay. `beside`: of its triangles. Made on `threads` threads (0: one a core).
+  Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads);
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 

@@ -91,6 +91,37 @@ TEST_CASE("any heap of triangles becomes a manifold with colours") {
   }
 }
 
+TEST_CASE("what comes with a manifold are its neighbours, and its vertices are numbered as triangles name them") {
+  const bool whole = GENERATE(true, false);
+  const int size = GENERATE(6, 200);  // one thread, several
+  Triangles heap = sheet(size);
+  std::mt19937 random(5);
+  if (!whole)
+    for (std::size_t i = 0; i < heap.size(); i += 7) {
+      // Upside down, there again, or leading to where another one is.
+      const auto change = random() % 3;
+      if (change == 0) std::swap(heap[i].positions[0], heap[i].positions[1]);
+      if (change == 1) heap.push_back(heap[i]);
+      if (change == 2) heap[i].positions[0] = heap[random() % heap.size()].positions[2];
+    }
+  MeshBuilder builder(false);
+  builder.add(heap);
+  Neighbours beside;
+  const SurfaceMesh mesh = builder.finish(&beside);
+  CHECK(beside == neighbours_of(mesh.triangles));
+  CHECK(sides_once(mesh.triangles));
+  CHECK(one_fan_a_vertex(mesh.triangles));
+  std::uint32_t named = 0;
+  bool in_order = true;
+  for (const Corners& t : mesh.triangles)
+    for (const std::uint32_t v : t) {
+      in_order = in_order && v <= named;
+      named = std::max(named, v + 1);
+    }
+  CHECK(in_order);
+  CHECK(named == mesh.positions.size());
+}
+
 TEST_CASE("neighbours lie beside the same edge") {
   const SurfaceMesh mesh = mesh_of(sheet(12));
   const auto beside = neighbours_of(mesh.triangles);

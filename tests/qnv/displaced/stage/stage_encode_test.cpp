@@ -45,7 +45,7 @@ TEST_CASE("a stage that another surely follows is made without its finest levels
   options.layers = 1;
   options.threads = 2;
   // Of the target a part lies where the stage has nothing.
-  const Target target(both, 2), alone(large, 2);
+  const Target target(both, neighbours_of(both.triangles), 2), alone(large, neighbours_of(large.triangles), 2);
   const float error = 0.045f * target.edge();
   const EncodedStage whole = encode_stage_of(target, coarse, options, nullptr);
   REQUIRE(whole.header.depth > 4);

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace gs::qnv::displaced {
+
+/// Where a triangle is said to be when triangles are parted in space.
+struct Centre {
+  glm::vec3 place;
+  std::uint32_t triangle;
+};
+
+/// The lower half along an axis before `middle`. No two are equal, and comparing has no branch: which is lower cannot
+/// be foretold.
+template <class At>
+void put_middle(At begin, At middle, At end, int axis) {
+  const auto along = [&](auto coordinate) {
+    std::nth_element(begin, middle, end, [coordinate](const Centre& a, const Centre& b) {
+      const float at = a.place.*coordinate, other = b.place.*coordinate;
+      return (static_cast<unsigned>(at < other) |
+              (static_cast<unsigned>(at == other) & static_cast<unsigned>(a.triangle < b.triangle))) != 0;
+    });
+  };
+  if (axis == 0) return along(&glm::vec3::x);
+  if (axis == 1) return along(&glm::vec3::y);
+  along(&glm::vec3::z);
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,29 @@
+#include "qnv/displaced/stage/bases_ahead.h"
+
+#include "qnv/displaced/simplify/simplify.h"
+
+#include <system_error>
+#include <thread>
+
+namespace gs::qnv::displaced {
+
+BasesAhead::BasesAhead(const SurfaceMesh& mesh, unsigned threads)
+    : mesh_(mesh), alone_(threads == 1 || (threads == 0 && std::thread::hardware_concurrency() <= 1)) {}
+
+void BasesAhead::expect(std::size_t triangles) {
+  if (alone_ || coming_.valid()) return;
+  try {
+    coming_ = std::async(std::launch::async, [this, triangles] { return simplify(mesh_, triangles); });
+    expected_ = triangles;
+  } catch (const std::system_error&) {
+    // The system has no more threads: it is made when it is asked for.
+  }
+}
+
+SurfaceMesh BasesAhead::base(std::size_t triangles) {
+  if (!coming_.valid()) return simplify(mesh_, triangles);
+  SurfaceMesh came = coming_.get();
+  return triangles == expected_ ? came : simplify(mesh_, triangles);
+}
+
+}  // namespace gs::qnv::displaced

@@ -1,0 +1,28 @@
+#include "qnv/displaced/stage/bases_ahead.h"
+
+#include "qnv/displaced/simplify/simplify.h"
+#include "tests/qnv/displaced/displaced_shapes.h"
+
+#include <catch2/catch.hpp>
+
+namespace gs::qnv::displaced::bases_ahead_test {
+
+TEST_CASE("a base that was expected is the one that is made when it is asked for, and so is any other") {
+  const SurfaceMesh mesh = mesh_of(ball(12));
+  BasesAhead bases(mesh, GENERATE(0u, 1u, 2u));
+  const auto same = [&](std::size_t triangles) {
+    const SurfaceMesh made = bases.base(triangles), plain = simplify(mesh, triangles);
+    return made.triangles == plain.triangles && made.positions == plain.positions;
+  };
+  CHECK(same(100));
+  bases.expect(200);
+  bases.expect(400);  // while the first is under way it is the one that counts
+  CHECK(same(200));
+  CHECK(same(400));
+  bases.expect(300);
+  CHECK(same(60));  // another one than was expected
+  CHECK(same(300));
+  bases.expect(80);  // and nobody asks
+}
+
+}  // namespace gs::qnv::displaced::bases_ahead_test
