@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // glTF 2.0, 5.1.3, 5.11.5, 5.26.
-constexpr int kFloats = 5126, kBytes = 5121, kIndices = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963,
+constexpr int kFloats = 5126, kUnsignedBytes = 5121, kIndices = 5125, kVertexBuffer = 34962, kIndexBuffer = 34963,
               kRepeat = 10497, kClamp = 33071;
 
 /// The binary part of a GLB file, with the views and accessors into it.
@@ -81,7 +81,7 @@ Json primitive_of(const qnv::Cloud& cloud, bool pictured, MeshBuffer& buffer) {
       }
     });
   } else if (!cloud.colors.empty()) {
-    attributes["COLOR_0"] = buffer.add("VEC4", kBytes, end - first, [&] {
+    attributes["COLOR_0"] = buffer.add("VEC4", kUnsignedBytes, end - first, [&] {
       for (std::size_t v = first; v < end; ++v)
         for (const std::uint8_t c : {linear_byte(cloud.colors[v].r), linear_byte(cloud.colors[v].g),
                                      linear_byte(cloud.colors[v].b), std::uint8_t{255}})
