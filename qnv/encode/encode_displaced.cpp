@@ -322,7 +322,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   StreamHeader header;
   header.payload = Payload::displaced;
   header.colored = s.colored;
-  header.color = s.color;
+  header.color = s.mean_color();
   header.cube = Cube::around(s.box);
   header.description.two_sided = options.two_sided && !s.closed();
   header.description.origin = options.origin;

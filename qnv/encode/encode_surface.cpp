@@ -67,7 +67,7 @@ Cloud cloud_of(std::span<const Voxel> voxels, const Cube& cube, int level, const
                             static_cast<std::uint8_t>(std::clamp(c.y, 0.0f, 255.0f)),
                             static_cast<std::uint8_t>(std::clamp(c.z, 0.0f, 255.0f))});
   }
-  cloud.color = s.color;
+  cloud.color = s.mean_color();
   return cloud;
 }
 
@@ -149,7 +149,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   StreamHeader header;
   header.payload = options.payload;
   header.colored = s.colored;
-  header.color = s.color;
+  header.color = s.mean_color();
   header.cube = Cube::around(s.box);
   header.description.two_sided = options.two_sided && !s.closed();
   header.description.origin = options.origin;

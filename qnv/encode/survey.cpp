@@ -15,12 +15,22 @@ void SurfaceSurvey::add(std::span<const Triangle> more) {
     for (const glm::vec3& p : t.positions) box.add(p);
     const glm::dvec3 a(t.positions[0]), b(t.positions[1]), c(t.positions[2]);
     const glm::dvec3 faced = 0.5 * glm::cross(b - a, c - a);
-    area += glm::length(faced);
+    const double size = glm::length(faced);
+    area += size;
     facing += faced;
     volume += glm::dot(a, faced) / 3;
     if (triangles++ == 0) color = t.colors[0];
-    for (const Rgb8& corner : t.colors) colored = colored || corner != color;
+    for (const Rgb8& corner : t.colors) {
+      colored = colored || corner != color;
+      colors += glm::dvec3(corner.r, corner.g, corner.b) * (size / 3);
+    }
   }
+}
+
+Rgb8 SurfaceSurvey::mean_color() const {
+  if (!colored || !(area > 0) || !std::isfinite(area)) return color;
+  const auto part = [&](double sum) { return static_cast<std::uint8_t>(std::clamp(sum / area + 0.5, 0.0, 255.0)); };
+  return {part(colors.x), part(colors.y), part(colors.z)};
 }
 
 bool SurfaceSurvey::closed() const { return glm::length(facing) < 1e-4 * area && volume > 0; }

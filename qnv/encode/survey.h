@@ -21,8 +21,11 @@ struct SurfaceSurvey {
   std::size_t triangles = 0;
   bool colored = false;  // not all of one colour
   Rgb8 color;            // of the first corner
+  glm::dvec3 colors{0};  // sum of all triangles' colours times their areas
 
   void add(std::span<const Triangle> triangles);
+  /// That of a surface of one colour; else the mean, which stands for them until they come.
+  [[nodiscard]] Rgb8 mean_color() const;
   /// The areas of a closed surface cancel, and it encloses something: then its inside is never seen.
   [[nodiscard]] bool closed() const;
   /// Whether there is something to encode.
