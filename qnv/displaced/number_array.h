@@ -34,6 +34,19 @@ class NumberArray {
     if (!page) page = std::make_unique<Page>();
     return (*page)[i % kPage];
   }
+  /// `count` of them from `first` on.
+  void copy(std::size_t first, std::size_t count, std::int16_t* to) const {
+    while (count > 0) {
+      const std::size_t at = first % kPage, some = std::min(count, kPage - at);
+      if (const auto& page = pages_[first / kPage])
+        std::copy_n(page->begin() + static_cast<std::ptrdiff_t>(at), some, to);
+      else
+        std::fill_n(to, some, std::int16_t{0});
+      first += some;
+      count -= some;
+      to += some;
+    }
+  }
   /// Whether one of `count` numbers from `first` on is not 0.
   [[nodiscard]] bool any(std::size_t first, std::size_t count) const {
     for (std::size_t i = first; i < first + count; ++i)

@@ -1,8 +1,9 @@
 #include "qnv/surface/patch_evaluator.h"
 
 #include "qnv/base/finite.h"
-#include "qnv/base/parallel.h"
 #include "qnv/displaced/subdivision.h"
+#include "qnv/surface/for_each_marked.h"
+#include "qnv/surface/patch_kernel.h"
 
 #include <glm/geometric.hpp>
 
@@ -23,68 +24,10 @@ using displaced::Patches;
 using displaced::row_start;
 using displaced::Surface;
 
-constexpr std::size_t kAtOnce = 16;  // patches of one task
-
 bool put(glm::vec3& to, const glm::vec3& value) {
   const bool changed = std::memcmp(&to, &value, sizeof(value)) != 0;
   to = value;
   return changed;
-}
-
-/// The number of a vertex of a patch.
-std::uint32_t number_of(const Patches& patches, int level, std::uint32_t patch, std::uint32_t i, std::uint32_t j) {
-  const std::uint32_t n = std::uint32_t{1} << level;
-  const auto on_edge = [&](std::uint32_t k, std::uint32_t t) {
-    const std::uint32_t e = patches.edge(patch, k);
-    const bool same_way = patches.edges()[e].from == patches.triangles()[patch][k];
-    return static_cast<std::uint32_t>(patches.edge_start(e, level)) + (same_way ? t : n - t) - 1;
-  };
-  if (j == 0) return i == 0 ? patches.triangles()[patch][0] : i == n ? patches.triangles()[patch][1] : on_edge(0, i);
-  if (j == n) return patches.triangles()[patch][2];
-  if (i + j == n) return on_edge(1, j);
-  if (i == 0) return on_edge(2, n - j);
-  // Rows of n - 2, n - 3, ... come before.
-  const std::uint32_t before = (j - 1) * (n - 1) - (j - 1) * j / 2;
-  return static_cast<std::uint32_t>(patches.inner_start(patch, level)) + before + i - 1;
-}
-
-/// The sum of the products of the triangles of a patch at one of its vertices.
-glm::vec3 sum_at(const Patches& patches, int level, std::span<const glm::vec3> places, std::uint32_t patch,
-                 std::uint32_t i, std::uint32_t j) {
-  const std::uint32_t n = std::uint32_t{1} << level;
-  glm::vec3 sum(0);
-  const auto at = [&](std::uint32_t x, std::uint32_t y) { return places[number_of(patches, level, patch, x, y)]; };
-  const auto add = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) { sum += glm::cross(b - a, c - a); };
-  const auto upright = [&](std::uint32_t x, std::uint32_t y) { add(at(x, y), at(x + 1, y), at(x, y + 1)); };
-  const auto turned = [&](std::uint32_t x, std::uint32_t y) {
-    if (x + y + 1 < n) add(at(x + 1, y), at(x + 1, y + 1), at(x, y + 1));
-  };
-  if (i + j < n) upright(i, j);
-  if (i > 0) upright(i - 1, j);
-  if (j > 0) upright(i, j - 1);
-  if (i > 0) turned(i - 1, j);
-  if (i > 0 && j > 0) turned(i - 1, j - 1);
-  if (j > 0) turned(i, j - 1);
-  return sum;
-}
-
-glm::vec3 unit(const glm::vec3& v) {
-  const float length = glm::length(v);
-  return length > 0 ? v / length : glm::vec3(0);
-}
-
-/// Calls work(patch) for the marked ones.
-template <class Work>
-void for_each_marked(const std::vector<char>& marks, const Work& work) {
-  std::vector<std::uint32_t> marked;
-  for (std::uint32_t p = 0; p < marks.size(); ++p)
-    if (marks[p]) marked.push_back(p);
-  const std::size_t tasks = (marked.size() + kAtOnce - 1) / kAtOnce;
-  const auto task = [&](std::size_t t) {
-    for (std::size_t i = t * kAtOnce; i < std::min((t + 1) * kAtOnce, marked.size()); ++i) work(marked[i]);
-  };
-  if (tasks == 1) task(0);
-  if (tasks > 1) parallel_for(tasks, task);
 }
 
 }  // namespace
@@ -126,7 +69,6 @@ void PatchEvaluator::work_out_base(const Surface& surface, Changes& changes) {
     const bool moved = put(base.places[v], places[v]), shifted = put(base.shifts[v], shifts[v]);
     if (!moved && !shifted) continue;
     changes.corners[v] = 1;
-    changes.any = true;
   }
 }
 
@@ -136,27 +78,38 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
   const Level& before = levels_[static_cast<std::size_t>(level) - 1];
   Level& now = levels_[static_cast<std::size_t>(level)];
   std::array<const LevelNumbers*, kLayers> numbers{};
-  for (int layer = 0; layer < kLayers; ++layer) numbers[static_cast<std::size_t>(layer)] = surface.find(layer, level);
-  const auto keep = [&](std::uint32_t v, std::uint32_t from, char& changed) {
-    const bool moved = put(now.places[v], before.places[from]), shifted = put(now.shifts[v], before.shifts[from]);
+  std::array<float, kLayers> steps{};
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    numbers[layer] = surface.find(static_cast<int>(layer), level);
+    steps[layer] = surface.step(static_cast<int>(layer));
+  }
+  // Of a level that is new all is.
+  const auto set = [&](std::uint32_t v, const glm::vec3& place, const glm::vec3& shift, char& changed) {
+    if (changes.all) {
+      now.places[v] = place;
+      now.shifts[v] = shift;
+      return;
+    }
+    const bool moved = put(now.places[v], place), shifted = put(now.shifts[v], shift);
     if (moved || shifted) changed = 1;
+  };
+  const auto keep = [&](std::uint32_t v, std::uint32_t from, char& changed) {
+    set(v, before.places[from], before.shifts[from], changed);
   };
   const auto make = [&](const NewVertex& fresh, char& changed) {
     const std::uint32_t v = fresh.vertex;
     const bool line = fresh.edge != kNone && patches.edges()[fresh.edge].line();
     const displaced::Prediction p = displaced::predict(fresh, line, before.places, before.normals);
-    const auto moved_by = [&](int layer) {
-      const LevelNumbers* of = numbers[static_cast<std::size_t>(layer)];
+    const auto moved_by = [&](std::size_t layer) {
+      const LevelNumbers* of = numbers[layer];
       if (!of) return glm::vec3(0);
-      glm::vec3 by = p.normal * (surface.step(layer) * static_cast<float>(of->normal[v]));
-      if (line)
-        by += p.sideways * (surface.step(layer) * static_cast<float>(of->sideways[v - patches.base_vertices()]));
+      glm::vec3 by = p.normal * (steps[layer] * static_cast<float>(of->normal[v]));
+      if (line) by += p.sideways * (steps[layer] * static_cast<float>(of->sideways[v - patches.base_vertices()]));
       return by;
     };
     glm::vec3 shift = 0.5f * (before.shifts[fresh.a] + before.shifts[fresh.b]);
-    for (int layer = 1; layer < kLayers; ++layer) shift += moved_by(layer);
-    const bool moved = put(now.places[v], p.position + moved_by(0)), shifted = put(now.shifts[v], shift);
-    if (moved || shifted) changed = 1;
+    for (std::size_t layer = 1; layer < kLayers; ++layer) shift += moved_by(layer);
+    set(v, p.position + moved_by(0), shift, changed);
   };
   const auto n = std::uint32_t{1} << level, half = n / 2;
   for (const std::uint32_t v : patches.triangles()[patch])
@@ -178,23 +131,52 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     }
   }
   if (level == 1) return;
-  patches.grid(patch, level - 1, scratch.grid);
-  slots.grid(patch, level - 1, scratch.slots);
-  auto v = static_cast<std::uint32_t>(patches.inner_start(patch, level));
-  for (std::uint32_t j = 1; j + 1 < n; ++j)
-    for (std::uint32_t i = 1; i + j < n; ++i, ++v) {
-      const auto at = [&](std::uint32_t x, std::uint32_t y) { return row_start(y, half) + x; };
-      const std::uint32_t x = i / 2, y = j / 2;
-      if (i % 2 == 0 && j % 2 == 0) {
-        keep(v, scratch.grid[at(x, y)], changes.inner[patch]);
-        continue;
-      }
-      const std::size_t a = i % 2 == 0 || j % 2 == 0 ? at(x, y) : at(x + 1, y);
-      const std::size_t b = j % 2 == 0 ? at(x + 1, y) : at(x, y + 1);
-      make(NewVertex{v, scratch.grid[a], scratch.grid[b], kNone, scratch.slots[a], scratch.slots[b], scratch.slots[a],
-                     scratch.slots[b]},
-           changes.inner[patch]);
+  // Inside, row by row.
+  gather(patches, patch, level - 1, before.places, {}, scratch.places);
+  gather(patches, patch, level - 1, before.shifts, {}, scratch.shifts);
+  gather(slots, patch, level - 1, before.normals, {}, scratch.normals);
+  const std::size_t count = std::size_t{n - 1} * (n - 2) / 2;
+  const auto first = static_cast<std::uint32_t>(patches.inner_start(patch, level));
+  scratch.made.resize(half);
+  scratch.made_shifts.resize(half);
+  scratch.numbers.resize(count);
+  PatchMiddles middles{0, &scratch.places, &scratch.shifts, &scratch.normals, 0, 0, {}};
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    if (!numbers[layer]) continue;
+    numbers[layer]->normal.copy(first, count, scratch.numbers.data());
+    scratch.moved[layer].resize(count);
+    for (std::size_t i = 0; i < count; ++i)
+      scratch.moved[layer][i] = steps[layer] * static_cast<float>(scratch.numbers[i]);
+    scratch.row[layer].resize(half + Columns::kRoom);
+    middles.moved[layer] = scratch.row[layer].data();
+  }
+  char& inside = changes.inner[patch];
+  const PatchLoops& loops = patch_loops().front();
+  // Every second vertex of a row, from one on that has so many before it in the patch.
+  const auto make_row = [&](std::size_t a, std::size_t b, std::size_t vertices, std::uint32_t from) {
+    middles.a = a;
+    middles.b = b;
+    middles.count = vertices;
+    for (std::size_t layer = 0; layer < kLayers; ++layer)
+      for (std::size_t i = 0; numbers[layer] && i < vertices; ++i)
+        scratch.row[layer][i] = scratch.moved[layer][from + 2 * i];
+    loops.middles(middles, scratch.made, scratch.made_shifts);
+    for (std::uint32_t i = 0; i < vertices; ++i)
+      set(first + from + 2 * i, scratch.made.at(i), scratch.made_shifts.at(i), inside);
+  };
+  std::uint32_t done = 0;  // vertices
+  for (std::uint32_t j = 1; j + 1 < n; done += n - 1 - j++) {
+    const std::uint32_t y = j / 2;
+    const std::size_t row = row_start(y, half), above = row_start(y + 1, half);
+    if (j % 2 == 0) {
+      make_row(row, row + 1, half - y, done);
+      for (std::uint32_t x = 1; x + y < half; ++x)
+        set(first + done + 2 * x - 1, scratch.places.at(row + x), scratch.shifts.at(row + x), inside);
+    } else {
+      make_row(row + 1, above + 1, half - 1 - y, done + 1);
+      make_row(row + 1, above, half - 1 - y, done);
     }
+  }
 }
 
 PatchEvaluator::Marks PatchEvaluator::touched(const Surface& surface, const Changes& changes) const {
@@ -219,68 +201,6 @@ PatchEvaluator::Marks PatchEvaluator::around(const Surface& surface, const Marks
   return wider;
 }
 
-void PatchEvaluator::find_normals(const Surface& surface, int level, std::span<const glm::vec3> places,
-                                  const Marks& inner, const Marks& edges, std::vector<glm::vec3>& normals) const {
-  const Patches &patches = surface.patches(), &slots = surface.slots();
-  const auto n = std::uint32_t{1} << level;
-  normals.resize(slots.vertices_at(level));
-  for_each_marked(edges, [&](std::uint32_t p) {
-    // Who owns a slot sums up what lies around it.
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t slot = slots.triangles()[p][k];
-      if (slots.owner(slot) == p) {
-        glm::vec3 sum(0);
-        for (const SlotCorner& corner : corners_of_slot_[slot])
-          sum += sum_at(patches, level, places, corner.patch, corner.corner == 1 ? n : 0, corner.corner == 2 ? n : 0);
-        normals[slot] = unit(sum);
-      }
-      const std::uint32_t e = slots.edge(p, k);
-      const Patches::Edge& edge = slots.edges()[e];
-      if (edge.owner != p) continue;
-      const auto start = static_cast<std::uint32_t>(slots.edge_start(e, level));
-      for (std::uint32_t t = 1; t < n; ++t) {
-        glm::vec3 sum(0);
-        for (const std::uint32_t side : {edge.owner, edge.other}) {
-          if (side == kNone) continue;
-          std::uint32_t at = 0;
-          while (at < 2 && slots.edge(side, at) != e) ++at;
-          const std::uint32_t along = slots.triangles()[side][at] == edge.from ? t : n - t;
-          const std::uint32_t i = at == 0   ? along
-                                  : at == 1 ? n - along
-                                            : 0,
-                              j = at == 0   ? 0
-                                  : at == 1 ? along
-                                            : n - along;
-          sum += sum_at(patches, level, places, side, i, j);
-        }
-        normals[start + t - 1] = unit(sum);
-      }
-    }
-    if (!inner[p] || n < 3) return;
-    thread_local Scratch scratch;
-    patches.grid(p, level, scratch.grid);
-    scratch.at.resize(scratch.grid.size());
-    scratch.sums.assign(scratch.grid.size(), glm::vec3(0));
-    for (std::size_t i = 0; i < scratch.grid.size(); ++i) scratch.at[i] = places[scratch.grid[i]];
-    const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
-      const glm::vec3 cross = glm::cross(scratch.at[b] - scratch.at[a], scratch.at[c] - scratch.at[a]);
-      scratch.sums[a] += cross;
-      scratch.sums[b] += cross;
-      scratch.sums[c] += cross;
-    };
-    for (std::size_t j = 0; j < n; ++j) {
-      const std::size_t row = row_start(j, n), above = row_start(j + 1, n);
-      for (std::size_t i = 0; i + j < n; ++i) {
-        add(row + i, row + i + 1, above + i);
-        if (i + j + 1 < n) add(row + i + 1, above + i + 1, above + i);
-      }
-    }
-    std::size_t to = slots.inner_start(p, level);
-    for (std::size_t j = 1; j + 1 < n; ++j)
-      for (std::size_t i = 1; i + j < n; ++i) normals[to++] = unit(scratch.sums[row_start(j, n) + i]);
-  });
-}
-
 std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface, int level, const Box& box) {
   const Patches& patches = surface.patches();
   const std::size_t count = patches.size(), depth = static_cast<std::size_t>(level) + 1;
@@ -292,7 +212,7 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
   const Marks all(count, 1);
   Marks wanted(count, 0), changed(count, 0);  // of the level in work; of the last one
   for (std::size_t l = 0; l < depth; ++l) {
-    Changes changes{Marks(count, 0), Marks(patches.edges().size(), 0), Marks(patches.base_vertices(), 0), false};
+    Changes changes{Marks(count, 0), Marks(patches.edges().size(), 0), Marks(patches.base_vertices(), 0), l >= known};
     Marks& marks = marks_[l];
     marks.resize(count, 0);
     if (l >= known) std::fill(marks.begin(), marks.end(), 1);
@@ -317,7 +237,7 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
     // Who was the last level up to now has none yet.
     const bool fresh = levels_[l].normals.empty();
     if (fresh || std::find(changed.begin(), changed.end(), 1) != changed.end())
-      find_normals(surface, static_cast<int>(l), levels_[l].places, fresh ? all : changed, fresh ? all : wanted,
+      find_normals(surface, static_cast<int>(l), levels_[l].places, {}, fresh ? all : changed, fresh ? all : wanted,
                    levels_[l].normals);
     // Between the first levels a vertex reaches further than to the next patch.
     if (l < 2) wanted = around(surface, wanted);
@@ -325,12 +245,11 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
   if (!last_ || last_->level() != level) changed = wanted = all;
   // What is seen are the places with what all layers add.
   const Level& last = levels_[depth - 1];
-  shown_.resize(last.places.size());
-  for (std::size_t v = 0; v < shown_.size(); ++v) shown_[v] = last.places[v] + last.shifts[v];
-  find_normals(surface, level, shown_, changed, wanted, shown_normals_);
+  find_normals(surface, level, last.places, last.shifts, changed, wanted, shown_normals_);
   if (colors_changed_ || !last_ || last_->level() != level) colors_ = surface.vertex_colors(level);
   if (std::exchange(colors_changed_, false)) std::fill(wanted.begin(), wanted.end(), 1);
-  last_ = PatchSurface::make(surface, level, box, {shown_, shown_normals_, colors_, &wanted, last_.get()});
+  last_ = PatchSurface::make(surface, level, box,
+                             {last.places, last.shifts, shown_normals_, colors_, &wanted, last_.get()});
   return last_;
 }
 

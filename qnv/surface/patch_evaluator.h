@@ -1,9 +1,12 @@
 #pragma once
 
+#include "qnv/base/raw_vector.h"
+#include "qnv/surface/patch_grid.h"
 #include "qnv/surface/patch_surface.h"
 
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -21,26 +24,27 @@ class PatchEvaluator {
   /// Numbers of colours have come.
   void colors_changed() { colors_changed_ = true; }
   /// The surface at a level, which is no coarser than the last time. `surface` and `box` are the same every time. What
-  /// is the same as the last time is shared with that. About 60 bytes a vertex are kept for the next time.
+  /// is the same as the last time is shared with that. About 50 bytes a vertex are kept for the next time.
   [[nodiscard]] std::shared_ptr<const PatchSurface> state(const displaced::Surface& surface, int level, const Box& box);
   /// Patches that were worked out for the last state, once for each level.
   [[nodiscard]] std::size_t worked_out() const { return worked_out_; }
 
  private:
   struct Level {
-    std::vector<glm::vec3> places, shifts;  // by layer 0, and what the finer ones add
-    std::vector<glm::vec3> normals;         // of the places, by slot
+    RawVector<glm::vec3> places, shifts;  // by layer 0, and what the finer ones add
+    RawVector<glm::vec3> normals;         // of the places, by slot
   };
   /// Whose numbers are to be looked at, patch by patch.
   using Marks = std::vector<char>;
   /// What of a level is not what it was.
   struct Changes {
     Marks inner, edges, corners;  // by patch, edge and vertex of the base
-    bool any = false;
+    bool all = false;             // the level is new: nothing of it is marked
   };
   struct Scratch {
-    std::vector<std::uint32_t> grid, slots;
-    std::vector<glm::vec3> at, sums;
+    Columns places, shifts, normals, made, made_shifts;
+    std::vector<std::int16_t> numbers;
+    std::array<std::vector<float>, displaced::kLayers> moved, row;
   };
 
   void prepare(const displaced::Surface& surface);
@@ -50,10 +54,11 @@ class PatchEvaluator {
   [[nodiscard]] Marks touched(const displaced::Surface& surface, const Changes& changes) const;
   /// Those and all that have a vertex of the base in common with one of them.
   [[nodiscard]] Marks around(const displaced::Surface& surface, const Marks& marks) const;
-  /// The normals of places of a level at the slots of marked patches: all of those in `inner`, of the others only those
-  /// on edges.
-  void find_normals(const displaced::Surface& surface, int level, std::span<const glm::vec3> places, const Marks& inner,
-                    const Marks& edges, std::vector<glm::vec3>& normals) const;
+  /// The normals of places of a level, with their shifts if there are any, at the slots of marked patches: all of those
+  /// in `inner`, of the others only those on edges.
+  void find_normals(const displaced::Surface& surface, int level, std::span<const glm::vec3> places,
+                    std::span<const glm::vec3> shifts, const Marks& inner, const Marks& edges,
+                    RawVector<glm::vec3>& normals);
 
   std::vector<Level> levels_;
   std::vector<Marks> marks_;                                   // by level
@@ -62,7 +67,8 @@ class PatchEvaluator {
     std::uint32_t patch, corner;
   };
   std::vector<std::vector<SlotCorner>> corners_of_slot_;  // by vertex of the patches that were cut along creases
-  std::vector<glm::vec3> shown_, shown_normals_;          // of the last state: vertices and slots
+  RawVector<glm::vec3> rims_;           // sums at the vertices of each patch's rim, of the level in work
+  RawVector<glm::vec3> shown_normals_;  // of the last state: vertices and slots
   std::vector<Rgb8> colors_;
   bool colors_changed_ = true;
   std::size_t worked_out_ = 0;

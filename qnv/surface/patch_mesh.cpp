@@ -48,9 +48,9 @@ void slide(std::span<const PatchTable::Middle> middles, float part, PatchVertex*
       transpose(rows);
       return FourVertices{rows[0], rows[1], rows[2], std::bit_cast<Int4>(rows[3])};
     };
-    const FourVertices a = load([](const PatchTable::Middle& of) { return of.parents[0]; }),
-                       b = load([](const PatchTable::Middle& of) { return of.parents[1]; }),
-                       own = load([](const PatchTable::Middle& of) { return of.number; });
+    const FourVertices a = load([](const PatchTable::Middle&of) { return of.parents[0]; }),
+                       b = load([](const PatchTable::Middle&of) { return of.parents[1]; }),
+                       own = load([](const PatchTable::Middle&of) { return of.number; });
     const auto between = [&](const Float4& from, const Float4& to, const Float4& there) {
       const Float4 middle = (from + to) * 0.5f;
       return middle + (there - middle) * part;

@@ -3,6 +3,7 @@
 #include "qnv/base/finite.h"
 #include "qnv/base/parallel.h"
 #include "qnv/displaced/subdivision.h"
+#include "qnv/surface/patch_kernel.h"
 
 #include <glm/geometric.hpp>
 
@@ -14,8 +15,13 @@
 namespace gs::qnv {
 
 std::uint32_t pack_direction(const glm::vec3& unit) {
+  // As std::lround, which is a call for each: half-way cases away from 0, and what is no number becomes 0.
   const auto part = [](float v, float most) {
-    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(std::clamp(v, -1.0f, 1.0f) * most)));
+    const float scaled = std::clamp(v, -1.0f, 1.0f) * most, size = std::abs(scaled);
+    if (!(size <= most)) return 0u;
+    const auto whole = static_cast<std::int32_t>(size);
+    const std::int32_t rounded = whole + (size - static_cast<float>(whole) >= 0.5f ? 1 : 0);
+    return static_cast<std::uint32_t>(scaled < 0 ? -rounded : rounded);
   };
   return (part(unit.x, 1023) & 0x7ffu) | (part(unit.y, 1023) & 0x7ffu) << 11 | (part(unit.z, 511) & 0x3ffu) << 22;
 }
@@ -24,7 +30,7 @@ std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface&
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<Rgb8> colors = surface.vertex_colors(level);
-  return make(surface, level, box, {places, normals, colors, nullptr, nullptr});
+  return make(surface, level, box, {places, {}, normals, colors, nullptr, nullptr});
 }
 
 std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface& surface, int level, const Box& box,
@@ -35,6 +41,7 @@ std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface&
   made->vertex_count_ = slots.vertices_at(level);
   made->colored_ = !worked.colors.empty();
   const displaced::Frame frame(box);
+  const PatchLoops& loops = patch_loops().front();
   const PatchSurface* former = worked.former;
   const std::size_t n = std::size_t{1} << level, count = patches.size(), blocks = (count + kBlock - 1) / kBlock;
   const auto has_changed = [&](std::size_t p) { return !former || !worked.changed || (*worked.changed)[p] != 0; };
@@ -64,20 +71,24 @@ std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface&
         continue;
       }
       block[l] = std::make_shared<Block>();
-      block[l]->vertices.reserve((last - first) * new_patch_vertices(static_cast<int>(l)));
+      block[l]->vertices.resize((last - first) * new_patch_vertices(static_cast<int>(l)));
     }
-    std::vector<std::uint32_t> grid, slot_grid;
+    thread_local Columns at, normals;
+    std::vector<std::uint32_t> directions(patch_vertices(level) + Columns::kRoom);
+    std::vector<std::uint32_t> grid;
     for (std::size_t p = first; p < last && (changed || block.back()); ++p) {
-      patches.grid(static_cast<std::uint32_t>(p), level, grid);
-      slots.grid(static_cast<std::uint32_t>(p), level, slot_grid);
+      gather(patches, static_cast<std::uint32_t>(p), level, worked.places, worked.shifts, at);
+      gather(slots, static_cast<std::uint32_t>(p), level, worked.normals, {}, normals);
+      loops.pack_vertices(at, normals, patch_vertices(level), frame.lower, frame.size, directions.data());
+      if (made->colored_) patches.grid(static_cast<std::uint32_t>(p), level, grid);
       for (std::size_t l = 0; l < block.size(); ++l) {
         if (!block[l]) continue;
         const std::size_t step = n >> l;
-        for (const displaced::GridPlace& at : patch_table(static_cast<int>(l)).places) {
-          const std::size_t i = displaced::row_start(at.j * step, n) + at.i * step;
-          const glm::vec3 place = frame.outside(worked.places[grid[i]]);
-          block[l]->vertices.push_back(
-              {finite(place) ? place : frame.lower, pack_direction(worked.normals[slot_grid[i]])});
+        const auto& places = patch_table(static_cast<int>(l)).places;
+        PatchVertex* to = block[l]->vertices.data() + (p - first) * places.size();
+        for (const displaced::GridPlace& of : places) {
+          const std::size_t i = displaced::row_start(of.j * step, n) + of.i * step;
+          *to++ = {at.at(i), directions[i]};
           if (made->colored_) block[l]->colors.push_back(worked.colors[grid[i]]);
         }
       }
@@ -100,48 +111,52 @@ std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface&
 
 void PatchSurface::measure(std::size_t patch) {
   const PatchTable& table = patch_table(level_);
-  std::vector<glm::vec3> at;
-  at.reserve(patch_vertices(level_));
+  const PatchLoops& loops = patch_loops().front();
+  const auto count = patch_vertices(level_);
+  thread_local Columns at, grid, products;
+  thread_local std::array<Columns, displaced::kDeepestPatch + 1> units;
+  at.resize(count);
   Bounds& bounds = bounds_[patch];
   bounds = {};
-  Box& box = bounds.box;
+  Box box;
+  std::size_t known = 0;
   for (int l = 0; l <= level_; ++l) {
     const PatchVertex* v = vertices(patch, l);
     for (std::size_t i = 0; i < new_patch_vertices(l); ++i) {
-      at.push_back(v[i].position);
+      at.put(known++, v[i].position);
       box.add(v[i].position);
     }
   }
+  bounds.box = box;
   bounds.center = box.lower * 0.5f + box.upper * 0.5f;
-  for (const glm::vec3& p : at) bounds.radius = std::max(bounds.radius, glm::length(p - bounds.center));
+  bounds.radius = loops.farthest(at, count, bounds.center);
   // Of triangles of all levels: a coarser one may be turned further than those that take its place.
   glm::vec3 sum(0);
-  std::vector<glm::vec3> normals;
-  const auto add = [&](const std::array<PatchTable::Number, 3>& t) {
-    const glm::vec3 cross = glm::cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]);
-    const float length = glm::length(cross);
-    if (!(length > 0)) return;
-    normals.push_back(cross / length);
-    sum += cross;
-  };
   for (int l = 0; l <= level_; ++l) {
-    for (const auto& t : patch_table(l).inner) add(t);
-    for (const auto& t : patch_table(l).border) add(t);
+    const PatchTable& of_level = patch_table(l);
+    const std::size_t n = std::size_t{1} << l;
+    grid.resize(of_level.grid.size());
+    for (std::size_t i = 0; i < of_level.grid.size(); ++i) grid.put(i, at.at(of_level.grid[i]));
+    loops.products(grid, n, products);
+    loops.directions(products, n * n, units[static_cast<std::size_t>(l)]);
+    for (const PatchTable::Number turn : of_level.turns) sum += products.at(turn);
   }
   if (const float length = glm::length(sum); length > 0 && finite(sum)) {
     bounds.axis = sum / length;
     bounds.cosine = 1;
-    for (const glm::vec3& normal : normals) bounds.cosine = std::min(bounds.cosine, glm::dot(normal, bounds.axis));
+    for (int l = 0; l <= level_; ++l)
+      bounds.cosine = std::min(bounds.cosine, loops.least_cosine(units[static_cast<std::size_t>(l)],
+                                                                 std::size_t{1} << (2 * l), bounds.axis));
   }
   for (std::size_t k = 0; k < 3; ++k) {
     Edge& edge = edges_[patch_edges_[patch][k]];
     if (edge.owner != patch) continue;
     const std::vector<PatchTable::Number>& along = table.edges[k];
     edge.length = edge.radius = 0;
-    edge.center = at[along.front()] * 0.5f + at[along.back()] * 0.5f;
+    edge.center = at.at(along.front()) * 0.5f + at.at(along.back()) * 0.5f;
     for (std::size_t i = 0; i < along.size(); ++i) {
-      edge.radius = std::max(edge.radius, glm::length(at[along[i]] - edge.center));
-      if (i > 0) edge.length += glm::length(at[along[i]] - at[along[i - 1]]);
+      edge.radius = std::max(edge.radius, glm::length(at.at(along[i]) - edge.center));
+      if (i > 0) edge.length += glm::length(at.at(along[i]) - at.at(along[i - 1]));
     }
   }
 }

@@ -1,5 +1,7 @@
 #include "qnv/surface/patch_tables.h"
 
+#include "qnv/surface/patch_kernel.h"
+
 #include <atomic>
 #include <mutex>
 
@@ -49,15 +51,20 @@ PatchTable make_table(int level, const PatchTable* before) {
   const auto side = [&](bool on, std::uint8_t edge, std::size_t from) {
     return on ? Side{edge, static_cast<std::uint16_t>(from)} : Side{};
   };
+  std::vector<PatchTable::Number> on_border_at;
   for (std::size_t j = 0; j < n; ++j)
     for (std::size_t i = 0; i + j < n; ++i) {
       const std::array corners{at(i, j), at(i + 1, j), at(i, j + 1)};
       const std::array sides{side(j == 0, 0, i), side(i + j + 1 == n, 1, j), side(i == 0, 2, n - 1 - j)};
       const bool on_border = j == 0 || i == 0 || i + j + 1 == n;
       (on_border ? table.border : table.inner).push_back(corners);
+      (on_border ? on_border_at : table.turns).push_back(static_cast<PatchTable::Number>(upright_row(j, n) + i));
       if (on_border) table.sides.push_back(sides);
-      if (i + j + 1 < n) table.inner.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+      if (i + j + 1 == n) continue;
+      table.inner.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+      table.turns.push_back(static_cast<PatchTable::Number>(turned_row(j, n) + i));
     }
+  table.turns.insert(table.turns.end(), on_border_at.begin(), on_border_at.end());
   return table;
 }
 

@@ -42,7 +42,8 @@ struct PatchTable {
   std::vector<Number> grid;                     // the numbers of all vertices, row by row (displaced::row_start)
   std::vector<std::array<Number, 3>> inner;     // triangles without a side on an edge
   std::vector<std::array<Number, 3>> border;    // the others
-  std::vector<std::array<Side, 3>> sides;       // of those in `border`: side k from corner k to corner k + 1
+  std::vector<Number> turns;  // where those in `inner`, then those in `border`, are in PatchLoops::products
+  std::vector<std::array<Side, 3>> sides;  // of those in `border`: side k from corner k to corner k + 1
 };
 
 /// Of a level from 0 to displaced::kDeepestPatch. Any thread.

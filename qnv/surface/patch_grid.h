@@ -1,0 +1,82 @@
+#pragma once
+
+#include "qnv/displaced/patches.h"
+
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Vectors in three rows of numbers, one a coordinate, with room behind them that loops may read and write without
+/// meaning anything by it.
+class Columns {
+ public:
+  static constexpr std::size_t kRoom = 16;
+
+  /// What was there is lost.
+  void resize(std::size_t count) {
+    stride_ = count + kRoom;
+    if (numbers_.size() < 3 * stride_) numbers_.resize(3 * stride_);
+  }
+  [[nodiscard]] float* operator[](std::size_t axis) { return numbers_.data() + axis * stride_; }
+  [[nodiscard]] const float* operator[](std::size_t axis) const { return numbers_.data() + axis * stride_; }
+  void put(std::size_t i, const glm::vec3& v) {
+    float* const to = numbers_.data() + i;
+    to[0] = v.x;
+    to[stride_] = v.y;
+    to[2 * stride_] = v.z;
+  }
+  [[nodiscard]] glm::vec3 at(std::size_t i) const {
+    const float* const from = numbers_.data() + i;
+    return {from[0], from[stride_], from[2 * stride_]};
+  }
+
+ private:
+  std::vector<float> numbers_;
+  std::size_t stride_ = 0;
+};
+
+/// What a patch has of a level, in the order of Patches::grid. `value(v)`: of a vertex.
+template <class Value>
+void gather_by(const displaced::Patches& patches, std::uint32_t patch, int level, const Value& value, Columns& to) {
+  using displaced::row_start;
+  const std::size_t n = std::size_t{1} << level;
+  to.resize((n + 1) * (n + 2) / 2);
+  const displaced::Corners& corners = patches.triangles()[patch];
+  to.put(0, value(corners[0]));
+  to.put(n, value(corners[1]));
+  to.put(row_start(n, n), value(corners[2]));
+  for (std::uint32_t k = 0; k < 3 && n > 1; ++k) {
+    const std::uint32_t e = patches.edge(patch, k);
+    const bool same_way = patches.edges()[e].from == corners[k];
+    const std::size_t start = patches.edge_start(e, level);
+    for (std::size_t t = 1; t < n; ++t)
+      to.put(k == 0   ? t
+             : k == 1 ? row_start(t, n) + n - t
+                      : row_start(n - t, n),
+             value(start + (same_way ? t : n - t) - 1));
+  }
+  std::size_t v = patches.inner_start(patch, level);
+  for (std::size_t j = 1; j + 1 < n; ++j) {
+    const std::size_t row = row_start(j, n);
+    for (std::size_t i = 1; i + j < n; ++i) to.put(row + i, value(v++));
+  }
+}
+
+/// `of`: a vector a vertex, to which `more` is added where it has any.
+inline void gather(const displaced::Patches& patches, std::uint32_t patch, int level, std::span<const glm::vec3> of,
+                   std::span<const glm::vec3> more, Columns& to) {
+  const glm::vec3 *first = of.data(), *second = more.data();
+  if (more.empty())
+    gather_by(
+        patches, patch, level, [=](std::size_t v) { return first[v]; }, to);
+  else
+    gather_by(
+        patches, patch, level, [=](std::size_t v) { return first[v] + second[v]; }, to);
+}
+
+}  // namespace gs::qnv
