@@ -238,14 +238,14 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
     const bool fresh = levels_[l].normals.empty();
     if (fresh || std::find(changed.begin(), changed.end(), 1) != changed.end())
       find_normals(surface, static_cast<int>(l), levels_[l].places, {}, fresh ? all : changed, fresh ? all : wanted,
-                   levels_[l].normals);
+                   &levels_[l].normals, nullptr);
     // Between the first levels a vertex reaches further than to the next patch.
     if (l < 2) wanted = around(surface, wanted);
   }
   if (!last_ || last_->level() != level) changed = wanted = all;
   // What is seen are the places with what all layers add.
   const Level& last = levels_[depth - 1];
-  find_normals(surface, level, last.places, last.shifts, changed, wanted, shown_normals_);
+  find_normals(surface, level, last.places, last.shifts, changed, wanted, nullptr, &shown_normals_);
   if (colors_changed_ || !last_ || last_->level() != level) colors_ = surface.vertex_colors(level);
   if (std::exchange(colors_changed_, false)) std::fill(wanted.begin(), wanted.end(), 1);
   last_ = PatchSurface::make(surface, level, box,

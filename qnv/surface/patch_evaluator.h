@@ -24,7 +24,7 @@ class PatchEvaluator {
   /// Numbers of colours have come.
   void colors_changed() { colors_changed_ = true; }
   /// The surface at a level, which is no coarser than the last time. `surface` and `box` are the same every time. What
-  /// is the same as the last time is shared with that. About 50 bytes a vertex are kept for the next time.
+  /// is the same as the last time is shared with that. About 45 bytes a vertex are kept for the next time.
   [[nodiscard]] std::shared_ptr<const PatchSurface> state(const displaced::Surface& surface, int level, const Box& box);
   /// Patches that were worked out for the last state, once for each level.
   [[nodiscard]] std::size_t worked_out() const { return worked_out_; }
@@ -54,11 +54,11 @@ class PatchEvaluator {
   [[nodiscard]] Marks touched(const displaced::Surface& surface, const Changes& changes) const;
   /// Those and all that have a vertex of the base in common with one of them.
   [[nodiscard]] Marks around(const displaced::Surface& surface, const Marks& marks) const;
-  /// The normals of places of a level, with their shifts if there are any, at the slots of marked patches: all of those
-  /// in `inner`, of the others only those on edges.
+  /// The normals, or packed ones, of places of a level, with their shifts if there are any, at the slots of marked
+  /// patches: all of those in `inner`, of the others only those on edges.
   void find_normals(const displaced::Surface& surface, int level, std::span<const glm::vec3> places,
                     std::span<const glm::vec3> shifts, const Marks& inner, const Marks& edges,
-                    RawVector<glm::vec3>& normals);
+                    RawVector<glm::vec3>* normals, RawVector<std::uint32_t>* packed);
 
   std::vector<Level> levels_;
   std::vector<Marks> marks_;                                   // by level
@@ -67,8 +67,8 @@ class PatchEvaluator {
     std::uint32_t patch, corner;
   };
   std::vector<std::vector<SlotCorner>> corners_of_slot_;  // by vertex of the patches that were cut along creases
-  RawVector<glm::vec3> rims_;           // sums at the vertices of each patch's rim, of the level in work
-  RawVector<glm::vec3> shown_normals_;  // of the last state: vertices and slots
+  RawVector<glm::vec3> rims_;               // sums at the vertices of each patch's rim, of the level in work
+  RawVector<std::uint32_t> shown_normals_;  // of the last state, by slot: pack_direction
   std::vector<Rgb8> colors_;
   bool colors_changed_ = true;
   std::size_t worked_out_ = 0;

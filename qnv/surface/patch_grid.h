@@ -40,43 +40,38 @@ class Columns {
   std::size_t stride_ = 0;
 };
 
-/// What a patch has of a level, in the order of Patches::grid. `value(v)`: of a vertex.
-template <class Value>
-void gather_by(const displaced::Patches& patches, std::uint32_t patch, int level, const Value& value, Columns& to) {
+/// Calls put(i, v) for every vertex of a patch at a level: `v` its number, `i` its place in the order of Patches::grid.
+template <class Put>
+void for_each_of_grid(const displaced::Patches& patches, std::uint32_t patch, int level, const Put& put) {
   using displaced::row_start;
   const std::size_t n = std::size_t{1} << level;
-  to.resize((n + 1) * (n + 2) / 2);
   const displaced::Corners& corners = patches.triangles()[patch];
-  to.put(0, value(corners[0]));
-  to.put(n, value(corners[1]));
-  to.put(row_start(n, n), value(corners[2]));
+  put(std::size_t{0}, std::size_t{corners[0]});
+  put(n, std::size_t{corners[1]});
+  put(row_start(n, n), std::size_t{corners[2]});
   for (std::uint32_t k = 0; k < 3 && n > 1; ++k) {
     const std::uint32_t e = patches.edge(patch, k);
     const bool same_way = patches.edges()[e].from == corners[k];
     const std::size_t start = patches.edge_start(e, level);
     for (std::size_t t = 1; t < n; ++t)
-      to.put(k == 0   ? t
-             : k == 1 ? row_start(t, n) + n - t
-                      : row_start(n - t, n),
-             value(start + (same_way ? t : n - t) - 1));
+      put(k == 0 ? t : k == 1 ? row_start(t, n) + n - t : row_start(n - t, n), start + (same_way ? t : n - t) - 1);
   }
   std::size_t v = patches.inner_start(patch, level);
   for (std::size_t j = 1; j + 1 < n; ++j) {
     const std::size_t row = row_start(j, n);
-    for (std::size_t i = 1; i + j < n; ++i) to.put(row + i, value(v++));
+    for (std::size_t i = 1; i + j < n; ++i) put(row + i, v++);
   }
 }
 
 /// `of`: a vector a vertex, to which `more` is added where it has any.
 inline void gather(const displaced::Patches& patches, std::uint32_t patch, int level, std::span<const glm::vec3> of,
                    std::span<const glm::vec3> more, Columns& to) {
+  to.resize(((std::size_t{1} << level) + 1) * ((std::size_t{1} << level) + 2) / 2);
   const glm::vec3 *first = of.data(), *second = more.data();
   if (more.empty())
-    gather_by(
-        patches, patch, level, [=](std::size_t v) { return first[v]; }, to);
+    for_each_of_grid(patches, patch, level, [&](std::size_t i, std::size_t v) { to.put(i, first[v]); });
   else
-    gather_by(
-        patches, patch, level, [=](std::size_t v) { return first[v] + second[v]; }, to);
+    for_each_of_grid(patches, patch, level, [&](std::size_t i, std::size_t v) { to.put(i, first[v] + second[v]); });
 }
 
 }  // namespace gs::qnv

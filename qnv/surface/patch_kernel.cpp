@@ -38,13 +38,13 @@ namespace avx2 {
 
 constexpr PatchLoops kPatchLoops[] = {
 #if defined(__x86_64__)
-    {"AVX2", avx2::products, avx2::inner_normals, avx2::middles, avx2::pack_vertices, avx2::directions,
-     avx2::least_cosine, avx2::farthest},
-    {"SSE2", baseline::products, baseline::inner_normals, baseline::middles, baseline::pack_vertices,
-     baseline::directions, baseline::least_cosine, baseline::farthest},
+    {"AVX2", avx2::products, avx2::inner_normals, avx2::middles, avx2::pack_directions, avx2::leave_frame,
+     avx2::directions, avx2::least_cosine, avx2::farthest},
+    {"SSE2", baseline::products, baseline::inner_normals, baseline::middles, baseline::pack_directions,
+     baseline::leave_frame, baseline::directions, baseline::least_cosine, baseline::farthest},
 #else
-    {"baseline", baseline::products, baseline::inner_normals, baseline::middles, baseline::pack_vertices,
-     baseline::directions, baseline::least_cosine, baseline::farthest},
+    {"baseline", baseline::products, baseline::inner_normals, baseline::middles, baseline::pack_directions,
+     baseline::leave_frame, baseline::directions, baseline::least_cosine, baseline::farthest},
 #endif
 };
 

@@ -34,10 +34,10 @@ struct PatchLoops {
   /// The unit sums round the vertices inside, row by row; zero where there is none.
   void (*inner_normals)(const Columns& products, std::size_t n, Columns& normals);
   void (*middles)(const PatchMiddles& of, Columns& places, Columns& shifts);
-  /// Places from a frame with this lower corner and size; those that are not finite then become the corner. `packed`:
-  /// gets pack_direction of normals, and has room as Columns have.
-  void (*pack_vertices)(Columns& places, const Columns& normals, std::size_t count, const glm::vec3& lower, float size,
-                        std::uint32_t* packed);
+  /// As pack_direction; `packed` has room as Columns have.
+  void (*pack_directions)(const Columns& units, std::size_t count, std::uint32_t* packed);
+  /// Places from a frame with this lower corner and size; those that are not finite then become the corner.
+  void (*leave_frame)(Columns& places, std::size_t count, const glm::vec3& lower, float size);
   /// Products that have no direction become zero; the others' directions.
   void (*directions)(Columns& products, std::size_t count, Columns& units);
   /// The least product of unit vectors with an axis, 1 at most; zeros do not count.

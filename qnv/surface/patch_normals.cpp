@@ -39,10 +39,21 @@ void sum_rim(const Columns& products, std::size_t n, glm::vec3* to) {
 
 void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, std::span<const glm::vec3> places,
                                   std::span<const glm::vec3> shifts, const Marks& inner, const Marks& edges,
-                                  RawVector<glm::vec3>& normals) {
+                                  RawVector<glm::vec3>* normals, RawVector<std::uint32_t>* packed) {
   const Patches &patches = surface.patches(), &slots = surface.slots();
   const std::size_t n = std::size_t{1} << level, rim = 3 * n;
-  normals.resize(slots.vertices_at(level));
+  const PatchLoops& loops = patch_loops().front();
+  if (normals) normals->resize(slots.vertices_at(level));
+  if (packed) packed->resize(slots.vertices_at(level));
+  const auto write = [&](const Columns& made, std::size_t count, std::size_t to) {
+    if (normals)
+      for (std::size_t i = 0; i < count; ++i) (*normals)[to + i] = made.at(i);
+    if (!packed) return;
+    thread_local std::vector<std::uint32_t> some;
+    some.resize(std::max(some.size(), count + Columns::kRoom));
+    loops.pack_directions(made, count, some.data());
+    std::copy_n(some.begin(), count, packed->begin() + static_cast<std::ptrdiff_t>(to));
+  };
   // Who owns a slot sums up what lies around it.
   Marks around = edges;
   for (std::uint32_t p = 0; p < edges.size(); ++p)
@@ -54,7 +65,6 @@ void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, 
         for (const SlotCorner& corner : corners_of_slot_[slot]) around[corner.patch] = 1;
     }
   rims_.resize(std::max(rims_.size(), patches.size() * rim));
-  const PatchLoops& loops = patch_loops().front();
   for_each_marked(around, [&](std::uint32_t p) {
     thread_local Columns at, products, made;
     gather(patches, p, level, places, shifts, at);
@@ -62,8 +72,7 @@ void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, 
     sum_rim(products, n, rims_.data() + p * rim);
     if (!inner[p] || n < 3) return;
     loops.inner_normals(products, n, made);
-    glm::vec3* const to = normals.data() + slots.inner_start(p, level);
-    for (std::size_t i = 0; i < (n - 1) * (n - 2) / 2; ++i) to[i] = made.at(i);
+    write(made, (n - 1) * (n - 2) / 2, slots.inner_start(p, level));
   });
   for_each_marked(edges, [&](std::uint32_t p) {
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -71,7 +80,8 @@ void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, 
       if (slots.owner(slot) == p) {
         glm::vec3 sum(0);
         for (const SlotCorner& corner : corners_of_slot_[slot]) sum += rims_[corner.patch * rim + corner.corner];
-        normals[slot] = unit(sum);
+        if (normals) (*normals)[slot] = unit(sum);
+        if (packed) (*packed)[slot] = pack_direction(unit(sum));
       }
       const std::uint32_t e = slots.edge(p, k);
       const Patches::Edge& edge = slots.edges()[e];
@@ -97,8 +107,7 @@ void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, 
         all.put(t - 1, sum);
       }
       loops.directions(all, n - 1, made);
-      glm::vec3* const to = normals.data() + slots.edge_start(e, level);
-      for (std::size_t t = 1; t < n; ++t) to[t - 1] = made.at(t - 1);
+      write(made, n - 1, slots.edge_start(e, level));
     }
   });
 }

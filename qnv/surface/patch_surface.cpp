@@ -29,8 +29,11 @@ std::uint32_t pack_direction(const glm::vec3& unit) {
 std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface& surface, int level, const Box& box) {
   const std::vector<glm::vec3> places = surface.positions(level);
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
+  std::vector<std::uint32_t> packed;
+  packed.reserve(normals.size());
+  for (const glm::vec3& normal : normals) packed.push_back(pack_direction(normal));
   const std::vector<Rgb8> colors = surface.vertex_colors(level);
-  return make(surface, level, box, {places, {}, normals, colors, nullptr, nullptr});
+  return make(surface, level, box, {places, {}, packed, colors, nullptr, nullptr});
 }
 
 std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface& surface, int level, const Box& box,
@@ -73,13 +76,14 @@ std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface&
       block[l] = std::make_shared<Block>();
       block[l]->vertices.resize((last - first) * new_patch_vertices(static_cast<int>(l)));
     }
-    thread_local Columns at, normals;
-    std::vector<std::uint32_t> directions(patch_vertices(level) + Columns::kRoom);
+    thread_local Columns at;
+    std::vector<std::uint32_t> directions(patch_vertices(level));
     std::vector<std::uint32_t> grid;
     for (std::size_t p = first; p < last && (changed || block.back()); ++p) {
       gather(patches, static_cast<std::uint32_t>(p), level, worked.places, worked.shifts, at);
-      gather(slots, static_cast<std::uint32_t>(p), level, worked.normals, {}, normals);
-      loops.pack_vertices(at, normals, patch_vertices(level), frame.lower, frame.size, directions.data());
+      loops.leave_frame(at, directions.size(), frame.lower, frame.size);
+      for_each_of_grid(slots, static_cast<std::uint32_t>(p), level,
+                       [&](std::size_t i, std::size_t slot) { directions[i] = worked.normals[slot]; });
       if (made->colored_) patches.grid(static_cast<std::uint32_t>(p), level, grid);
       for (std::size_t l = 0; l < block.size(); ++l) {
         if (!block[l]) continue;

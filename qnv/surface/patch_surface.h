@@ -52,7 +52,7 @@ class PatchSurface {
   /// A surface that was worked out at a level.
   struct Worked {
     std::span<const glm::vec3> places, shifts;   // of vertices, as displaced::Frame has it; their sum counts
-    std::span<const glm::vec3> normals;          // of slots
+    std::span<const std::uint32_t> normals;      // of slots: pack_direction
     std::span<const Rgb8> colors;                // of vertices; empty: they have none
     const std::vector<char>* changed = nullptr;  // patches that are not as they were in `former`; null: all
     const PatchSurface* former = nullptr;        // null: there is none

@@ -123,7 +123,7 @@ TEST_CASE("vertices between others lie where they are predicted, in the loops of
   }
 }
 
-TEST_CASE("packed vertices are those of pack_direction, and places that are none become the corner") {
+TEST_CASE("packed directions are those of pack_direction, and places that are none become the corner") {
   std::vector<glm::vec3> normals = any_vectors(300, 8, true), places = any_vectors(300, 9);
   const float nan = std::numeric_limits<float>::quiet_NaN(), huge = std::numeric_limits<float>::max();
   normals[3] = {nan, 0.5f, -nan};
@@ -136,7 +136,8 @@ TEST_CASE("packed vertices are those of pack_direction, and places that are none
     CAPTURE(loops.name);
     Columns at = columns_of(places);
     std::vector<std::uint32_t> packed(places.size() + Columns::kRoom);
-    loops.pack_vertices(at, columns_of(normals), places.size(), lower, 7.5f, packed.data());
+    loops.pack_directions(columns_of(normals), normals.size(), packed.data());
+    loops.leave_frame(at, places.size(), lower, 7.5f);
     bool right = true;
     for (std::size_t i = 0; i < places.size(); ++i)
       right = right && packed[i] == pack_direction(normals[i]) &&
