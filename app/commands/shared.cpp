@@ -87,6 +87,7 @@ LoadOptions load_options(const Options& options) {
   load.loss_seed = options.loss_seed;
   load.timeout_seconds = options.timeout_seconds;
   load.offline = options.offline;
+  load.allow_network = options.allow_network;
   load.rate = options.rate;
   load.cache_folder = http_cache_folder();
   load.allowed = options.allowed;

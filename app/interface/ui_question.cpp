@@ -7,33 +7,47 @@
 namespace gs::app {
 namespace {
 
-constexpr const char* kQuestionTitle = "Files outside of the world's folder";
+constexpr const char* kFolderTitle = "Files outside of the world's folder";
+constexpr const char* kNetworkTitle = "Network access";
 constexpr std::size_t kLongestPath = 300;
+
+void ask_for_folder(const UiQuestion& question) {
+  text(question.world + " refers to " + question.reason + ", which lies in the folder");
+  colored_text(UiColors::kAccent, question.subject);
+  text("Allow worlds of this computer to read that folder and its subfolders until this window closes?");
+}
+
+void ask_for_network(const UiQuestion& question) {
+  text("A Script of " + question.world + " has read the local file " + question.reason + " and now requests");
+  colored_text(UiColors::kAccent, question.subject);
+  text("This can send the content of the file to that host. Allow the Scripts of this world to use the network?");
+}
 
 }  // namespace
 
-// May this world read that folder? Nothing else goes on in the panels meanwhile.
+// Asks a question about a world. The panels wait for the answer.
 void UiOverlay::State::question_panel(const UiModel& model, UiActions& actions) {
   question = model.question.has_value();
   const bool refused = std::exchange(question_refused, false);
   if (!question) return;
-  if (!ImGui::IsPopupOpen(kQuestionTitle)) ImGui::OpenPopup(kQuestionTitle);
+  UiQuestion asked = *model.question;
+  for (std::string* const part : {&asked.world, &asked.subject, &asked.reason}) *part = shortened(*part, kLongestPath);
+  const bool about_folder = asked.kind == UiQuestion::Kind::folder;
+  const char* const title = about_folder ? kFolderTitle : kNetworkTitle;
+  if (!ImGui::IsPopupOpen(title)) ImGui::OpenPopup(title);
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   const ImGuiWindowFlags flags =
       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove;
-  if (!ImGui::BeginPopupModal(kQuestionTitle, nullptr, flags)) return;
+  if (!ImGui::BeginPopupModal(title, nullptr, flags)) return;
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 34);
-  text(shortened(model.question->world, kLongestPath) + " refers to " +
-       shortened(model.question->reference, kLongestPath) + ", which lies in the folder");
-  colored_text(UiColors::kAccent, shortened(model.question->folder, kLongestPath));
-  text("May worlds of this machine read that folder and what is below it, as long as this window is open?");
+  about_folder ? ask_for_folder(asked) : ask_for_network(asked);
   ImGui::PopTextWrapPos();
   ImGui::Spacing();
-  if (ImGui::Button("Allow this folder")) actions.allow_folder = true;
+  if (ImGui::Button(about_folder ? "Allow this folder" : "Allow the network")) actions.allow_question = true;
   ImGui::SameLine();
-  if (ImGui::Button("Don't allow") || refused) actions.allow_folder = false;
-  if (actions.allow_folder) ImGui::CloseCurrentPopup();
+  if (ImGui::Button("Don't allow") || refused) actions.allow_question = false;
+  if (actions.allow_question) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 

@@ -25,19 +25,14 @@ bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index
   return true;
 }
 
-// Of the program that calls.
-const vrml::SourceText& origin_of(const Program& program) {
-  const vrml::Node& node = program.scene->node(program.id);
-  const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
-  return (url ? program.scene->text_of(program.id, url->slot) : *node.text).origin();
-}
-
 ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
   ScriptRequest request;
   request.kind = kind;
   const Program& program = world.running();
-  request.origin = &origin_of(program);
+  request.origin = &text_of_program(program).origin();
+  request.source = program.source;
   request.scene = program.scene;
+  request.from_scene = program.scene;
   request.node = program.id;
   request.location = program.scene->node(program.id).location;
   return request;
@@ -70,7 +65,7 @@ bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
   World& world = world_of(context);
   vrml::FieldValue nodes;
   args.rval().setUndefined();
-  if (world.ends()) return true;
+  if (world.ends() || world.running().ended) return true;
   if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.running().scene, nodes)) return false;
   if (!world.execution().replace_world(std::get<vrml::MFNode>(nodes)))
     return fail(context, "replaceWorld expects nodes of the world's own file");
@@ -82,8 +77,10 @@ bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
   std::string text;
   ListBox box;
   vrml::MFNode nodes;
+  vrml::SceneGraph* scene = nullptr;
   if (!text_of_value(context, args.get(0), text)) return false;
-  if (!world_of(context).create_from_string(context, text, nodes, box.scene)) return false;
+  if (!world_of(context).create_from_string(context, text, nodes, scene)) return false;
+  box.scene = scene;
   box.value = std::move(nodes);
   JSObject* const list = make_list(context, std::move(box), {});
   args.rval().setObjectOrNull(list);
@@ -98,11 +95,11 @@ bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   args.rval().setUndefined();
   if (!texts_argument(context, args, 0, request.urls) || !text_of_value(context, args.get(2), event)) return false;
   const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
-  if (!box || !world.execution().has_scene(box->scene) || !box->scene->contains(box->id))
-    return fail(context, "createVrmlFromURL expects a node that gets the nodes");
-  request.event_in = event_for_nodes(*box->scene, box->id, event);
+  vrml::SceneGraph* const scene = box ? box->live_scene() : nullptr;
+  if (!scene) return fail(context, "createVrmlFromURL expects a node that gets the nodes");
+  request.event_in = event_for_nodes(*scene, box->id, event);
   if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
-  request.scene = box->scene;
+  request.scene = scene;
   request.node = box->id;
   world.request(std::move(request));
   return true;
@@ -117,17 +114,21 @@ bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
   const NodeBox* const to = args.get(2).isObject() ? node_of(&args[2].toObject()) : nullptr;
   std::string out, in;
   if (!text_of_value(context, args.get(1), out) || !text_of_value(context, args.get(3), in)) return false;
-  if (!from || !to || from->scene != to->scene || !world.execution().has_scene(from->scene) ||
-      !from->scene->contains(from->id) || !to->scene->contains(to->id))
-    return fail(context, "expected two nodes of one file");
-  const auto found = route_between(*from->scene, from->id, out, to->id, in);
+  vrml::SceneGraph* const scene = from ? from->live_scene() : nullptr;
+  if (!scene || !to || to->live_scene() != scene) return fail(context, "expected two nodes of one file");
+  const auto found = route_between(*scene, from->id, out, to->id, in);
   if (const auto* const why = std::get_if<std::string>(&found)) return fail(context, *why);
   const vrml::Route& route = std::get<vrml::Route>(found);
-  // One more of the same changes nothing (4.10.2).
+  // A ROUTE tells its target the values of its source, and may replace the program of a Script.
+  const vrml::Node &source = scene->node(from->id), &target = scene->node(to->id);
+  const bool same_source = source.text->source() == target.text->source();
+  if (kAdd && !same_source && !world.may_read(source)) return true;
+  if (kAdd && sets_program(*target.type, *route.event_in) && !world.may_read(target)) return true;
+  // A second ROUTE between the same events changes nothing (4.10.2).
   if (kAdd)
-    (void)world.execution().add_route(*from->scene, route);
+    (void)world.execution().add_route(*scene, route);
   else
-    (void)world.execution().remove_route(*from->scene, route);
+    (void)world.execution().remove_route(*scene, route);
   return true;
 }
 
@@ -216,7 +217,7 @@ bool parse_int(JSContext* context, unsigned argc, JS::Value* vp) {
     args.rval().set(JS::NumberValue(std::trunc(args[0].toNumber()) + 0.0));
     return true;
   }
-  JS::RootedObject global(context, world_of(context).library());
+  JS::RootedObject global(context, library_of(context).global);
   JS::RootedValue result(context);
   if (!JS_CallFunctionName(context, global, "parseInt", JS::HandleValueArray(args), &result)) return false;
   args.rval().set(result);

@@ -1,5 +1,7 @@
 #include "app/script/engine.h"
 
+#include "app/script/job_queue.h"
+
 #include <js/ContextOptions.h>
 #include <js/GCAPI.h>
 #include <js/Initialization.h>
@@ -53,7 +55,7 @@ Engine* Engine::of_this_thread() {
   if (engine) return engine.get();
   JSContext* const context = JS_NewContext(kHeapOfEngine);
   if (!context) return nullptr;
-  if (!js::UseInternalJobQueues(context) || !JS::InitSelfHostedCode(context)) {
+  if (!JS::InitSelfHostedCode(context)) {
     JS_DestroyContext(context);
     return nullptr;
   }
@@ -61,8 +63,9 @@ Engine* Engine::of_this_thread() {
   return engine.get();
 }
 
-Engine::Engine(JSContext* context) : context_(context) {
+Engine::Engine(JSContext* context) : context_(context), jobs_(std::make_unique<JobQueue>(context)) {
   ++library().engines;
+  JS::SetJobQueue(context_, jobs_.get());
   JS_SetContextPrivate(context_, this);
   JS_SetNativeStackQuota(context_, kStack);
   // Programs of strangers get the compilers that are simplest; garbage goes at once, since nodes go with it.
@@ -82,13 +85,13 @@ Engine::~Engine() {
     wake_.notify_all();
     watcher_.join();
   }
-  js::StopDrainingJobQueue(context_);
+  jobs_->discard(0);
   JS_DestroyContext(context_);
   --library().engines;
 }
 
 Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes)
-    : engine_(engine), outermost_(engine.depth_++ == 0) {
+    : engine_(engine), outermost_(engine.depth_++ == 0), first_job_(engine.jobs_->size()) {
   if (!outermost_) return;
   engine_.stop_ = Stop::none;
   engine_.heap_limit_ = heap_bytes;
@@ -103,7 +106,10 @@ Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes)
   engine_.wake_.notify_all();
 }
 
+bool Engine::Turn::run_job(bool* good) { return engine_.jobs_->run_one(engine_.context_, first_job_, good); }
+
 Engine::Turn::~Turn() {
+  engine_.jobs_->discard(first_job_);
   if (--engine_.depth_ == 0) engine_.busy_.store(false, std::memory_order_release);
 }
 

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -14,6 +15,8 @@ namespace gs::app::script {
 
 /// Why a program was stopped that nothing of its own can catch.
 enum class Stop : std::uint8_t { none, time, memory };
+
+class JobQueue;
 
 /// SpiderMonkey on one thread, for all worlds of that thread; and the clock that ends programs which take too long.
 class Engine {
@@ -36,10 +39,13 @@ class Engine {
     /// What has ended it, if anything.
     [[nodiscard]] Stop stop() const { return engine_.stop_; }
     [[nodiscard]] bool outermost() const { return outermost_; }
+    /// Runs one promise job that this turn enqueued. Returns false if there is none. `*good`: see JobQueue::run_one.
+    bool run_job(bool* good);
 
    private:
     Engine& engine_;
     bool outermost_;
+    std::size_t first_job_;
   };
 
   /// Bytes of values that the engine does not count itself.
@@ -59,6 +65,7 @@ class Engine {
 
   using Clock = std::chrono::steady_clock;
   JSContext* context_;
+  std::unique_ptr<JobQueue> jobs_;
   int depth_ = 0;
   Stop stop_ = Stop::none;
   Clock::time_point deadline_;

@@ -44,7 +44,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
       const std::string_view wanted(name, length);
       if (left_out().contains(wanted)) return true;
       if (program && program->world) {
-        JS::RootedObject library(context, program->world->library());
+        JS::RootedObject library(context, program->library->global);
         JS::RootedValue value(context);
         bool has = false;
         const char* from = nullptr;
@@ -128,9 +128,11 @@ bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
 
 }  // namespace
 
-World& world_of(JSContext* context) {
-  return *static_cast<World*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context)));
+ScriptLibrary& library_of(JSContext* context) {
+  return *static_cast<ScriptLibrary*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context)));
 }
+
+World& world_of(JSContext* context) { return *library_of(context).world; }
 
 Program* program_of_global(JSObject* global) {
   if (JS::GetClass(global) != &kGlobalClass) return nullptr;
@@ -150,29 +152,6 @@ JSObject* new_global(JSContext* context, Program* program, JS::HandleObject besi
 
 void forget_program(JSObject* global) { JS::SetReservedSlot(global, kProgramSlot, JS::PrivateValue(nullptr)); }
 
-bool World::make_library() {
-  if (library_) return true;
-  JSContext* const context = engine_.context();
-  JS::RootedObject library(context, new_global(context, nullptr, nullptr));
-  if (!library) return false;
-  const JSAutoRealm realm(context, library);
-  JS_SetCompartmentPrivate(js::GetContextCompartment(context), this);
-  library_ = library;
-  const bool good = define_tuples(context, library, prototypes_) && define_images(context, library, prototypes_) &&
-                    define_lists(context, library, prototypes_) && define_nodes(context, library, prototypes_) &&
-                    define_matrices(context, library, prototypes_) && define_browser(context, library);
-  if (!good) {
-    JS_ClearPendingException(context);
-    library_ = nullptr;
-  }
-  // What one program could do to them would be seen by the others.
-  for (const JS::PersistentRootedObject& prototype : prototypes_) {
-    JS::RootedObject object(context, prototype);
-    if (object) (void)JS_FreezeObject(context, object);
-  }
-  return good;
-}
-
 bool World::is_own_name(std::string_view name) {
   static const std::unordered_set<std::string_view> names = {
       "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",
@@ -184,7 +163,7 @@ bool World::is_own_name(std::string_view name) {
 
 bool World::make_global(Program& program) {
   JSContext* const context = engine_.context();
-  JS::RootedObject global(context, new_global(context, &program, library_));
+  JS::RootedObject global(context, new_global(context, &program, program.library->global));
   if (!global) return false;
   program.global.init(context, global);
   const JSAutoRealm realm(context, global);
@@ -213,7 +192,7 @@ bool World::make_global(Program& program) {
   }
   if (settings_.repeatable) {
     JS::RootedValue math(context), random(context);
-    if (!JS_GetProperty(context, library_, "repeatableRandom", &random) ||
+    if (!JS_GetProperty(context, program.library->global, "repeatableRandom", &random) ||
         !JS_GetProperty(context, global, "Math", &math) || !math.isObject())
       return false;
     JS::RootedObject object(context, &math.toObject());

@@ -104,8 +104,8 @@ const JSFunctionSpec kImageMethods[] = {JS_FN("toString", image_to_text, 0, 0), 
 }  // namespace
 
 bool define_images(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
-  JS::RootedObject prototype(
-      context, JS_InitClass(context, library, nullptr, &kImageClass, construct_image, 4, kParts, kImageMethods, nullptr, nullptr));
+  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kImageClass, construct_image, 4, kParts,
+                                                   kImageMethods, nullptr, nullptr));
   if (!prototype) return false;
   prototypes[static_cast<std::size_t>(vrml::FieldType::SFImage)] = prototype;
   return true;
@@ -115,7 +115,7 @@ bool is_image(JSObject* object) { return JS::GetClass(object) == &kImageClass; }
 
 JSObject* make_image(JSContext* context, const vrml::PixelImage& image, Source source) {
   JS::RootedObject parent(context, source.parent);
-  JS::RootedObject prototype(context, world_of(context).prototype(vrml::FieldType::SFImage));
+  JS::RootedObject prototype(context, library_of(context).prototype(vrml::FieldType::SFImage));
   JS::RootedObject made(context, JS_NewObjectWithGivenProto(context, &kImageClass, prototype));
   if (!made) return nullptr;
   JS::SetReservedSlot(made, kWidth, JS::Int32Value(static_cast<std::int32_t>(image.width())));

@@ -48,19 +48,19 @@ std::size_t count_of(const FieldValue& value) {
 }
 
 void release(ListBox& box) {
-  if (box.link && box.link->execution)
-    for (const vrml::NodeId id : box.held) box.link->execution->release(*box.scene, id);
+  if (const vrml::SceneGraph* const scene = box.scene.in(box.link.get()))
+    for (const vrml::NodeId id : box.held) box.link->execution->release(*scene, id);
   box.held.clear();
 }
 
 // Nodes in it are held, and bytes counted.
 void keep(ListBox& box, JSObject* object) {
   if (box.program) return;
-  if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value);
-      nodes && box.scene && box.link && box.link->execution && box.link->execution->has_scene(box.scene)) {
+  const vrml::SceneGraph* const scene = box.scene.in(box.link.get());
+  if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value); nodes && scene) {
     const std::vector<vrml::NodeId> before = std::exchange(box.held, {nodes->begin(), nodes->end()});
-    for (const vrml::NodeId id : box.held) box.link->execution->hold(*box.scene, id);
-    for (const vrml::NodeId id : before) box.link->execution->release(*box.scene, id);
+    for (const vrml::NodeId id : box.held) box.link->execution->hold(*scene, id);
+    for (const vrml::NodeId id : before) box.link->execution->release(*scene, id);
   }
   const std::size_t bytes = std::visit(
       [](const auto& array) -> std::size_t {
@@ -149,8 +149,7 @@ class ListHandler final : public LiveProxyHandler {
       *found = true;
       return true;
     }
-    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
-    return JS_HasPropertyById(context, prototype, id, found);
+    return has_inherited(context, proxy, id, found);
   }
   bool get(JSContext* context, JS::HandleObject proxy, JS::HandleValue receiver, JS::HandleId id,
            JS::MutableHandleValue result) const override {
@@ -162,8 +161,7 @@ class ListHandler final : public LiveProxyHandler {
       result.setNumber(static_cast<double>(value ? count_of(*value) : 0));
       return true;
     }
-    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
-    return JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
+    return get_inherited(context, proxy, id, receiver, result);
   }
   bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
            JS::ObjectOpResult& result) const override {
@@ -222,7 +220,7 @@ class ListHandler final : public LiveProxyHandler {
       const FieldType of = value ? element_of(vrml::type_of(*value)) : FieldType::SFNode;
       if (of == FieldType::SFColor || of == FieldType::SFVec2f || of == FieldType::SFVec3f ||
           of == FieldType::SFRotation)
-        return to_value(context, box.scene, vrml::initial_value(of), {proxy, index}, result);
+        return to_value(context, box.scene.in(box.link.get()), vrml::initial_value(of), {proxy, index}, result);
       result.setUndefined();
       return true;
     }
@@ -237,7 +235,8 @@ class ListHandler final : public LiveProxyHandler {
               result.setInt32(array[index]);
               return true;
             } else {
-              return to_value(context, box.scene, FieldValue(T(array[index])), {proxy, index}, result);
+              return to_value(context, box.scene.in(box.link.get()), FieldValue(T(array[index])), {proxy, index},
+                              result);
             }
           } else {
             return false;
@@ -295,9 +294,18 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!box) return fail(context, "called on something that is no list");
   std::string text;
   static const vrml::SceneGraph nothing;
-  const FieldValue* const value = list_value(*box);
-  const bool has_scene = box->scene && world_of(context).execution().has_scene(box->scene);
-  if (value) vrml::print_value(text, *value, has_scene ? *box->scene : nothing);
+  const FieldValue* value = list_value(*box);
+  const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
+  // Names of nodes are a part of them.
+  FieldValue readable;
+  if (const auto* const nodes = scene && value ? std::get_if<vrml::MFNode>(value) : nullptr) {
+    vrml::MFNode some;
+    for (const vrml::NodeId id : *nodes)
+      if (!scene->contains(id) || world_of(context).may_read(scene->node(id))) some.push_back(id);
+    readable = std::move(some);
+    value = &readable;
+  }
+  if (value) vrml::print_value(text, *value, scene ? *scene : nothing);
   return make_string(context, text, args.rval());
 }
 
@@ -341,16 +349,17 @@ FieldValue* list_value(ListBox& box) {
 }
 
 JSObject* make_list(JSContext* context, ListBox box, Source source) {
-  World& world = world_of(context);
+  ScriptLibrary& library = library_of(context);
+  World& world = *library.world;
   JS::RootedObject parent(context, source.parent);
   const FieldType type =
       box.program ? world.execution().schema_of_node(box.program->node).interfaces[box.place].declaration->type
                   : vrml::type_of(box.value);
   auto own = std::make_unique<ListBox>(std::move(box));
-  own->link = world.link();
+  own->link = library.link;
   own->engine = &world.engine();
   JS::RootedValue place(context, JS::PrivateValue(own.get()));
-  JSObject* const made = js::NewProxyObject(context, &kListHandler, place, world.prototype(type));
+  JSObject* const made = js::NewProxyObject(context, &kListHandler, place, library.prototype(type));
   if (!made) return nullptr;
   ListBox& kept = *own.release();
   js::SetProxyReservedSlot(made, kParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
@@ -364,7 +373,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   FieldValue* field = list_value(box);
   if (!field) return true;
   FieldValue element;
-  if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene, element)) return false;
+  if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene.in(box.link.get()), element)) return false;
   field = list_value(box);  // the program may have changed it meanwhile
   if (index >= count_of(*field)) {
     if (index >= kMostElements) return fail(context, "index beyond what a list may have");
@@ -379,6 +388,11 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
       },
       *field);
   return ListHandler::changed(context, list, box);
+}
+
+void forget_program_of_list(ListBox& box) {
+  box.value = vrml::initial_value(vrml::type_of(*list_value(box)));
+  box.program = nullptr;
 }
 
 bool flush_list(JSContext* context, JS::HandleObject list) {

@@ -1,13 +1,14 @@
 #pragma once
 
 #include <js/Object.h>
+#include <js/PropertyAndElement.h>
 #include <js/Proxy.h>
 #include <jsfriendapi.h>
 
 namespace gs::app::script {
 
-/// What proxies for values of the world have in common: an ordinary prototype, properties that may come at any time,
-/// and an end on the thread of the world.
+/// Base of the proxies for values of a world. They have an ordinary prototype, accept new properties at any time, and
+/// are finalized on the world's thread.
 class LiveProxyHandler : public js::BaseProxyHandler {
  public:
   explicit constexpr LiveProxyHandler(const void* family) : BaseProxyHandler(family) {}
@@ -25,6 +26,20 @@ class LiveProxyHandler : public js::BaseProxyHandler {
   bool isExtensible(JSContext*, JS::HandleObject, bool* extensible) const override {
     *extensible = true;
     return true;
+  }
+
+ protected:
+  // Programs may set any prototype, also null.
+  static bool has_inherited(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) {
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    *found = false;
+    return !prototype || JS_HasPropertyById(context, prototype, id, found);
+  }
+  static bool get_inherited(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue receiver,
+                            JS::MutableHandleValue result) {
+    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
+    result.setUndefined();
+    return !prototype || JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
   }
 };
 

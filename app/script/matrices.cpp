@@ -38,7 +38,7 @@ void set_matrix(JSObject* object, const glm::dmat4& matrix) {
 }
 
 bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
-  JS::RootedObject prototype(context, world_of(context).matrix_prototype());
+  JS::RootedObject prototype(context, library_of(context).matrix_prototype());
   JSObject* const made = JS_NewObjectWithGivenProto(context, &kMatrixClass, prototype);
   if (!made) return false;
   set_matrix(made, matrix);
@@ -231,7 +231,7 @@ template <int kRow>
 bool get_row(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   if (!is_matrix(args.thisv())) return fail(context, "called on something that is no VrmlMatrix");
-  JS::RootedObject prototype(context, world_of(context).row_prototype());
+  JS::RootedObject prototype(context, library_of(context).row_prototype());
   JSObject* const row = JS_NewObjectWithGivenProto(context, &kRowClass, prototype);
   if (!row) return false;
   JS::SetReservedSlot(row, 0, args.thisv());
@@ -248,28 +248,24 @@ bool define_element(JSContext* context, JS::HandleObject prototype, std::uint32_
   return get_object && JS_DefineElement(context, prototype, index, get_object, set_object, JSPROP_PERMANENT);
 }
 
-const JSFunctionSpec kMatrixMethods[] = {JS_FN("setTransform", set_transform, 5, 0),
-                                   JS_FN("getTransform", get_transform, 3, 0),
-                                   JS_FN("inverse", inverse_matrix, 0, 0),
-                                   JS_FN("transpose", transpose, 0, 0),
-                                   JS_FN("multLeft", mult<true>, 1, 0),
-                                   JS_FN("multRight", mult<false>, 1, 0),
-                                   JS_FN("multVecMatrix", mult_vec<true>, 1, 0),
-                                   JS_FN("multMatrixVec", mult_vec<false>, 1, 0),
-                                   JS_FN("toString", matrix_to_text, 0, 0),
-                                   JS_FS_END};
+const JSFunctionSpec kMatrixMethods[] = {
+    JS_FN("setTransform", set_transform, 5, 0),   JS_FN("getTransform", get_transform, 3, 0),
+    JS_FN("inverse", inverse_matrix, 0, 0),       JS_FN("transpose", transpose, 0, 0),
+    JS_FN("multLeft", mult<true>, 1, 0),          JS_FN("multRight", mult<false>, 1, 0),
+    JS_FN("multVecMatrix", mult_vec<true>, 1, 0), JS_FN("multMatrixVec", mult_vec<false>, 1, 0),
+    JS_FN("toString", matrix_to_text, 0, 0),      JS_FS_END};
 
 }  // namespace
 
 bool define_matrices(JSContext* context, JS::HandleObject library,
                      std::vector<JS::PersistentRootedObject>& prototypes) {
-  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix, 16, nullptr,
-                                                   kMatrixMethods, nullptr, nullptr));
+  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix, 16,
+                                                   nullptr, kMatrixMethods, nullptr, nullptr));
   JS::RootedObject row(context, JS_NewPlainObject(context));
   if (!prototype || !row) return false;
   set_matrix(prototype, glm::dmat4(1));
-  prototypes[World::kMatrixPrototype] = prototype;
-  prototypes[World::kRowPrototype] = row;
+  prototypes[ScriptLibrary::kMatrixPrototype] = prototype;
+  prototypes[ScriptLibrary::kRowPrototype] = row;
   return define_element(context, prototype, 0, get_row<0>, nullptr) &&
          define_element(context, prototype, 1, get_row<1>, nullptr) &&
          define_element(context, prototype, 2, get_row<2>, nullptr) &&

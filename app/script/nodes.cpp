@@ -19,7 +19,7 @@ namespace {
 using vrml::AccessType;
 using vrml::InterfaceDeclaration;
 
-std::uint64_t key_of(vrml::NodeId id) { return std::uint64_t{id.generation} << 32 | id.index; }
+NodeKey key_of(const NodeBox& box) { return {box.scene.serial(), box.id}; }
 
 // The name of a property; empty: it is no name.
 bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
@@ -29,9 +29,16 @@ bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
   return text_of_value(context, value, name);
 }
 
-const vrml::Node* node_in_world(JSContext* context, const NodeBox& box) {
-  if (!world_of(context).execution().has_scene(box.scene) || !box.scene->contains(box.id)) return nullptr;
-  return &box.scene->node(box.id);
+// Returns null if the node is no longer part of the world.
+const vrml::Node* node_in_world(const NodeBox& box) {
+  const vrml::SceneGraph* const scene = box.live_scene();
+  return scene ? &scene->node(box.id) : nullptr;
+}
+
+// Returns null for nodes that the running program may not read, as well.
+const vrml::Node* readable_node(JSContext* context, const NodeBox& box) {
+  const vrml::Node* const node = node_in_world(box);
+  return node && world_of(context).may_read(*node) ? node : nullptr;
 }
 
 std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& declaration) {
@@ -68,15 +75,13 @@ class NodeHandler final : public LiveProxyHandler {
 
   void finalize(JS::GCContext*, JSObject* proxy) const override {
     auto* const box = static_cast<NodeBox*>(js::GetProxyPrivate(proxy).toPrivate());
-    if (const auto own = box->link->objects.find(key_of(box->id));
-        own != box->link->objects.end() && own->second == proxy)
+    if (const auto own = box->link->objects.find(key_of(*box)); own != box->link->objects.end() && own->second == proxy)
       box->link->objects.erase(own);
-    if (box->link->execution && box->link->execution->has_scene(box->scene))
-      box->link->execution->release(*box->scene, box->id);
+    if (vrml::SceneGraph* const scene = box->scene.in(box->link.get())) box->link->execution->release(*scene, box->id);
     delete box;
   }
   bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
-    const vrml::Node* const node = node_in_world(context, *node_of(proxy));
+    const vrml::Node* const node = readable_node(context, *node_of(proxy));
     if (!node) return true;
     for (const InterfaceDeclaration& one : node->type->interfaces) {
       JS::RootedString name(context, JS_AtomizeString(context, one.name.c_str()));
@@ -90,9 +95,8 @@ class NodeHandler final : public LiveProxyHandler {
     found.reset();
     bool known = false;
     if (!has(context, proxy, id, &known)) return false;
-    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
     bool inherited = false;
-    if (!JS_HasPropertyById(context, prototype, id, &inherited)) return false;
+    if (!has_inherited(context, proxy, id, &inherited)) return false;
     if (!known || inherited) return true;
     JS::RootedValue value(context), receiver(context, JS::ObjectValue(*proxy));
     if (!get(context, proxy, receiver, id, &value)) return false;
@@ -114,27 +118,30 @@ class NodeHandler final : public LiveProxyHandler {
   bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
-    const vrml::Node* const node = node_in_world(context, *node_of(proxy));
-    *found = node && !name.empty() && (readable(*node->type, name) || event_in(*node->type, name));
+    const vrml::Node* const node = node_in_world(*node_of(proxy));
+    *found = node && !name.empty() &&
+             (event_in(*node->type, name) || (readable(*node->type, name) && world_of(context).may_read(*node)));
     if (*found) return true;
-    JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
-    return JS_HasPropertyById(context, prototype, id, found);
+    return has_inherited(context, proxy, id, found);
   }
   bool get(JSContext* context, JS::HandleObject proxy, JS::HandleValue receiver, JS::HandleId id,
            JS::MutableHandleValue result) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
     const NodeBox& box = *node_of(proxy);
-    const vrml::Node* const node = node_in_world(context, box);
+    const vrml::Node* const node = node_in_world(box);
     const InterfaceDeclaration* const declaration = node && !name.empty() ? readable(*node->type, name) : nullptr;
-    if (!declaration) {
-      JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
-      return JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
+    if (declaration && !world_of(context).may_read(*node)) {
+      result.setUndefined();
+      return true;
     }
+    if (!declaration) return get_inherited(context, proxy, id, receiver, result);
     World& world = world_of(context);
     if (!world.flush_changed(context)) return false;
-    const vrml::FieldValue* value = world.posted(*box.scene, box.id, *declaration);
-    if (!value) value = world.execution().last_value(*box.scene, box.id, *declaration);
+    vrml::SceneGraph* const scene = box.live_scene();  // flushing runs setters of the program
+    if (!scene) return true;
+    const vrml::FieldValue* value = world.posted(*scene, box.id, *declaration);
+    if (!value) value = world.execution().last_value(*scene, box.id, *declaration);
     if (!value) {
       result.setUndefined();
       return true;
@@ -142,14 +149,14 @@ class NodeHandler final : public LiveProxyHandler {
     const bool writable = declaration->access == AccessType::exposedField;
     const Source source = writable ? Source{proxy, place_of(*node->type, *declaration)} : Source{};
     const vrml::FieldValue copy = *value;
-    return to_value(context, box.scene, copy, source, result);
+    return to_value(context, scene, copy, source, result);
   }
   bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
            JS::ObjectOpResult& result) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
     const NodeBox& box = *node_of(proxy);
-    const vrml::Node* const node = node_in_world(context, box);
+    const vrml::Node* const node = node_in_world(box);
     if (!node) return result.succeed();
     const InterfaceDeclaration* const declaration = event_in(*node->type, name);
     if (!declaration) {
@@ -189,7 +196,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
 bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
   return make_string(context, node ? node->type->name + " { }" : std::string("NULL"), args.rval());
 }
 
@@ -197,13 +204,13 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
 bool type_name(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
   return make_string(context, node ? node->type->name : std::string(), args.rval());
 }
 bool node_name(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? node_in_world(context, *box) : nullptr;
+  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
   return make_string(context, node ? std::string(node->name) : std::string(), args.rval());
 }
 
@@ -232,28 +239,37 @@ NodeBox* node_of(JSObject* object) {
   return static_cast<NodeBox*>(js::GetProxyPrivate(object).toPrivate());
 }
 
+bool sets_program(const vrml::NodeType& type, const InterfaceDeclaration& event_in) {
+  return vrml::has(type.role, vrml::Role::script) && event_in.name == "url";
+}
+
 JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId id) {
   World& world = world_of(context);
-  auto& objects = world.link()->objects;
-  if (const auto known = objects.find(key_of(id)); known != objects.end()) return known->second;
-  auto box = std::make_unique<NodeBox>(NodeBox{world.link(), &scene, id});
+  ScriptLibrary& library = library_of(context);
+  auto& objects = library.link->objects;
+  auto box = std::make_unique<NodeBox>(NodeBox{library.link, &scene, id});
+  const NodeKey key = key_of(*box);
+  if (const auto known = objects.find(key); known != objects.end()) return known->second;
   JS::RootedValue place(context, JS::PrivateValue(box.get()));
-  JSObject* const made = js::NewProxyObject(context, &kNodeHandler, place, world.prototype(vrml::FieldType::SFNode));
+  JSObject* const made = js::NewProxyObject(context, &kNodeHandler, place, library.prototype(vrml::FieldType::SFNode));
   if (!made) return nullptr;
   (void)box.release();
   world.execution().hold(scene, id);
-  objects[key_of(id)] = made;
+  objects[key] = made;
   return made;
 }
 
 bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t place, JS::HandleValue value) {
   const NodeBox& box = *node_of(object);
-  const vrml::Node* const node = node_in_world(context, box);
+  const vrml::Node* const node = node_in_world(box);
   if (!node || place >= node->type->interfaces.size()) return true;
   const InterfaceDeclaration& declaration = node->type->interfaces[place];
+  if (sets_program(*node->type, declaration) && !world_of(context).may_read(*node)) return true;
+  vrml::SceneGraph* scene = box.live_scene();
   vrml::FieldValue field;
-  if (!to_field(context, value, declaration.type, box.scene, field)) return false;
-  return world_of(context).post(context, *box.scene, box.id, declaration, std::move(field));
+  if (!to_field(context, value, declaration.type, scene, field)) return false;
+  scene = box.live_scene();  // the conversion may call functions of the program
+  return !scene || world_of(context).post(context, *scene, box.id, declaration, std::move(field));
 }
 
 }  // namespace gs::app::script

@@ -5,6 +5,7 @@
 #include "vrml/events/node_names.h"
 #include "vrml/syntax/parser.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,11 +15,12 @@
 // thread of the world.
 namespace gs::app {
 
-/// Makes nodes of a text (createVrmlFromString): they are in no field yet, and who may use them holds them before
-/// events go on. `label`: what messages call the text; `written_by`: in whose name.
+/// Makes nodes of a text (createVrmlFromString). No field holds them yet: hold them before events go on. `label` names
+/// the text in messages. `written_by` and `fetched_from`: see vrml::read_into.
 [[nodiscard]] vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scene,
                                             const std::string& label, std::string_view text,
-                                            vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by);
+                                            vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                            std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
 
 /// Sends nodes that were made to where create_from_url asked for them. False: that is not there any more.
 bool send_made(vrml::Execution& execution, const ScriptRequest& request, const vrml::MFNode& nodes);

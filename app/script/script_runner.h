@@ -32,8 +32,10 @@ struct ScriptRequest {
   Kind kind = Kind::load_url;
   std::vector<std::string> urls, parameters;
   std::string text;
-  const vrml::SourceText* origin = nullptr;  // in whose name
-  vrml::SceneGraph* scene = nullptr;         // of the Script, or of the node that gets the event
+  const vrml::SourceText* origin = nullptr;        // SourceText::origin of the Script's text
+  std::shared_ptr<const vrml::TextSource> source;  // of the Script's text
+  const vrml::SceneGraph* from_scene = nullptr;    // the scene of the Script
+  vrml::SceneGraph* scene = nullptr;               // of the Script, or of the node that gets the event
   vrml::NodeId node;
   const vrml::InterfaceDeclaration* event_in = nullptr;
   vrml::SourceLocation location;  // of the Script
@@ -82,6 +84,12 @@ class ScriptRunner : public vrml::ScriptHost {
   /// Is given each message at once, in place of take_messages.
   virtual void observe(std::function<void(const ScriptMessage&)> observer) = 0;
   [[nodiscard]] virtual std::vector<ScriptRequest> take_requests() = 0;
+  /// Drops the requests that name a scene, or come from one, which is about to be removed.
+  virtual void forget_scene(const vrml::SceneGraph& scene) = 0;
+  /// URL of the first private text that a Script of this world has read (script/read_rule.h); empty if there is none.
+  [[nodiscard]] virtual const std::string& private_file() const = 0;
+  /// Treats the world as if a Script had read this text, for a world that such a Script has opened.
+  virtual void assume_private(const std::string& file) = 0;
   /// Whether the last step had no time left for all programs.
   [[nodiscard]] virtual bool is_late() const = 0;
 };

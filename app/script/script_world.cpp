@@ -42,9 +42,9 @@ namespace {
 // What Date tells, in microseconds since 1970.
 double date_of(double now, JSContext* context) {
   const JS::Realm* const realm = js::GetContextRealm(context);
-  auto* const world =
-      realm ? static_cast<World*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context))) : nullptr;
-  return world && world->is_repeatable() ? world->date() * 1e6 : now;
+  const auto* const library =
+      realm ? static_cast<ScriptLibrary*>(JS_GetCompartmentPrivate(js::GetContextCompartment(context))) : nullptr;
+  return library && library->world->is_repeatable() ? library->world->date() * 1e6 : now;
 }
 
 }  // namespace
@@ -53,11 +53,8 @@ World::World(vrml::Execution& execution, Engine& engine, Settings settings)
     : execution_(execution),
       engine_(engine),
       settings_(settings),
-      library_(engine.context()),
       changed_(engine.context(), JS::StackGCVector<JSObject*>(engine.context())) {
-  link_->execution = &execution;
   JS::SetReduceMicrosecondTimePrecisionCallback(date_of);
-  for (int i = 0; i <= kRowPrototype; ++i) prototypes_.emplace_back(engine.context());
 }
 
 World::~World() {
@@ -68,11 +65,12 @@ World::~World() {
   std::sort(nodes.begin(), nodes.end());
   for (const vrml::EventNode node : nodes) end(node);
   for (const vrml::EventNode node : nodes) forget(node);
-  if (library_) {
-    const JSAutoRealm realm(engine_.context(), library_);
+  for (const auto& [key, library] : libraries_) {
+    library->link->execution = nullptr;
+    if (!library->global) continue;
+    const JSAutoRealm realm(engine_.context(), library->global);
     JS_SetCompartmentPrivate(js::GetContextCompartment(engine_.context()), nullptr);
   }
-  link_->execution = nullptr;
 }
 
 Program* World::program_of(vrml::EventNode node) const {
@@ -114,21 +112,8 @@ void World::run(Program& program, const Do& what) {
   {
     Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
     const JSAutoRealm realm(context, program.global);
-    bool good = what();
-    if (good) js::RunJobs(context);
-    good = good && turn.stop() == Stop::none;
-    if (!good) {
-      if (turn.stop() == Stop::none && JS_IsExceptionPending(context)) {
-        report_exception(program);
-      } else if (turn.stop() == Stop::memory) {
-        fault(program, "the program takes more memory than the " + std::to_string(limits.script_heap >> 20) +
-                           " MiB that programs of a world may have");
-      } else {
-        fault(program,
-              turn.stop() == Stop::time ? "the program did not come to its end in time" : "the program failed");
-      }
-      JS_ClearPendingException(context);
-    }
+    if (!what() || turn.stop() != Stop::none) report_failure(program, turn);
+    run_jobs(program, turn);
     if (!flush_changed(context)) JS_ClearPendingException(context);
   }
   send_all(program);
@@ -140,6 +125,27 @@ void World::run(Program& program, const Do& what) {
     longest_ = took;
     slowest_ = program.node;
   }
+}
+
+// Jobs run after an exception as well, as in web browsers, but not after a stop: the turn discards them.
+void World::run_jobs(Program& program, Engine::Turn& turn) {
+  bool good = true;
+  while (turn.stop() == Stop::none && turn.run_job(&good))
+    if (!good || turn.stop() != Stop::none) report_failure(program, turn);
+}
+
+void World::report_failure(Program& program, const Engine::Turn& turn) {
+  JSContext* const context = engine_.context();
+  if (turn.stop() == Stop::none && JS_IsExceptionPending(context)) {
+    report_exception(program);
+  } else if (turn.stop() == Stop::memory) {
+    fault(program, "the program takes more memory than the " +
+                       std::to_string(execution_.root().limits().script_heap >> 20) +
+                       " MiB that programs of a world may have");
+  } else {
+    fault(program, turn.stop() == Stop::time ? "the program did not come to its end in time" : "the program failed");
+  }
+  JS_ClearPendingException(context);
 }
 
 // Events of what was assigned, at the completion of the function (C.5.2, C.5.3).
@@ -167,6 +173,7 @@ bool World::begin(vrml::EventNode node) {
   made->node = node;
   made->id = at.node;
   made->scene = execution_.own_scene(*at.scene);
+  made->source = text_of_program(*made).source();
   programs_[node] = std::move(made);
   return go_on(node);
 }
@@ -176,7 +183,8 @@ bool World::go_on(vrml::EventNode node) {
   const vrml::Node& script = program.scene->node(program.id);
   const vrml::InterfaceDeclaration* const url = script.type->find_field("url");
   const vrml::MFString urls = url ? std::get<vrml::MFString>(script.values[url->slot]) : vrml::MFString{};
-  if (!make_library()) {
+  program.library = library_of_source(program.source);
+  if (!program.library) {
     report(vrml::Severity::error, program, "there is no memory for programs");
     return false;
   }
@@ -187,11 +195,13 @@ bool World::go_on(vrml::EventNode node) {
     if (!program.global && !make_global(program)) return false;
     if (!load(program, text, name, at_place)) return false;
     program.runs = true;
-    JSContext* const context = engine_.context();
-    const JSAutoRealm realm(context, program.global);
-    JS::RootedValue function(context);
-    program.has_processed = JS_GetProperty(context, program.global, "eventsProcessed", &function) &&
-                            function.isObject() && JS::IsCallable(&function.toObject());
+    run(program, [&] {
+      JSContext* const context = engine_.context();
+      JS::RootedValue function(context);
+      if (!JS_GetProperty(context, program.global, "eventsProcessed", &function)) return false;
+      program.has_processed = function.isObject() && JS::IsCallable(&function.toObject());
+      return true;
+    });
     call(program, "initialize");
     return true;
   };
@@ -218,7 +228,9 @@ bool World::go_on(vrml::EventNode node) {
       wanted.scene = program.scene;
       wanted.node = program.id;
       wanted.location = script.location;
-      wanted.origin = &(url ? program.scene->text_of(program.id, url->slot) : *script.text).origin();
+      wanted.origin = &text_of_program(program).origin();
+      wanted.source = program.source;
+      wanted.from_scene = program.scene;
       // All files up to the next program that is held here: whoever fetches takes the first that can be had.
       while (program.next_url < urls.size() &&
              program_place(urls[program.next_url].view()).kind == ProgramPlace::Kind::file)
@@ -277,6 +289,7 @@ void World::events_processed(vrml::EventNode node) {
 void World::end(vrml::EventNode node) {
   Program* const program = program_of(node);
   if (!program || !std::exchange(program->runs, false)) return;
+  program->ended = true;
   call(*program, "shutdown");
 }
 
@@ -286,7 +299,7 @@ void World::forget(vrml::EventNode node) {
   if (found == programs_.end()) return;
   if (Program* const program = found->second.get()) {
     for (const auto& list : program->lists)
-      if (list) list_of(*list)->program = nullptr;
+      if (list) forget_program_of_list(*list_of(*list));
     if (program->global) forget_program(program->global);
   }
   programs_.erase(found);
@@ -353,7 +366,7 @@ void World::print(std::string text) {
 void World::warn_once(std::string text) { report(vrml::Severity::warning, *running_, std::move(text)); }
 
 void World::request(ScriptRequest request) {
-  if (!ends_ && requests_.size() < kMostRequests) requests_.push_back(std::move(request));
+  if (!ends_ && !running_->ended && requests_.size() < kMostRequests) requests_.push_back(std::move(request));
 }
 
 void World::own_changed(Program& program, std::uint32_t place) {
@@ -376,8 +389,7 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
   (void)context;
   // What adds and removes children is meant each time, though only the last event of an eventIn would be sent (C.5.2).
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
-  const std::uint64_t key = (std::uint64_t{node.generation} << 32 | node.index) * 0x9e3779b97f4a7c15U ^
-                            reinterpret_cast<std::uintptr_t>(&event_in);
+  const PostKey key{{scene.serial(), node}, &event_in};
   if (!each)
     if (const auto known = last_posts_.find(key); known != last_posts_.end()) {
       posts_[known->second].value = std::move(value);
@@ -390,10 +402,7 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
 
 const vrml::FieldValue* World::posted(const vrml::SceneGraph& scene, vrml::NodeId node,
                                       const vrml::InterfaceDeclaration& event_in) const {
-  const std::uint64_t key = (std::uint64_t{node.generation} << 32 | node.index) * 0x9e3779b97f4a7c15U ^
-                            reinterpret_cast<std::uintptr_t>(&event_in);
-  const auto known = last_posts_.find(key);
-  (void)scene;
+  const auto known = last_posts_.find(PostKey{{scene.serial(), node}, &event_in});
   return known == last_posts_.end() ? nullptr : &posts_[known->second].value;
 }
 
@@ -407,6 +416,7 @@ bool World::flush_changed(JSContext* context) {
   bool good = true;
   for (std::size_t i = 0; i < changed_.get().length(); ++i) {
     JS::RootedObject list(context, changed_.get()[i]);
+    const JSAutoRealm realm(context, list);  // a turn inside another one may belong to another library
     good = flush_list(context, list) && good;
   }
   changed_.get().clear();
@@ -416,10 +426,10 @@ bool World::flush_changed(JSContext* context) {
 bool World::create_from_string(JSContext* context, std::string_view text, vrml::MFNode& nodes,
                                vrml::SceneGraph*& scene) {
   scene = running_->scene;
-  if (ends_) return fail(context, "no nodes are made in shutdown()");
-  const vrml::Node& script = scene->node(running_->id);
+  if (ends_ || running_->ended) return fail(context, "shutdown() cannot create nodes");
   vrml::Diagnostics diagnostics;
-  vrml::RunTimeNodes made = make_nodes(execution_, *scene, label(*running_), text, diagnostics, &script.text->origin());
+  vrml::RunTimeNodes made =
+      make_nodes(execution_, *scene, label(*running_), text, diagnostics, &text_of_program(*running_));
   for (const vrml::Diagnostic& one : diagnostics.entries())
     if (said_.size() < kMostSaid && said_.insert(one.text()).second) tell({one, false});
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "the text is no VRML97");

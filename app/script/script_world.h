@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/script/engine.h"
+#include "app/script/read_rule.h"
 #include "app/script/script_runner.h"
 
 #include <jsapi.h>
@@ -14,11 +15,12 @@
 #include <utility>
 #include <vector>
 
-// The inside of ScriptRunner. Each Script has a global object of its own, so that names without `var` are its own, too;
-// the objects of VRML97's types are made once a world, and shared by all of them.
+// The inside of ScriptRunner. Each Script has its own global object, so names without `var` belong to one Script. The
+// objects of VRML97's types form a library, which the Scripts of one site or local file share (read_rule.h).
 namespace gs::app::script {
 
 class World;
+struct ScriptLibrary;
 
 /// Properties that programs find in a list of them, and cannot delete.
 constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
@@ -26,30 +28,71 @@ constexpr unsigned kProperty = JSPROP_ENUMERATE | JSPROP_PERMANENT;
 /// A Script and its program.
 struct Program {
   World* world = nullptr;
+  ScriptLibrary* library = nullptr;
   vrml::EventNode node = 0;
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
+  std::shared_ptr<const vrml::TextSource> source;  // of the text that holds the program, or names it
+  /// Decisions so far, by the source of nodes. The pointers keep the keys alive.
+  std::unordered_map<const vrml::TextSource*, std::pair<std::shared_ptr<const vrml::TextSource>, Reading>> readings;
   JS::PersistentRootedObject global;
   std::vector<jsid> names;                                         // by place in the type's interfaces
   std::vector<std::unique_ptr<JS::PersistentRootedObject>> lists;  // likewise: the object of an MF field or eventOut
   std::vector<bool> unsent;                                        // likewise: eventOuts that were assigned
   std::vector<std::uint32_t> to_send;
   bool runs = false, waits = false, off = false, has_processed = false, told_direct = false;
+  bool ended = false;  // shutdown() has been called
   int faults = 0;
   std::size_t next_url = 0;  // of the url list: what has not been tried
 };
 
-/// What outlives a world, since garbage may be collected later.
+/// Node of any scene of a world. NodeIds alone repeat from scene to scene.
+struct NodeKey {
+  std::uint64_t scene = 0;  // SceneGraph::serial
+  vrml::NodeId id;
+  friend bool operator==(const NodeKey&, const NodeKey&) = default;
+};
+struct HashNodeKey {
+  std::size_t operator()(const NodeKey& key) const {
+    return static_cast<std::size_t>(
+        ((std::uint64_t{key.id.generation} << 32 | key.id.index) + key.scene * 0x85ebca6bU) * 0x9e3779b97f4a7c15U);
+  }
+};
+
+/// Part of a library that outlives its world, for objects that are collected later.
 struct Link {
-  vrml::Execution* execution = nullptr;                  // null: the world is gone
-  std::unordered_map<std::uint64_t, JSObject*> objects;  // of nodes, by index and generation
+  vrml::Execution* execution = nullptr;                         // null if the world is gone
+  std::unordered_map<NodeKey, JSObject*, HashNodeKey> objects;  // of nodes
+};
+
+/// Scene of a value that a program keeps; the scene may be removed meanwhile.
+class SceneRef {
+ public:
+  SceneRef() = default;
+  SceneRef(vrml::SceneGraph* scene) : scene_(scene), serial_(scene ? scene->serial() : 0) {}
+  /// Returns null if the scene is no longer part of the world.
+  [[nodiscard]] vrml::SceneGraph* in(const Link* link) const {
+    return scene_ && link && link->execution && link->execution->has_scene(scene_) && scene_->serial() == serial_
+               ? scene_
+               : nullptr;
+  }
+  [[nodiscard]] std::uint64_t serial() const { return serial_; }
+
+ private:
+  vrml::SceneGraph* scene_ = nullptr;
+  std::uint64_t serial_ = 0;
 };
 
 /// A node that a program knows; it is held.
 struct NodeBox {
   std::shared_ptr<Link> link;
-  vrml::SceneGraph* scene = nullptr;
+  SceneRef scene;
   vrml::NodeId id;
+  /// Returns null if the node is no longer part of the world.
+  [[nodiscard]] vrml::SceneGraph* live_scene() const {
+    vrml::SceneGraph* const in_world = scene.in(link.get());
+    return in_world && in_world->contains(id) ? in_world : nullptr;
+  }
 };
 
 /// A value of an MF type: that of a Script's field or eventOut, or one that only the program has.
@@ -58,11 +101,25 @@ struct ListBox {
   Engine* engine = nullptr;
   Program* program = nullptr;  // whose field or eventOut it is; null: nobody's
   std::uint32_t place = 0;
-  vrml::SceneGraph* scene = nullptr;  // of nodes
-  vrml::FieldValue value;             // where it is nobody's
+  SceneRef scene;          // of nodes
+  vrml::FieldValue value;  // where it is nobody's
   std::vector<vrml::NodeId> held;
   std::size_t counted = 0;  // bytes
   bool changed = false;     // what it was read from is to get its value
+};
+
+/// Objects of VRML97's types and of the browser, in a compartment of their own.
+struct ScriptLibrary {
+  World* world = nullptr;
+  std::shared_ptr<Link> link = std::make_shared<Link>();
+  JS::PersistentRootedObject global;
+  std::vector<JS::PersistentRootedObject> prototypes;
+
+  explicit ScriptLibrary(World& of, JSContext* context);
+  [[nodiscard]] JSObject* prototype(vrml::FieldType type) const { return prototypes[static_cast<std::size_t>(type)]; }
+  [[nodiscard]] JSObject* matrix_prototype() const { return prototypes[kMatrixPrototype]; }
+  [[nodiscard]] JSObject* row_prototype() const { return prototypes[kRowPrototype]; }
+  static constexpr int kMatrixPrototype = vrml::kFieldTypeCount, kRowPrototype = kMatrixPrototype + 1;
 };
 
 class World final : public ScriptRunner {
@@ -88,16 +145,15 @@ class World final : public ScriptRunner {
   [[nodiscard]] std::vector<ScriptMessage> take_messages() override { return std::exchange(messages_, {}); }
   void observe(std::function<void(const ScriptMessage&)> observer) override { observer_ = std::move(observer); }
   [[nodiscard]] std::vector<ScriptRequest> take_requests() override { return std::exchange(requests_, {}); }
+  void forget_scene(const vrml::SceneGraph& scene) override;
+  [[nodiscard]] const std::string& private_file() const override { return private_file_; }
+  void assume_private(const std::string& file) override { private_file_ = file; }
   [[nodiscard]] bool is_late() const override { return late_; }
 
   // For what programs call.
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
   [[nodiscard]] Engine& engine() { return engine_; }
-  [[nodiscard]] const std::shared_ptr<Link>& link() const { return link_; }
   [[nodiscard]] const BrowserState& browser() const { return browser_; }
-  [[nodiscard]] JSObject* prototype(vrml::FieldType type) const { return prototypes_[static_cast<int>(type)]; }
-  [[nodiscard]] JSObject* matrix_prototype() const { return prototypes_[kMatrixPrototype]; }
-  [[nodiscard]] JSObject* row_prototype() const { return prototypes_[kRowPrototype]; }
   /// Whose function was called by Execution.
   [[nodiscard]] Program& running() { return *running_; }
   [[nodiscard]] bool ends() const { return ends_; }
@@ -121,20 +177,31 @@ class World final : public ScriptRunner {
   bool flush_changed(JSContext* context);
   /// New nodes of a text, or an exception.
   bool create_from_string(JSContext* context, std::string_view text, vrml::MFNode& nodes, vrml::SceneGraph*& scene);
-  [[nodiscard]] const JS::PersistentRootedObject& library() const { return library_; }
-  /// Whether the library has it for all programs.
+  /// Reports whether the running program may read this node; notes confidential reads, warns once about refused ones.
+  bool may_read(const vrml::Node& node);
+  /// Reports whether every program finds this name in its library.
   [[nodiscard]] static bool is_own_name(std::string_view name);
 
-  static constexpr int kMatrixPrototype = vrml::kFieldTypeCount, kRowPrototype = kMatrixPrototype + 1;
-
  private:
+  struct PostKey {
+    NodeKey node;
+    const vrml::InterfaceDeclaration* event_in;
+    friend bool operator==(const PostKey&, const PostKey&) = default;
+  };
+  struct HashPostKey {
+    std::size_t operator()(const PostKey& key) const {
+      return HashNodeKey()(key.node) ^ std::hash<const void*>()(key.event_in);
+    }
+  };
   struct Post {
     vrml::SceneGraph* scene;
     vrml::NodeId node;
     const vrml::InterfaceDeclaration* event_in;
     vrml::FieldValue value;
   };
-  bool make_library();
+  ScriptLibrary* library_of_source(const std::shared_ptr<const vrml::TextSource>& source);
+  bool make_library(ScriptLibrary& library);
+  void run_jobs(Program& program, Engine::Turn& turn);
   Program* program_of(vrml::EventNode node) const;
   /// Tries what has not been tried of its urls.
   bool go_on(vrml::EventNode node);
@@ -148,6 +215,7 @@ class World final : public ScriptRunner {
   void call(Program& program, const char* name);
   void send_all(Program& program);
   void report_exception(Program& program);
+  void report_failure(Program& program, const Engine::Turn& turn);
   void tell(ScriptMessage message);
   void report(vrml::Severity severity, const Program& program, std::string message,
               std::optional<vrml::Diagnostic> at = {});
@@ -157,9 +225,8 @@ class World final : public ScriptRunner {
   vrml::Execution& execution_;
   Engine& engine_;
   Settings settings_;
-  std::shared_ptr<Link> link_ = std::make_shared<Link>();
-  JS::PersistentRootedObject library_;
-  std::vector<JS::PersistentRootedObject> prototypes_;
+  std::unordered_map<std::string, std::unique_ptr<ScriptLibrary>> libraries_;  // by library_key
+  std::string private_file_;
   std::unordered_map<vrml::EventNode, std::unique_ptr<Program>> programs_;
   struct Text {
     std::optional<std::string> text;
@@ -168,7 +235,7 @@ class World final : public ScriptRunner {
   std::unordered_map<vrml::EventNode, Text> texts_;  // that have come, and their urls
   Program* running_ = nullptr;
   std::vector<Post> posts_;
-  std::unordered_map<std::uint64_t, std::size_t> last_posts_;  // by node and eventIn
+  std::unordered_map<PostKey, std::size_t, HashPostKey> last_posts_;
   JS::PersistentRooted<JS::StackGCVector<JSObject*>> changed_;
   std::vector<ScriptMessage> messages_;
   std::function<void(const ScriptMessage&)> observer_;
@@ -182,9 +249,13 @@ class World final : public ScriptRunner {
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
 };
 
-/// The world whose program calls.
+/// The library of the program that calls, and its world.
+[[nodiscard]] ScriptLibrary& library_of(JSContext* context);
 [[nodiscard]] World& world_of(JSContext* context);
 [[nodiscard]] Program* program_of_global(JSObject* global);
+
+/// The text that holds the program of a Script, or names it.
+[[nodiscard]] const vrml::SourceText& text_of_program(const Program& program);
 
 // globals.cpp
 /// `beside`: in whose compartment; null: in one of its own, in a zone of its own.
@@ -230,11 +301,15 @@ JSObject* make_list(JSContext* context, ListBox box, Source source);
 [[nodiscard]] vrml::FieldValue* list_value(ListBox& box);
 bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index, JS::HandleValue value);
 bool flush_list(JSContext* context, JS::HandleObject list);
+/// Turns the list of a Script's field or eventOut into an empty list of the same type that no program owns.
+void forget_program_of_list(ListBox& box);
 
 // nodes.cpp: SFNode
 bool define_nodes(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
 JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId id);
 [[nodiscard]] NodeBox* node_of(JSObject* object);
+/// Reports whether an event would replace the program of a Script.
+[[nodiscard]] bool sets_program(const vrml::NodeType& type, const vrml::InterfaceDeclaration& event_in);
 bool set_node_field(JSContext* context, JS::HandleObject node, std::uint32_t place, JS::HandleValue value);
 
 // images.cpp: SFImage

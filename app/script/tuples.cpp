@@ -418,10 +418,11 @@ const JSPropertySpec kVec3fNumbers[] = {JS_PSGS("x", get_component<0>, set_compo
                                         JS_PSGS("z", get_component<2>, set_component<2>, kProperty), JS_PS_END};
 const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", set_hsv, 3, 0), JS_FN("getHSV", get_hsv, 0, 0),
                                         JS_FN("toString", tuple_to_text, 0, 0), JS_FS_END};
-const JSFunctionSpec kRotationMethods[] = {JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse_rotation, 0, 0),
-                                           JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
-                                           JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
-                                           JS_FN("toString", tuple_to_text, 0, 0),           JS_FS_END};
+const JSFunctionSpec kRotationMethods[] = {
+    JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse_rotation, 0, 0),
+    JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
+    JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
+    JS_FN("toString", tuple_to_text, 0, 0),     JS_FS_END};
 const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
                                          JS_FN("divide", divide, 1, 0),
                                          JS_FN("dot", dot, 1, 0),
@@ -464,7 +465,7 @@ bool define(JSContext* context, JS::HandleObject library, std::vector<JS::Persis
 JSObject* make_tuple(JSContext* context, FieldType type, const double* components, Source source) {
   const TupleKind& kind = kind_of(type);
   JS::RootedObject parent(context, source.parent);
-  JS::RootedObject prototype(context, world_of(context).prototype(type));
+  JS::RootedObject prototype(context, library_of(context).prototype(type));
   JSObject* const made = JS_NewObjectWithGivenProto(context, &kind.of, prototype);
   if (!made) return nullptr;
   for (int i = 0; i < kind.count; ++i)

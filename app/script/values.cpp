@@ -55,7 +55,9 @@ bool to_int(JSContext* context, JS::HandleValue value, std::int32_t& number) {
   return true;
 }
 
-bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type, double* components) {
+// `nested`: the value is the first element of a list or an array, which may hold numbers but no further arrays.
+bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type, double* components,
+                      bool nested = false) {
   const int count = type == FieldType::SFVec2f ? 2 : type == FieldType::SFRotation ? 4 : 3;
   FieldType found{};
   if (value.isObject()) {
@@ -70,7 +72,7 @@ bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type,
       if (list || is_array) {
         JS::RootedValue element(context);
         if (!JS_GetElement(context, object, 0, &element)) return false;
-        if (element.isObject()) return tuple_components(context, element, type, components);
+        if (element.isObject() && !nested) return tuple_components(context, element, type, components, true);
         for (int i = 0; i < count; ++i) {
           if (!JS_GetElement(context, object, static_cast<std::uint32_t>(i), &element)) return false;
           if (!to_number(context, element, components[i])) return false;
@@ -82,22 +84,24 @@ bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type,
   return fail(context, "expected an " + std::string(vrml::name_of(type)));
 }
 
-bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene, vrml::NodeId& node) {
+// `nested`: as above.
+bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene, vrml::NodeId& node,
+             bool nested = false) {
   node = {};
   if (value.isNullOrUndefined()) return true;
   if (value.isObject()) {
     JS::RootedObject object(context, &value.toObject());
     if (const NodeBox* box = node_of(object)) {
-      if (box->scene != scene) return fail(context, "the node belongs to another file");
-      if (!world_of(context).execution().has_scene(box->scene) || !scene->contains(box->id)) return true;
-      node = box->id;
+      vrml::SceneGraph* const own = box->live_scene();
+      if (own && own != scene) return fail(context, "the node belongs to another file");
+      if (own) node = box->id;
       return true;
     }
     bool is_array = false;
     if (!JS::IsArrayObject(context, object, &is_array)) return false;
-    if (is_array || list_of(object)) {
+    if (!nested && (is_array || list_of(object))) {
       JS::RootedValue element(context);
-      return JS_GetElement(context, object, 0, &element) && to_node(context, element, scene, node);
+      return JS_GetElement(context, object, 0, &element) && to_node(context, element, scene, node, true);
     }
   }
   if (value.isFalse() || (value.isInt32() && value.toInt32() == 0)) return true;
@@ -123,7 +127,8 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
       FieldValue* const own = list_value(*box);
       if (const auto* same = own ? std::get_if<vrml::Array<T>>(own) : nullptr) {
         if constexpr (std::is_same_v<T, vrml::NodeId>)
-          if (box->scene != scene) return fail(context, "the nodes belong to another file");
+          if (!same->empty() && box->scene.in(box->link.get()) != scene)
+            return fail(context, "the nodes belong to another file");
         array = *same;
         return true;
       }

@@ -70,7 +70,8 @@ struct SessionInput {
 struct Notice {
   std::string text;
   bool is_problem = false;
-  std::string_view about = {};  // the next one about the same takes its place, of no text: nothing does; empty: none does
+  std::string_view about =
+      {};  // the next one about the same takes its place, of no text: nothing does; empty: none does
 };
 
 /// What a step has led to.
@@ -177,7 +178,7 @@ class Session {
   void choose_mode(NavigationMode mode);
   /// One of the active viewport's list, which is bound in the world.
   void bind_viewpoint(std::size_t index);
-  /// The answer to the question of the time.
+  /// Answers question(), or network_question() if there is no other.
   void answer_question(bool allow);
   /// Of what the active viewport shows: plays its series of files or stops it, shows one of the files, says how many a
   /// second. Nothing happens where it is no series.
@@ -227,6 +228,13 @@ class Session {
   void move_viewer_to(const glm::dvec3& place);
 
   [[nodiscard]] const FolderQuestions::Question* question() const { return questions_.current(); }
+  /// A question about the network, and the path of the world that it is about.
+  struct WorldNetworkQuestion {
+    std::string world;
+    NetworkQuestion question;
+  };
+  /// Returns nullopt if no world asks.
+  [[nodiscard]] std::optional<WorldNetworkQuestion> network_question() const;
   /// What is said of the files of the session.
   [[nodiscard]] SessionLog& log() { return log_; }
   [[nodiscard]] const SessionLog& log() const { return log_; }
@@ -330,6 +338,7 @@ class Session {
   void open_links(std::size_t pane);
   void enter_by_link(Pane& pane);
   void follow_link(std::size_t pane, const Link& link);
+  void keep_private(const Document& document, const Link& link);
 
   void tell(std::string text, bool is_problem, std::string_view about = {}) {
     frame_.notices.push_back({std::move(text), is_problem, about});
@@ -360,6 +369,7 @@ class Session {
   std::map<std::string, Link> places_behind_;   // what an Anchor names behind a file that is being read, by file
   SeriesList series_;
   FolderQuestions questions_;
+  std::map<std::string, std::string> private_files_;  // that Scripts read before they opened a file, by path
   SessionLog log_;
   bool linked_ = false;
   bool seeking_ = false;

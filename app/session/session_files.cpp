@@ -99,6 +99,8 @@ bool Session::take_document(const Reader& from, WorldReader::News& news) {
   }
   frame_.arrived.push_back(from.reading.path);
   const std::shared_ptr<Document> document = news.document;
+  if (const auto opener = private_files_.find(from.reading.path); opener != private_files_.end() && document->living)
+    document->living->assume_private(opener->second);
   if (document->living && mesh_worker_) document->living->set_mesh_worker(mesh_worker_);
   if (document->living && !document->living->has_started()) begin_world(*document, world_time());
   log_.note(from.reading.path, document->world.diagnostics);  // with what was left out

@@ -385,9 +385,21 @@ std::vector<std::string> Session::places_of(const std::vector<std::string>& give
 }
 
 void Session::answer_question(bool allow) {
-  if (!questions_.current()) return;
+  if (!questions_.current()) {
+    if (const auto asked = network_question())
+      panes_.documents().document(asked->world)->living->answer_network_question(allow);
+    return;
+  }
   if (allow) load_.allowed.push_back(questions_.current()->folder);
   for (const std::string& world : questions_.answer(allow)) panes_.reload(world);
+}
+
+std::optional<Session::WorldNetworkQuestion> Session::network_question() const {
+  for (const DocumentList::Entry& entry : panes_.documents().entries())
+    if (entry.document && entry.document->living)
+      if (auto question = entry.document->living->network_question())
+        return WorldNetworkQuestion{entry.path, std::move(*question)};
+  return std::nullopt;
 }
 
 void Session::select_file(std::size_t index) {

@@ -160,6 +160,10 @@ void Session::move_viewer_to(const glm::dvec3& place) {
 void Session::open_links(std::size_t pane) {
   View* seen = panes_.at(pane).view();
   for (const vrml::NodePlace& anchor : seen->document->living->execution().take_requests()) {
+    LivingWorld& living = *seen->document->living;
+    if (vrml::SceneGraph* const scene = living.execution().own_scene(*anchor.scene);
+        scene && living.open_computed_anchor(*scene, anchor.node))
+      return;
     const Link link = link_of(*anchor.scene, anchor.node);
     follow_link(pane, link);
     return;  // one at a time: what comes behind it is another place

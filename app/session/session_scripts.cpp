@@ -18,6 +18,17 @@ void Session::take_script_news(Document& document) {
   for (const ScriptRequest& request : document.living->take_script_requests()) serve(document, request);
 }
 
+// The name of a file that a Script opens may tell what the Script has read. So its world is under the same rule.
+void Session::keep_private(const Document& document, const Link& link) {
+  if (!document.living || document.living->private_file().empty()) return;
+  for (const Link::Place& place : link.places) {
+    if (place.target.empty()) continue;
+    private_files_[place.target] = document.living->private_file();
+    if (const auto known = panes_.documents().document(place.target); known && known->living)
+      known->living->assume_private(document.living->private_file());
+  }
+}
+
 // In the viewport that shows the world, the active one if there are several.
 void Session::serve(const Document& document, const ScriptRequest& request) {
   const auto shows = [&](std::size_t pane) {
@@ -44,6 +55,7 @@ void Session::serve(const Document& document, const ScriptRequest& request) {
       if (now_ - pressed_at_ > kAfterPress)
         for (Link::Place& place : link.places)
           if (place.for_browser) place.problem = "The world wants to open " + place.target + ": not opened";
+      keep_private(document, link);
       return follow_link(pane, link);
     }
     case ScriptRequest::Kind::program:

@@ -254,7 +254,7 @@ void Desk::apply(const UiActions& actions) {
                           actions.divider->ended);
   if (actions.pane) session_.serve(*actions.pane);
   if (actions.run && !run(*actions.run)) (void)session_.run(*actions.run);
-  if (actions.allow_folder) session_.answer_question(*actions.allow_folder);
+  if (actions.allow_question) session_.answer_question(*actions.allow_question);
   if (actions.cancel_loading) session_.cancel_loading(*actions.cancel_loading);
   if (actions.tools.play) session_.play_series(*actions.tools.play);
   if (actions.tools.file) session_.show_of_series(*actions.tools.file);

@@ -2,6 +2,7 @@
 #include "app/view/ground_grid.h"
 #include "app/view/values/color_bar.h"
 #include "app/viewer/desk.h"
+#include "net/base/schemes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +97,11 @@ UiModel Desk::model(const Frame& frame, const DeskMeasures& measures) {
   model.file = panes.selected();
   describe_viewports(model, frame, measures.budget);
   if (const FolderQuestions::Question* question = session_.question())
-    model.question = {file_label(question->worlds.front()), question->folder, question->reference};
+    model.question = {UiQuestion::Kind::folder, file_label(question->worlds.front()), question->folder,
+                      question->reference};
+  else if (const auto network = session_.network_question())
+    model.question = {UiQuestion::Kind::network, file_label(network->world), network->question.url,
+                      net::url_for_messages(network->question.file)};
   const Pane& pane = panes.at(panes.active());
   describe_user(model, pane);
   model.statistics = pane.statistics;

@@ -61,8 +61,9 @@ struct Arrivals {
   /// A text that a program has asked for: another program, or nodes.
   struct Text {
     Place place;
-    std::optional<std::string> text;  // none: it cannot be had
-    std::string url;                  // where it was found
+    std::optional<std::string> text;                 // none: it cannot be had
+    std::string url;                                 // where it was found
+    std::shared_ptr<const vrml::TextSource> source;  // of its bytes
   };
 
   // Not in each file that has arrivals: they are long.
@@ -101,8 +102,10 @@ struct UrlRequest {
   bool as_text = false;                 // in place of that: the text itself
   vrml::NodeType* prototype = nullptr;  // the EXTERNPROTO that waits for its body; likewise. Null: it is the node's
   vrml::MFString urls;
-  const vrml::SourceText* text = nullptr;  // in whose name; likewise
-  std::string type, file;                  // of the node, and place in its text, for messages
+  std::shared_ptr<const vrml::TextSource> source;  // of the text that names the URLs
+  bool fetched = false;                            // that text was read from a URL at run time
+  bool computed = false;                           // a Script may have computed the URLs
+  std::string type, file;                          // of the node, and place in its text, for messages
   vrml::SourceLocation location;
 };
 

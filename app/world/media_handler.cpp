@@ -146,17 +146,15 @@ void SceneHandler::visit_media(vrml::NodeId id) {
   const vrml::Node& node = scene->node(id);
   const auto& list = scene->get<vrml::MFString>(id, "url");
   if (list.empty()) return;
-  load_media({{scene, id},
-              &node,
-              node.type->url_content,
-              false,
-              nullptr,
-              list,
-              nullptr,
-              node.type->name,
-              node.text->file_name(),
-              node.location},
-             refer(id));
+  UrlRequest request;
+  request.place = {scene, id};
+  request.node = &node;
+  request.content = node.type->url_content;
+  request.urls = list;
+  request.type = node.type->name;
+  request.file = node.text->file_name();
+  request.location = node.location;
+  load_media(request, refer(id));
 }
 
 void SceneHandler::load_media(const UrlRequest& request, Reference reference) {

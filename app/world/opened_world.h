@@ -70,6 +70,7 @@ struct OpenedWorld {
   std::vector<ProgramText> programs;  // of files
   vrml::Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
+  bool network_allowed = false;       // --allow-network, see session/documents/network_gate.h
   bool authored = true;               // a world with a look of its own; else a thing that a file has measured or made
   UpRule up = UpRule::y;              // of its format
   std::optional<Upright> stated_up;   // by the file itself

@@ -39,7 +39,7 @@ bool SceneHandler::begin(const Found& found) {
   found_ = found;
   own_ = std::make_unique<vrml::SceneGraph>(found.path, world_.budget);
   scene = own_.get();
-  origins_ = {{scene, found.origin}};
+  own_->set_source(source_of(found.origin));
   return true;
 }
 
@@ -161,7 +161,7 @@ void SceneHandler::read_mesh(std::span<const std::byte> bytes) {
   if (!read) return;
   own_ = std::move(read);
   scene = own_.get();
-  origins_ = {{scene, found_.origin}};
+  own_->set_source(source_of(found_.origin));
   world_.changed = true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/base/gunzip.h"
+#include "app/base/text_source.h"
 #include "app/formats/content_types.h"
 #include "app/world/cloud_handler.h"
 #include "app/world/external_prototypes.h"
@@ -108,7 +109,13 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
     net::Origin from;
     std::string first;  // as the text has it
   };
-  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SourceText& text) const;
+  /// Resolves a url list of a text of this world. Relative URLs are tried beside the scene's file, then beside the file
+  /// of the text (VRML97 4.5.3); of a text read from a URL at run time, beside that one first.
+  [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SourceText& text) const {
+    return refer(list, text.source(), false);
+  }
+  [[nodiscard]] Reference refer(const vrml::MFString& list, const std::shared_ptr<const vrml::TextSource>& source,
+                                bool own_file_first) const;
   [[nodiscard]] Reference refer(vrml::NodeId id) const;
   [[nodiscard]] std::vector<net::Url> below_folders(const net::Url& base, const net::Url& rooted,
                                                     const net::Origin& from) const;
@@ -158,7 +165,6 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   std::unique_ptr<vrml::SceneGraph> own_;      // until it is attached or handed over
   std::shared_ptr<vrml::SceneGraph> content_;  // an Inline's that was attached, and is taken back until it is read
   std::weak_ptr<vrml::SceneGraph> given_;      // an Inline's that belongs to the living world
-  std::unordered_map<const vrml::SourceText*, net::Origin> origins_;  // of this text, and of libraries'
   std::vector<std::byte> waiting_;  // bytes that came before the type was known, or all of a file read at once
   vrml::Share waiting_share_;
   const ContentType* type_ = nullptr;

@@ -10,7 +10,7 @@ namespace gs::app {
 
 void SceneHandler::load(const UrlRequest& request) {
   if (request.prototype) return load_prototype(request);
-  Reference reference = refer(request.urls, *request.text);
+  Reference reference = refer(request.urls, request.source, request.fetched);
   const Arrivals::Place& at = request.place;
   if (request.as_text) return load_text(request, std::move(reference));
   switch (request.content) {

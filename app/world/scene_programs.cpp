@@ -46,7 +46,7 @@ struct WorldLoading::State::TextHandler final : ContentHandler {
   void give(std::optional<std::string> text) {
     bytes = {};
     held.shrink_to(0);
-    world.text_arrived({what.place, std::move(text), found.path});
+    world.text_arrived({what.place, std::move(text), found.path, source_of(found.origin)});
   }
 
   State& world;
@@ -90,7 +90,7 @@ void SceneHandler::visit_script(vrml::NodeId id) {
 }
 
 void SceneHandler::load_text(const UrlRequest& request, Reference reference) {
-  if (reference.places.empty()) return world_.text_arrived({request.place, std::nullopt, {}});
+  if (reference.places.empty()) return world_.text_arrived({request.place, std::nullopt, {}, {}});
   ask_for(std::move(reference), request.node,
           std::make_shared<WorldLoading::State::TextHandler>(world_, nullptr, request), Urgency::inline_scene);
 }

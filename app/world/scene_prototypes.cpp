@@ -39,11 +39,10 @@ void SceneHandler::look_for_prototypes() {
 bool SceneHandler::ask_for_prototype(AwaitedPrototype& wanted, Reference reference, const PrototypePlace& named,
                                      Libraries& fresh) {
   // What names this file itself is not fetched. First of all it is the one; behind others, where these cannot be had.
-  const auto origin = origins_.find(scene);
-  const bool own_first =
-      !reference.places.empty() && origin != origins_.end() && names_file(reference.places.front(), origin->second.url);
+  const std::string& own_url = found_.origin.url;
+  const bool own_first = !reference.places.empty() && names_file(reference.places.front(), own_url);
   std::erase_if(reference.places, [&](const net::Url& url) {
-    if (origin == origins_.end() || !names_file(url, origin->second.url)) return false;
+    if (!names_file(url, own_url)) return false;
     if (!wanted.own_name) wanted.own_name = url.fragment;
     return true;
   });
@@ -72,7 +71,8 @@ bool SceneHandler::ask_for_prototype(AwaitedPrototype& wanted, Reference referen
 void SceneHandler::load_prototype(const UrlRequest& request) {
   Libraries fresh;
   AwaitedPrototype wanted{request.prototype, {}, {}};
-  if (!ask_for_prototype(wanted, refer(request.urls, *request.text), {request.type, request.file, request.urls}, fresh))
+  if (!ask_for_prototype(wanted, refer(request.urls, request.source, request.fetched),
+                         {request.type, request.file, request.urls}, fresh))
     give_prototypes({wanted}, nullptr, std::nullopt);
 }
 
@@ -120,8 +120,6 @@ void SceneHandler::miss_prototypes(const SceneHandler& library, const std::optio
 void SceneHandler::take_library(SceneHandler& library) {
   --awaited_libraries_;
   const bool usable = library.scene && !library.refused();
-  if (usable)
-    for (const auto& [text, origin] : library.origins_) origins_.insert_or_assign(text, origin);
   if (owner_ == Owner::living_world) {
     if (!usable) return;
     library.give_away();

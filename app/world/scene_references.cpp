@@ -34,18 +34,17 @@ struct WorldLoading::State::SharedCloud {
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
 };
 
-// In the order of VRML97 4.5.3: as seen from the file that uses a PROTO, then from the one that declares it.
-SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list, const vrml::SourceText& text) const {
-  const auto own = origins_.find(scene), source = origins_.find(&text);
-  // Of a text that nobody knows, nothing is trusted.
-  Reference reference{{},
-                      source == origins_.end() ? net::Origin{"data:", net::AddressSpace::global} : source->second,
-                      list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
+SceneHandler::Reference SceneHandler::refer(const vrml::MFString& list,
+                                            const std::shared_ptr<const vrml::TextSource>& source,
+                                            bool own_file_first) const {
+  Reference reference{
+      {}, origin_of(source), list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
   std::vector<net::Url> bases;
-  // What came over a network has no business with the names of files.
-  if (own != origins_.end() && (!own->second.is_file() || reference.from.is_file()))
-    bases.push_back(net::parse_url(own->second.url));
-  if (&text != scene) bases.push_back(net::parse_url(reference.from.url));
+  // A text from a network gets no URLs of files.
+  const net::Origin& own = found_.origin;
+  if (!own.is_user() && (!own.is_file() || reference.from.is_file())) bases.push_back(net::parse_url(own.url));
+  if (reference.from != own || bases.empty())
+    bases.insert(own_file_first ? bases.begin() : bases.end(), net::parse_url(reference.from.url));
   std::unordered_set<std::string> seen;
   for (const vrml::SFString& url : list) {
     const std::string tidy = net::tidy_url(url.view());

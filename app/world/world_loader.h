@@ -30,6 +30,7 @@ struct LoadOptions {
   bool references = true;                        // also Inlines, EXTERNPROTOs, textures and QNV streams
   bool whole_surfaces = false;       // displaced surfaces as arrays, not as patches of which views take cuts
   bool offline = false;              // nothing is read over the network
+  bool allow_network = false;        // also for Scripts that have read private files
   std::vector<std::string> allowed;  // folders and files, besides its own folder, that a world of this machine may read
   bool by_view = false;      // of long streams on servers, views choose what is read; else they come front to back
   std::uint64_t rate = 0;    // bits a second that are asked for, or taken of a server at most; 0: as many as there are

@@ -42,6 +42,7 @@ WorldLoading::State::State(const std::string& asked, const LoadOptions& given)
   budget->stop_when([time = limit] { return time.over(); });
   world.path = asked;
   world.title = file_name(asked);
+  world.network_allowed = given.allow_network;
 }
 
 WorldLoading::State::~State() { ledger->set_wake({}); }

@@ -391,7 +391,8 @@ class Execution {
 
   // execution_scripts.cpp
   void begin_scripts();
-  void end_scripts(const std::vector<EventNode>& nodes);
+  /// By value: shutdown() may add nodes, which grows the lists of members.
+  void end_scripts(std::vector<EventNode> nodes);
 
   // execution.cpp
   void begin(double now);

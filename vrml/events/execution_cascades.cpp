@@ -164,6 +164,7 @@ void Execution::receive(EventNode node, std::uint32_t place, const FieldValue& v
   if (interface.slot >= 0) {
     FieldValue& field = at.node->values[interface.slot];
     if (std::holds_alternative<MFNode>(field)) nodes_leave();
+    if (std::holds_alternative<MFString>(field)) at.node->strings_set = true;
     if (&field != &value) field = value;
     mark_changed(node, interface.slot);
     if (interface.declaration->access == AccessType::exposedField) queue(node, place);

@@ -27,7 +27,7 @@ void Execution::begin_scripts() {
   new_scripts_.erase(new_scripts_.begin(), new_scripts_.begin() + static_cast<std::ptrdiff_t>(begun));
 }
 
-void Execution::end_scripts(const std::vector<EventNode>& nodes) {
+void Execution::end_scripts(std::vector<EventNode> nodes) {
   for (const EventNode node : nodes)
     if (node != 0 && nodes_[node].schema->behaviour && nodes_[node].schema->behaviour->before_removal)
       nodes_[node].schema->behaviour->before_removal(*this, node);

@@ -1,6 +1,7 @@
 #include "vrml/scene/scene_graph.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <new>
 #include <utility>
@@ -14,7 +15,12 @@ constexpr int kMaxResolveSteps = 100'000;
 
 std::uint64_t slot_key(NodeId id, int slot) { return std::uint64_t{id.index} << 32 | static_cast<std::uint32_t>(slot); }
 
-// What a place has whose node is removed.
+std::uint64_t next_serial() {
+  static std::atomic<std::uint64_t> last = 0;
+  return ++last;
+}
+
+// Type of a place whose node was removed.
 const NodeType& removed_type() {
   static const NodeType type;
   return type;
@@ -29,7 +35,8 @@ SceneGraph::SceneGraph(std::string file_name, std::shared_ptr<Budget> budget)
     : SourceText(std::move(file_name)),
       budget_(std::move(budget)),
       nodes_share_(budget_, Resource::nodes),
-      instances_share_(budget_, Resource::instances) {
+      instances_share_(budget_, Resource::instances),
+      serial_(next_serial()) {
   nodes_.emplace_back();
 }
 
@@ -182,7 +189,9 @@ void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
 
 // ---- Texts
 
-RunTimeText::RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by) : scene_(scene) {
+RunTimeText::RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by,
+                         std::shared_ptr<const TextSource> fetched_from)
+    : scene_(scene) {
   if (scene.free_texts_.empty()) {
     scene.free_texts_.push_back(static_cast<std::uint32_t>(scene.texts_.size()));
     scene.texts_.emplace_back();
@@ -190,7 +199,10 @@ RunTimeText::RunTimeText(SceneGraph& scene, std::string file_name, const SourceT
   owner_ = scene.free_texts_.back();
   scene.free_texts_.pop_back();
   scene.texts_[owner_] = {std::make_unique<SourceText>(std::move(file_name))};
-  scene.texts_[owner_].text->origin_ = &written_by.origin();
+  SourceText& text = *scene.texts_[owner_].text;
+  text.origin_ = &written_by.origin();
+  text.computed_ = fetched_from == nullptr;
+  text.source_ = fetched_from ? std::move(fetched_from) : written_by.source();
   scene.texts_[owner_].open = true;
   writing_.emplace(scene, owner_);
   (void)scene.charge(sizeof(SourceText) + sizeof(SceneGraph::OwnedText));

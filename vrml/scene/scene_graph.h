@@ -31,6 +31,7 @@ struct Node {
   std::uint64_t fields_set = 0;    // of an EXTERNPROTO instance: the slots (below 64) that have a value of their own
   bool in_prototype_body = false;  // part of a PROTO's declaration, not of the world
   bool recycled = false;           // its place was another node's before
+  bool strings_set = false;        // an event has set an MFString field
   std::uint32_t owner = 0;  // the run-time text that it was made for, by number; 0: the file, with whose scene it lives
   MFNode expansion;         // of a PROTO instance: the nodes of its body; the first one stands for it
   /// Of a PROTO instance: index of the copy of Prototype::nodes[0]; the others follow. Of a node of a PROTO's body: its
@@ -104,6 +105,8 @@ class SceneGraph : public SourceText {
   [[nodiscard]] std::size_t node_count() const { return nodes_.size() - 1; }
   [[nodiscard]] NodeId id_at(std::uint32_t index) const { return {index, nodes_[index].generation}; }
   [[nodiscard]] const Node& node_at(std::uint32_t index) const { return nodes_[index]; }
+  /// Number of this scene, unique in the process. Tells a scene from a later one at the same address.
+  [[nodiscard]] std::uint64_t serial() const { return serial_; }
   /// Another number whenever nodes have been made or removed.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   /// Nodes made since the last call that the order of places does not tell of: at run time, or in used places.
@@ -208,6 +211,7 @@ class SceneGraph : public SourceText {
   std::size_t expanded_nodes_ = 0;
   std::uint32_t generation_ = 0, generations_left_ = 0;
   std::uint64_t revision_ = 0;
+  std::uint64_t serial_;
   std::deque<Node> nodes_;  // [0] is unused: index 0 is NULL
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;
   std::size_t block_left_ = 0;
@@ -240,8 +244,10 @@ class WritingFor {
 /// it. If none was made, with this.
 class RunTimeText {
  public:
-  /// `written_by`: in whose name; see SourceText::origin.
-  RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by);
+  /// `written_by` is the text that asked for this one. `fetched_from` is the source of a text read from a URL; null
+  /// means that a Script computed the text.
+  RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by,
+              std::shared_ptr<const TextSource> fetched_from = nullptr);
   ~RunTimeText();
   RunTimeText(const RunTimeText&) = delete;
   RunTimeText& operator=(const RunTimeText&) = delete;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gs::vrml {
@@ -30,6 +31,12 @@ struct Statement {
   Route route;                     // Kind::route
 };
 
+/// Source of a text's bytes. This room only stores it and compares pointers; app/world fills it from net::Origin.
+struct TextSource {
+  std::string url;                 // after redirects; that of the enclosing text for data: URLs
+  std::uint8_t address_space = 0;  // net::AddressSpace of the host
+};
+
 /// A text that nodes were written in, a file or what was read into a world that lives: its statements, and what its
 /// nodes need beside their values. Of the nodes it has the ids only.
 class SourceText {
@@ -41,9 +48,15 @@ class SourceText {
   SourceText& operator=(const SourceText&) = delete;
 
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
-  /// The text of a file in whose name this one was written, a script's for what it has had read: it may have what that
-  /// may have, and urls are relative to it. Of a file, itself.
+  /// Text of the file on whose behalf this text was read: for a run-time text, that of the Script that asked for it.
+  /// It lives as long as its scene. For the text of a file, the text itself.
   [[nodiscard]] const SourceText& origin() const { return origin_ ? *origin_ : *this; }
+  /// Source of the bytes: decides what the text may refer to, and what relative URLs are relative to. A text that a
+  /// Script wrote has the source of the Script. Null if nobody set one.
+  [[nodiscard]] const std::shared_ptr<const TextSource>& source() const { return source_; }
+  void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
+  /// Reports whether a Script computed this text (createVrmlFromString), as opposed to a text read from a URL.
+  [[nodiscard]] bool is_computed() const { return computed_; }
   /// Nodes at top level.
   [[nodiscard]] const MFNode& roots() const { return roots_; }
   [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
@@ -61,6 +74,8 @@ class SourceText {
   friend class RunTimeText;
   std::string file_name_;
   const SourceText* origin_ = nullptr;
+  std::shared_ptr<const TextSource> source_;
+  bool computed_ = false;
   std::forward_list<std::string> names_;
   MFNode roots_;
   std::vector<Statement> statements_;

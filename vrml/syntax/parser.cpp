@@ -362,8 +362,8 @@ bool Parser::read_interface(std::string_view text, NodeType& type) {
 }
 
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
-                       const SourceText* written_by) {
-  const RunTimeText written(scene, std::move(file_name), written_by ? *written_by : scene);
+                       const SourceText* written_by, std::shared_ptr<const TextSource> fetched_from) {
+  const RunTimeText written(scene, std::move(file_name), written_by ? *written_by : scene, std::move(fetched_from));
   Parser parser(scene, diagnostics);
   const ParseOutcome outcome = parser.parse_fragment(text);
   return {written.text().roots(), outcome};

@@ -62,10 +62,12 @@ struct RunTimeNodes {
 
 /// Reads a text into a scene that lives, for createVrmlFromString and its like (VRML97 4.12.10): a text of its own,
 /// with names and PROTOs of its own, which needs no header; nodes refer to it by Node::text. The nodes are in no field
-/// yet: hold them (Execution::hold) before events go on, after Execution::attach. `written_by`: the text in whose name
-/// it is read, which must live as long as the scene (SourceText::origin); null: that of the scene's file.
+/// yet: hold them (Execution::hold) before events go on, after Execution::attach. `written_by` is the text that asked
+/// for this one; null means the scene's file. Its origin() must live as long as the scene. `fetched_from`: see
+/// RunTimeText.
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
-                       const SourceText* written_by = nullptr);
+                       const SourceText* written_by = nullptr,
+                       std::shared_ptr<const TextSource> fetched_from = nullptr);
 
 /// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`.
 /// Used at start-up, for text of our own; false where the text is wrong.

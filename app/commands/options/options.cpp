@@ -315,6 +315,12 @@ constexpr OptionRow kOtherOptions[] = {
        o.offline = true;
        return Problem{};
      }},
+    {"--allow-network", "", "", "let Scripts that have read other local files use the network without a question",
+     "open animate trace ",
+     [](Options& o, const std::string&) {
+       o.allow_network = true;
+       return Problem{};
+     }},
     {"--allow", "FOLDER", "",
      "a world of this machine may read files of this folder and below it, too, and not only of its own; may be given "
      "several times",

@@ -72,6 +72,7 @@ struct Options {
   std::uint64_t rate = 0;  // bits a second; 0: no limit
   net::CongestionResponse congestion = net::CongestionResponse::equation;
   bool offline = false;
+  bool allow_network = false;        // for Scripts that have read private files
   std::vector<std::string> allowed;  // files and folders that worlds may read besides their own folders
   std::string confine;               // folder beneath which is all that may be read; empty: as the system allows
   bool markdown = false, wrl = false, json = false, vrml97 = false, scripts = false;

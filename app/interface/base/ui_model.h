@@ -46,10 +46,16 @@ struct UiViewport {
   Pose pose;                   // of its viewer
 };
 
-/// Whether a world may read a folder that is not its own.
+/// A question to the user about what a world may do.
 struct UiQuestion {
-  std::string world;  // label
-  std::string folder, reference;
+  enum class Kind : std::uint8_t {
+    folder,   // may it read a folder that is not its own?
+    network,  // may its Scripts, which have read another local file, use the network?
+  };
+  Kind kind = Kind::folder;
+  std::string world;    // label
+  std::string subject;  // the folder, or the first URL
+  std::string reason;   // the reference to the folder, or the file that was read
 };
 
 /// What the user interface shows. Made anew for each frame; pointers need to last only that long.
@@ -129,7 +135,7 @@ struct UiActions {
     bool ended = false;        // it has been let go
   };
   std::optional<DividerMove> divider;
-  std::optional<bool> allow_folder;                           // the answer to UiModel::question
+  std::optional<bool> allow_question;                         // the answer to UiModel::question
   std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
   std::optional<render::CloudLook> look;                      // instead of the model's
   std::optional<UserSettings> settings;                       // likewise

@@ -16,31 +16,9 @@
 namespace gs::app {
 namespace {
 
-// Of changes that are remembered; a list that is further behind, since nobody looked at it, is gathered anew.
+// Number of remembered batches of changes. A list that is further behind is collected anew.
 constexpr std::size_t kMostBatches = 8;
-constexpr std::size_t kMostRequests = 10'000;  // that nobody takes
-constexpr std::size_t kMostMessages = 1000;    // likewise
-
-// Of a QNV node of a text read at run time, or of a body that has come; they go before what its url names. False: it
-// has none of its own.
-bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
-  if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
-  const vrml::Node& node = scene.node(id);
-  if (world.clouds.contains(&node)) return true;
-  auto made = inline_cloud(scene, id);
-  std::string problem;
-  if (auto* cloud = std::get_if<qnv::Cloud>(&made)) {
-    if (auto held = hold_cloud(std::move(*cloud), scene.budget()))
-      world.clouds[&node] = std::move(held);
-    else
-      problem = scene.budget()->refusal(vrml::Resource::vectors) + "; left out";
-  } else {
-    problem = std::get<std::string>(made);
-  }
-  if (!problem.empty())
-    world.diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location, "QNV: " + problem});
-  return true;
-}
+constexpr std::size_t kMostMessages = 1000;  // that nobody takes
 
 }  // namespace
 
@@ -54,6 +32,7 @@ double world_time() {
 
 LivingWorld::LivingWorld(OpenedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
+  if (world.network_allowed) gate_.allow();
   browser_.world_url = world_.path;
   if (net::parse_url(world_.path).scheme.empty()) {
     std::error_code error;
@@ -82,65 +61,11 @@ void LivingWorld::want_scripts() {
   world_.programs.clear();
 }
 
-// Texts are asked for like what a url names that was set: each has a number of its own.
-void LivingWorld::ask_for_texts() {
-  if (!scripts_) return;
-  for (ScriptRequest& one : scripts_->take_requests()) {
-    if (one.kind == ScriptRequest::Kind::program || one.kind == ScriptRequest::Kind::create_from_url) {
-      ask_for_text(std::move(one));
-    } else {
-      script_requests_.push_back(std::move(one));
-    }
-  }
-}
-
-void LivingWorld::ask_for_text(ScriptRequest&& one) {
-  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
-  if (!one.scene->contains(one.node)) return;
-  const vrml::Node& node = one.scene->node(one.node);
-  const std::size_t number = kAsked + next_text_++;
-  UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]},
-                     &node,
-                     vrml::UrlContent::none,
-                     true,
-                     nullptr,
-                     {},
-                     one.origin,
-                     node.type->name,
-                     node.text->file_name(),
-                     one.location};
-  for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
-  url_requests_.push_back(std::move(request));
-  asked_texts_[number] = std::move(one);
-}
-
-void LivingWorld::take_text(Arrivals::Text&& arrival) {
-  const auto asked = asked_texts_.extract(arrival.place.url);
-  const bool gone = is_gone(arrival.place);
-  if (!asked) {
-    // Of a Script in an Inline, before it begins.
-    want_scripts();
-    if (!gone && scripts_)
-      scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
-    return;
-  }
-  if (gone) return;
-  url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
-  if (asked.mapped().kind == ScriptRequest::Kind::program) {
-    if (scripts_) scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
-    return;
-  }
-  if (!arrival.text) return;
-  vrml::Diagnostics diagnostics;
-  const ScriptRequest& request = asked.mapped();
-  const vrml::RunTimeNodes made = create(*request.scene, arrival.url, *arrival.text, diagnostics, request.origin);
-  (void)send_made(execution_, request, made.roots);
-  for (const vrml::Diagnostic& one : diagnostics.entries()) tell_message({one, false});
-}
-
 vrml::RunTimeNodes LivingWorld::create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                       vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by) {
-  vrml::RunTimeNodes made = make_nodes(execution_, scene, label, text, diagnostics, written_by);
+                                       vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                       std::shared_ptr<const vrml::TextSource> fetched_from) {
+  vrml::RunTimeNodes made =
+      make_nodes(execution_, scene, label, text, diagnostics, written_by, std::move(fetched_from));
   want_scripts();
   return made;
 }
@@ -184,11 +109,6 @@ std::vector<ScriptMessage> LivingWorld::take_script_messages() {
   if (!scripts_) return messages;
   for (ScriptMessage& one : scripts_->take_messages()) messages.push_back(std::move(one));
   return messages;
-}
-
-std::vector<ScriptRequest> LivingWorld::take_script_requests() {
-  ask_for_texts();
-  return std::exchange(script_requests_, {});
 }
 
 void LivingWorld::start(double now) {
@@ -357,55 +277,6 @@ bool LivingWorld::show_movies(bool wait) {
   return any;
 }
 
-void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
-  for (const vrml::NodeChange& change : changes) {
-    const vrml::Node& node = change.scene->node(change.node);
-    if (node.type->kind == vrml::NodeType::Kind::external_prototype) ask_for_prototype(*change.scene, change.node);
-    if (node.type->url_content == vrml::UrlContent::none) continue;
-    const auto fields = node.type->url_fields();
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const int slot = fields[i]->slot;
-      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMostRequests) continue;
-      if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
-        continue;
-      const vrml::SourceText& text = change.scene->text_of(change.node, slot);
-      url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
-                               &node,
-                               node.type->url_content,
-                               false,
-                               nullptr,
-                               *std::get_if<vrml::MFString>(&node.values[slot]),
-                               &text.origin(),
-                               node.type->name,
-                               text.file_name(),
-                               node.location});
-    }
-  }
-}
-
-// Of a text read at run time; those of files are fetched by who reads these.
-void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
-  const vrml::Node& node = scene.node(instance);
-  if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMostRequests) return;
-  const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
-  if (!owner || *owner == 0) return;
-  const vrml::WritingFor writing(scene, *owner);
-  vrml::SourceText& text = scene.writing();
-  const auto& types = text.types();
-  const auto type = std::find_if(types.begin(), types.end(), [&](const auto& one) { return one.get() == node.type; });
-  (*type)->asked_for = true;
-  url_requests_.push_back({{&scene, instance},
-                           &node,
-                           vrml::UrlContent::none,
-                           false,
-                           type->get(),
-                           node.type->url,
-                           &text.origin(),
-                           node.type->name,
-                           text.file_name(),
-                           node.type->location});
-}
-
 // A node that is removed, or all of a scene: its place in memory may become another's.
 void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto forget_one = [&](const vrml::Node& one) {
@@ -421,6 +292,12 @@ void LivingWorld::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   };
   if (node) return forget_one(scene.node(node));
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
+  if (scripts_) scripts_->forget_scene(scene);
+  gate_.forget_scene(scene);
+  std::erase_if(script_requests_, [&](const auto& one) { return one.scene == &scene || one.from_scene == &scene; });
+  std::erase_if(asked_texts_,
+                [&](const auto& one) { return one.second.scene == &scene || one.second.from_scene == &scene; });
+  std::erase_if(url_requests_, [&](const UrlRequest& one) { return one.place.scene == &scene; });
   for (std::vector<vrml::NodeChange>& batch : batches_)
     std::erase_if(batch, [&](const vrml::NodeChange& change) { return change.scene == &scene; });
 }

@@ -2,6 +2,7 @@
 
 #include "app/media/movie_player.h"
 #include "app/script/script_runner.h"
+#include "app/session/documents/network_gate.h"
 #include "app/world/arrivals.h"
 #include "app/world/opened_world.h"
 #include "render/scene/render_scene.h"
@@ -53,14 +54,15 @@ class LivingWorld {
   [[nodiscard]] std::vector<ScriptMessage> take_script_messages();
   /// Makes nodes of a text, see make_nodes; Scripts among them run from the next event on.
   [[nodiscard]] vrml::RunTimeNodes create(vrml::SceneGraph& scene, const std::string& label, std::string_view text,
-                                          vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by);
+                                          vrml::Diagnostics& diagnostics, const vrml::SourceText* written_by,
+                                          std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
   /// Runs a line as a part of the program of a Script, see ScriptRunner::evaluate, with all that follows from it; of a
   /// null node, as a program of its own, which knows what Scripts know of the browser (VRML97 4.12.10) and what lines
   /// before have made. From `start` on.
   [[nodiscard]] ScriptRunner::Evaluation evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
                                                   const std::string& line);
   /// A file's nodes are to be sent to an eventIn (createVrmlFromURL): see ScriptRequest::Kind::create_from_url.
-  void create_from_url(ScriptRequest request) { ask_for_text(std::move(request)); }
+  void create_from_url(ScriptRequest request) { ask_for_text(std::move(request), false); }
   /// What programs may ask about the browser: as of the last step; its speed and frame rate, where there are Scripts or
   /// `measure_viewer` was called.
   [[nodiscard]] const BrowserState& browser() const { return browser_; }
@@ -87,11 +89,17 @@ class LivingWorld {
   /// Takes in what has come.
   void arrive(Arrivals&& arrivals);
   /// The urls that have been set since the last call, for who fetches; what comes goes to `arrive`.
-  [[nodiscard]] std::vector<UrlRequest> take_url_requests() {
-    (void)take_changes();
-    ask_for_texts();
-    return std::exchange(url_requests_, {});
-  }
+  [[nodiscard]] std::vector<UrlRequest> take_url_requests();
+  /// Opens the target of an Anchor like a loadURL of a Script if a Script may have computed its url. Returns false
+  /// otherwise: the caller opens it.
+  bool open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor);
+  /// URL of the first private file that a Script of this world has read; empty if there is none.
+  [[nodiscard]] const std::string& private_file() const;
+  /// Treats the world as if a Script had read this file, for a world that such a Script has opened.
+  void assume_private(const std::string& file) { assumed_private_ = file; }
+  /// The question whether Scripts that have read a private file may use the network; nullopt if none waits.
+  [[nodiscard]] std::optional<NetworkQuestion> network_question() const { return gate_.question(); }
+  void answer_network_question(bool allow) { allow ? gate_.allow() : gate_.refuse(); }
   /// When there is something to do next; see Execution::next_time.
   [[nodiscard]] std::optional<double> next_time() const {
     return progress_.empty() && durations_.empty() && !movies_run_ ? execution_.next_time() : execution_.now();
@@ -111,7 +119,9 @@ class LivingWorld {
   void want_scripts();
   void tell_programs(double now);
   void ask_for_texts();
-  void ask_for_text(ScriptRequest&& one);
+  void ask_for_text(ScriptRequest&& one, bool computed);
+  void watch_private_files();
+  void warn_held_back(const std::vector<std::string>& messages);
   void tell_message(ScriptMessage message);
   void take_text(Arrivals::Text&& arrival);
   void tell_progress();
@@ -154,6 +164,8 @@ class LivingWorld {
   std::uint64_t movie_pictures_ = 0;
   bool movies_run_ = false;  // the picture of one goes on
   std::vector<UrlRequest> url_requests_;
+  NetworkGate gate_;
+  std::string assumed_private_;
   /// Arrivals::Place::request of the newest, where not 0.
   std::unordered_map<render::ImagePlace, std::uint32_t, render::HashImagePlace> url_numbers_;
   std::weak_ptr<LivingScene> shared_;

@@ -1,0 +1,74 @@
+#include "app/base/text_source.h"
+#include "app/script/script_world.h"
+#include "vrml/syntax/printer.h"
+
+#include <js/Object.h>
+#include <jsfriendapi.h>
+
+#include <utility>
+
+// Libraries of Scripts, and the rule for reading nodes (docs/security.md).
+namespace gs::app::script {
+
+ScriptLibrary::ScriptLibrary(World& of, JSContext* context) : world(&of), global(context) {
+  link->execution = &of.execution();
+  for (int i = 0; i <= kRowPrototype; ++i) prototypes.emplace_back(context);
+}
+
+const vrml::SourceText& text_of_program(const Program& program) {
+  const vrml::Node& node = program.scene->node(program.id);
+  const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
+  return url ? program.scene->text_of(program.id, url->slot) : *node.text;
+}
+
+// Returns null if there is no memory for a library.
+ScriptLibrary* World::library_of_source(const std::shared_ptr<const vrml::TextSource>& source) {
+  std::unique_ptr<ScriptLibrary>& library = libraries_[library_key(origin_of(source))];
+  if (!library) library = std::make_unique<ScriptLibrary>(*this, engine_.context());
+  return library->global || make_library(*library) ? library.get() : nullptr;
+}
+
+bool World::make_library(ScriptLibrary& library) {
+  JSContext* const context = engine_.context();
+  JS::RootedObject global(context, new_global(context, nullptr, nullptr));
+  if (!global) return false;
+  const JSAutoRealm realm(context, global);
+  JS_SetCompartmentPrivate(js::GetContextCompartment(context), &library);
+  auto& prototypes = library.prototypes;
+  const bool good = define_tuples(context, global, prototypes) && define_images(context, global, prototypes) &&
+                    define_lists(context, global, prototypes) && define_nodes(context, global, prototypes) &&
+                    define_matrices(context, global, prototypes) && define_browser(context, global);
+  if (!good) {
+    JS_ClearPendingException(context);
+    JS_SetCompartmentPrivate(js::GetContextCompartment(context), nullptr);
+    return false;
+  }
+  library.global = global;
+  // No program may change these for the others.
+  for (const JS::PersistentRootedObject& prototype : prototypes) {
+    JS::RootedObject object(context, prototype);
+    if (object) (void)JS_FreezeObject(context, object);
+  }
+  return true;
+}
+
+bool World::may_read(const vrml::Node& node) {
+  const std::shared_ptr<const vrml::TextSource>& source = node.text->source();
+  Program& program = *running_;
+  if (source == program.source) return true;
+  auto& known = program.readings[source.get()];
+  if (!known.first)
+    known = {source, reading(origin_of(program.source), origin_of(program.scene->source()), origin_of(source))};
+  if (known.second == Reading::refused) {
+    warn_once("cannot read nodes of " + origin_of(source).site() + ": a Script reads nodes of its own host only");
+    return false;
+  }
+  if (known.second == Reading::confidential && private_file_.empty()) private_file_ = origin_of(source).url;
+  return true;
+}
+
+void World::forget_scene(const vrml::SceneGraph& scene) {
+  std::erase_if(requests_, [&](const ScriptRequest& one) { return one.scene == &scene || one.from_scene == &scene; });
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,29 @@
+#include "app/script/read_rule.h"
+
+namespace gs::app::script {
+namespace {
+
+bool is_network(const net::Origin& origin) { return !origin.is_user() && !origin.is_file(); }
+
+bool same_text_or_site(const net::Origin& a, const net::Origin& b) {
+  return is_network(a) && is_network(b) ? a.site() == b.site() : a.url == b.url;
+}
+
+}  // namespace
+
+Reading reading(const net::Origin& script, const net::Origin& document, const net::Origin& node) {
+  if (same_text_or_site(script, node)) return Reading::allowed;
+  const bool of_document = same_text_or_site(document, node);
+  // A file that hands its own nodes to a PROTO of the network makes them readable there.
+  if (is_network(script)) {
+    if (!of_document) return Reading::refused;
+    return is_network(node) ? Reading::allowed : Reading::confidential;
+  }
+  if (of_document) return Reading::allowed;
+  // What anyone can fetch from the Internet is no secret.
+  return is_network(node) && node.space == net::AddressSpace::global ? Reading::allowed : Reading::confidential;
+}
+
+std::string library_key(const net::Origin& script) { return is_network(script) ? script.site() : script.url; }
+
+}  // namespace gs::app::script

@@ -1,0 +1,229 @@
+#include "app/formats/qnv/cloud_reader.h"
+#include "app/script/run_time_nodes.h"
+#include "app/session/documents/living_world.h"
+
+#include <algorithm>
+#include <utility>
+
+// URLs and texts that a living world asks for, and the network gate in front of them.
+namespace gs::app {
+namespace {
+
+constexpr std::size_t kMaxRequests = 10'000;  // that nobody takes
+
+// Of a QNV node of a text read at run time, or of a body that has come; they go before what its url names. False: it
+// has none of its own.
+bool take_own_vectors(OpenedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
+  if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
+  const vrml::Node& node = scene.node(id);
+  if (world.clouds.contains(&node)) return true;
+  auto made = inline_cloud(scene, id);
+  std::string problem;
+  if (auto* cloud = std::get_if<qnv::Cloud>(&made)) {
+    if (auto held = hold_cloud(std::move(*cloud), scene.budget()))
+      world.clouds[&node] = std::move(held);
+    else
+      problem = scene.budget()->refusal(vrml::Resource::vectors) + "; left out";
+  } else {
+    problem = std::get<std::string>(made);
+  }
+  if (!problem.empty())
+    world.diagnostics.add({vrml::Severity::warning, node.text->file_name(), node.location, "QNV: " + problem});
+  return true;
+}
+
+// Slot of a Script's url field.
+int url_slot(const ScriptRequest& request) {
+  const vrml::InterfaceDeclaration* const url = request.scene->node(request.node).type->find_field("url");
+  return url ? url->slot : 0;
+}
+
+// Reports whether a text was read from a URL at run time.
+bool was_fetched(const vrml::SourceText& text) { return &text.origin() != &text && !text.is_computed(); }
+
+// Reports whether a Script may have computed the value of a slot: in the text of the node, or by an event for the node
+// or for a PROTO instance around it.
+bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
+  if (scene.text_of(id, slot).is_computed()) return true;
+  for (std::uint32_t index = id.index; index != 0; index = scene.node_at(index).instance)
+    if (scene.node_at(index).strings_set) return true;
+  return false;
+}
+
+}  // namespace
+
+// Requests for texts share the numbers of url fields: each has a number of its own, above those of fields.
+void LivingWorld::ask_for_texts() {
+  if (!scripts_) return;
+  for (ScriptRequest& one : scripts_->take_requests()) {
+    if (one.kind == ScriptRequest::Kind::create_from_url) {
+      ask_for_text(std::move(one), true);
+    } else if (one.kind == ScriptRequest::Kind::program) {
+      const bool computed = one.scene->contains(one.node) && is_computed(*one.scene, one.node, url_slot(one));
+      ask_for_text(std::move(one), computed);
+    } else {
+      script_requests_.push_back(std::move(one));
+    }
+  }
+}
+
+void LivingWorld::ask_for_text(ScriptRequest&& one, bool computed) {
+  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
+  if (!one.scene->contains(one.node)) return;
+  const vrml::Node& node = one.scene->node(one.node);
+  const auto source_of_file = one.origin ? one.origin->source() : nullptr;
+  const auto source = one.source ? one.source : source_of_file;
+  const bool is_fetched = source != source_of_file;
+  const std::size_t number = kAsked + next_text_++;
+  UrlRequest request{{one.scene, one.node, number, ++url_numbers_[{&node, number}]},
+                     &node,
+                     vrml::UrlContent::none,
+                     true,
+                     nullptr,
+                     {},
+                     source,
+                     is_fetched,
+                     computed,
+                     node.type->name,
+                     node.text->file_name(),
+                     one.location};
+  for (const std::string& url : one.urls) request.urls.push_back(vrml::SFString(url));
+  url_requests_.push_back(std::move(request));
+  asked_texts_[number] = std::move(one);
+}
+
+void LivingWorld::take_text(Arrivals::Text&& arrival) {
+  const auto asked = asked_texts_.extract(arrival.place.url);
+  const bool gone = is_gone(arrival.place);
+  if (!asked) {
+    // Of a Script in an Inline, before it begins.
+    want_scripts();
+    if (!gone && scripts_)
+      scripts_->provide(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    return;
+  }
+  if (gone) return;
+  url_numbers_.erase({&arrival.place.scene->node(arrival.place.node), arrival.place.url});
+  if (asked.mapped().kind == ScriptRequest::Kind::program) {
+    if (scripts_) scripts_->found(*arrival.place.scene, arrival.place.node, std::move(arrival.text), arrival.url);
+    return;
+  }
+  if (!arrival.text) return;
+  vrml::Diagnostics diagnostics;
+  const ScriptRequest& request = asked.mapped();
+  const vrml::RunTimeNodes made =
+      create(*request.scene, arrival.url, *arrival.text, diagnostics, request.origin, std::move(arrival.source));
+  (void)send_made(execution_, request, made.roots);
+  for (const vrml::Diagnostic& one : diagnostics.entries()) tell_message({one, false});
+}
+
+void LivingWorld::note_urls(std::span<const vrml::NodeChange> changes) {
+  for (const vrml::NodeChange& change : changes) {
+    const vrml::Node& node = change.scene->node(change.node);
+    if (node.type->kind == vrml::NodeType::Kind::external_prototype) ask_for_prototype(*change.scene, change.node);
+    if (node.type->url_content == vrml::UrlContent::none) continue;
+    const auto fields = node.type->url_fields();
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const int slot = fields[i]->slot;
+      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMaxRequests) continue;
+      if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
+        continue;
+      const vrml::SourceText& text = change.scene->text_of(change.node, slot);
+      url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
+                               &node,
+                               node.type->url_content,
+                               false,
+                               nullptr,
+                               *std::get_if<vrml::MFString>(&node.values[slot]),
+                               text.source(),
+                               was_fetched(text),
+                               is_computed(*change.scene, change.node, slot),
+                               node.type->name,
+                               text.file_name(),
+                               node.location});
+    }
+  }
+}
+
+// Of a text read at run time; those of files are fetched by who reads these.
+void LivingWorld::ask_for_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
+  const vrml::Node& node = scene.node(instance);
+  if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;
+  const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
+  if (!owner || *owner == 0) return;
+  const vrml::WritingFor writing(scene, *owner);
+  vrml::SourceText& text = scene.writing();
+  const auto& types = text.types();
+  const auto type = std::find_if(types.begin(), types.end(), [&](const auto& one) { return one.get() == node.type; });
+  (*type)->asked_for = true;
+  url_requests_.push_back({{&scene, instance},
+                           &node,
+                           vrml::UrlContent::none,
+                           false,
+                           type->get(),
+                           node.type->url,
+                           text.source(),
+                           was_fetched(text),
+                           text.is_computed(),
+                           node.type->name,
+                           text.file_name(),
+                           node.type->location});
+}
+
+const std::string& LivingWorld::private_file() const {
+  return assumed_private_.empty() && scripts_ ? scripts_->private_file() : assumed_private_;
+}
+
+void LivingWorld::watch_private_files() {
+  if (const std::string& file = private_file(); !file.empty()) gate_.close(file);
+}
+
+void LivingWorld::warn_held_back(const std::vector<std::string>& messages) {
+  for (const std::string& text : messages)
+    tell_message({{vrml::Severity::warning, world_.scene->file_name(), {}, "Script: " + text}, false});
+}
+
+std::vector<UrlRequest> LivingWorld::take_url_requests() {
+  (void)take_changes();
+  ask_for_texts();
+  watch_private_files();
+  std::vector<UrlRequest> requests = gate_.take_url_requests();
+  std::erase_if(requests, [&](const UrlRequest& one) { return is_gone(one.place); });
+  for (UrlRequest& one : requests) one.node = &one.place.scene->node(one.place.node);
+  requests.insert(requests.end(), std::make_move_iterator(url_requests_.begin()),
+                  std::make_move_iterator(url_requests_.end()));
+  url_requests_.clear();
+  warn_held_back(gate_.hold_back(requests));
+  return requests;
+}
+
+std::vector<ScriptRequest> LivingWorld::take_script_requests() {
+  ask_for_texts();
+  watch_private_files();
+  std::vector<ScriptRequest> requests = gate_.take_script_requests();
+  requests.insert(requests.end(), std::make_move_iterator(script_requests_.begin()),
+                  std::make_move_iterator(script_requests_.end()));
+  script_requests_.clear();
+  warn_held_back(gate_.hold_back(requests));
+  return requests;
+}
+
+bool LivingWorld::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
+  const vrml::InterfaceDeclaration* const url = scene.node(anchor).type->find_field("url");
+  if (!url || private_file().empty() || !is_computed(scene, anchor, url->slot)) return false;
+  const vrml::SourceText& text = scene.text_of(anchor, url->slot);
+  ScriptRequest request;
+  for (const vrml::SFString& one : scene.get<vrml::MFString>(anchor, "url")) request.urls.push_back(one.str());
+  for (const vrml::SFString& one : scene.get<vrml::MFString>(anchor, "parameter"))
+    request.parameters.push_back(one.str());
+  request.origin = &text.origin();
+  request.source = text.source();
+  request.scene = &scene;
+  request.from_scene = &scene;
+  request.node = anchor;
+  request.location = scene.node(anchor).location;
+  script_requests_.push_back(std::move(request));
+  return true;
+}
+
+}  // namespace gs::app
