@@ -32,6 +32,12 @@ struct Freer {
   void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
 };
 
+/// Returns the error of a call that failed since the reason was cleared. The decoder often fails without a reason.
+ImageError failure() {
+  const char* const reason = stbi_failure_reason();
+  return {std::string("it cannot be decoded: ") + (reason ? reason : "its header or its pixels are damaged")};
+}
+
 }  // namespace
 
 DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits) {
@@ -40,16 +46,18 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, components = 0;
-  if (!stbi_info_from_memory(data, size, &width, &height, &components) || width <= 0 || height <= 0 || components < 1 ||
-      components > 4)
-    return ImageError{std::string("it cannot be decoded: ") + stbi_failure_reason()};
+  stbi__g_failure_reason = nullptr;  // the decoder keeps the reason of an earlier picture of this thread
+  if (!stbi_info_from_memory(data, size, &width, &height, &components)) return failure();
+  if (width <= 0 || height <= 0)
+    return ImageError{"it has no pixels: its size is " + std::to_string(width) + " x " + std::to_string(height)};
+  if (components < 1 || components > 4) return failure();
   const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
   if (auto refused = refuse_size(kName, columns, rows, limits)) return std::move(*refused);
   // The decoder holds all of it, and for some kinds a second time while it changes the order of the rows.
   const std::uint64_t all = std::uint64_t{columns} * rows * static_cast<unsigned>(components);
   if (all > limits.working_bytes / 2) return ImageError{"it is too large to be decoded"};
   const std::unique_ptr<stbi_uc, Freer> pixels(stbi_load_from_memory(data, size, &width, &height, &components, 0));
-  if (!pixels) return ImageError{std::string("it cannot be decoded: ") + stbi_failure_reason()};
+  if (!pixels) return failure();
   if (static_cast<std::uint32_t>(width) != columns || static_cast<std::uint32_t>(height) != rows ||
       std::uint64_t{columns} * rows * static_cast<unsigned>(components) > all)
     return ImageError{"its head and its pixels do not fit together"};

@@ -260,3 +260,19 @@ TEST_CASE("data: URLs hold worlds, textures and libraries") {
   CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
   CHECK(world.diagnostics.warnings() == 1);
 }
+
+TEST_CASE("leaves out a bitmap of height 0 in a data: URL with a message") {
+  const ScratchFolder folder;
+  const std::string bitmap =
+      "Qk12AAAAAAAAAHYAAAAoAAAACQAAAAAAAAABAAQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAABEREQAiIiIAMzMzAERE"
+      "RABVVVUAZmZmAHd3dwCIiIgAmZmZAKqqqgC7u7sAzMzMAN3d3QDu7u4A////AA==";
+  const OpenedWorld world =
+      load_world(folder.write("a.wrl",
+                              "#VRML V2.0 utf8\nShape { appearance Appearance { texture ImageTexture { url "
+                              "\"data:image/bmp;base64," +
+                                  bitmap + "\" } } geometry Box { } }\n"));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  CHECK(world.images.empty());
+  CHECK(said(world).find("it has no pixels: its size is 9 x 0") != std::string::npos);
+}

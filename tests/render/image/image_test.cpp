@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <thread>
 
 namespace {
 
@@ -404,5 +405,21 @@ TEST_CASE("a bitmap that ends early or says it is huge is refused in one line") 
     const auto decoded = gs::render::decode_image(std::as_bytes(std::span(bad)));
     REQUIRE(std::holds_alternative<gs::render::ImageError>(decoded));
     CHECK_FALSE(std::get<gs::render::ImageError>(decoded).message.empty());
+  }
+}
+
+TEST_CASE("refuses a bitmap without pixels") {
+  for (const char* name : {"no_rows.bmp", "no_rows24.bmp", "no_columns.bmp"}) {
+    INFO(name);
+    std::ifstream file(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/bmp/" + name, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    REQUIRE(text.size() == 118);
+    std::string message;
+    // A new thread: the decoder keeps the reason of an earlier failure of the same thread.
+    std::thread([&] {
+      const auto decoded = gs::render::decode_image(std::as_bytes(std::span(text)));
+      if (const auto* error = std::get_if<gs::render::ImageError>(&decoded)) message = error->message;
+    }).join();
+    CHECK(message == std::string("it has no pixels: its size is ") + (name[3] == 'c' ? "0 x 9" : "9 x 0"));
   }
 }
