@@ -42,7 +42,9 @@ run_range() {
     "$program" "$last" "$seed" "$first" "$input" "$number" tests/qnv/vectors tests/fuzz/corpus/qnv 2>"$said" || status=$?
     [ "$status" -ne 0 ] || break
     [ "$status" -ne 2 ] || { cat "$said"; return 2; }
-    ended=$(cat "$number")
+    ended=$(cat "$number" 2>/dev/null || true)
+    # Without a new number, the mutator itself failed and would fail again.
+    [[ $ended =~ ^[0-9]+$ && $ended -ge $first ]] || { cat "$said"; return 2; }
     cp "$input" "$work/findings/$ended.qnv"
     { echo "exit status $status"; cat "$said"; } >"$work/findings/$ended.txt"
     echo "mutation $ended ended the program: $(grep -m1 -E 'ERROR|runtime error' "$said" || echo "exit status $status")"

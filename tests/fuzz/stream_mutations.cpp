@@ -191,7 +191,7 @@ class Mutator {
 
   static Bytes joined(const SeedStream& stream) {
     Bytes bytes = stream.fixed;
-    const auto put = [&](std::uint32_t value, std::size_t size) {
+    const auto put = [&](std::uint64_t value, std::size_t size) {
       for (std::size_t i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
     };
     for (const Part& section : stream.sections) {
