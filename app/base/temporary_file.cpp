@@ -1,6 +1,7 @@
 #include "app/base/temporary_file.h"
 
 #include "net/files/file.h"
+#include "net/files/unfinished_file.h"
 
 #include <filesystem>
 #include <string_view>
@@ -41,6 +42,14 @@ void remove_abandoned_files() {
   std::error_code error;
   const fs::path base = fs::temp_directory_path(error);
   if (!error) (void)net::remove_abandoned_folders(base.string(), kTemporaryFolders);
+}
+
+void remove_unfinished_beside(const std::string& file) {
+  if (file.empty()) return;
+  std::error_code error;
+  const fs::path target = fs::weakly_canonical(file, error);  // a link is written where it leads
+  const std::string folder = (error ? fs::path(file) : target).parent_path().string();
+  (void)net::remove_unfinished_files(folder.empty() ? "." : folder);
 }
 
 }  // namespace gs::app

@@ -23,7 +23,11 @@ class TemporaryFile {
   std::string path_, problem_;
 };
 
-/// Removes what earlier runs left that could not clean up behind themselves. Once, at the start.
+/// Removes the temporary folders that killed processes left. Call it once, at the start.
 void remove_abandoned_files();
+
+/// Removes the unfinished files (net/files/unfinished_file.h) that killed processes left in the folder of `file`. Does
+/// nothing if `file` is empty.
+void remove_unfinished_beside(const std::string& file);
 
 }  // namespace gs::app

@@ -1,5 +1,7 @@
 #include "app/settings/user_keeper.h"
 
+#include "app/base/temporary_file.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -42,7 +44,10 @@ UserKeeper::UserKeeper(UserFolders folders) : folders_(std::move(folders)) {
   if (!folders_.state.empty()) {
     session_file_ = folders_.state + "/" + kSessionStart + std::to_string(::getpid()) + kSessionEnd;
     log_ = LogFile(folders_.state + kLogFile);
+    remove_unfinished_beside(session_file_);
   }
+  remove_unfinished_beside(folders_.settings_file);
+  remove_unfinished_beside(folders_.bookmarks_file);
   read();
 }
 

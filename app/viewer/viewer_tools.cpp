@@ -1,5 +1,6 @@
 #include "app/viewer/viewer_tools.h"
 
+#include "app/base/temporary_file.h"
 #include "app/base/text.h"
 #include "app/picture/paint.h"
 #include "app/picture/picture_marks.h"
@@ -312,6 +313,7 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
   const OpenedWorld& world = seen.document->world;
   const std::string path = free_path(
       folder_, picture_name(world.title.empty() ? file_label(world.path) : world.title, seconds_since_1970()));
+  remove_unfinished_beside(path);
   if (const auto problem = net::write_file_atomically(path, std::get<std::vector<std::byte>>(picture)))
     return tell("No picture: " + path + ": " + problem->message, true);
   tell("Picture saved: " + path, false);
@@ -454,6 +456,7 @@ void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, 
   const std::string text = transfer_text(transfer, volume.value_range, value_unit(volume));
   // The folder that the panel proposes need not be there yet; one that somebody types is.
   if (std::filesystem::path(path).parent_path() == folder_) std::filesystem::create_directories(folder_, error);
+  remove_unfinished_beside(path);
   if (const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text))))
     return tell(path + ": " + problem->message, true);
   replaceable_transfer_ = path;

@@ -1,8 +1,8 @@
 #include "net/files/file.h"
 
 #include "net/base/descriptor.h"
+#include "net/files/unfinished_file.h"
 
-#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -96,18 +96,6 @@ std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& 
   return std::nullopt;
 }
 
-/// A new file next to the target, with the rights that the user gives to new files; -1 and errno.
-int create_temporary(const std::string& folder, std::string& name) {
-  static std::atomic<unsigned> counter{0};
-  constexpr int kTries = 1000;  // names left behind by processes that were killed
-  for (int attempt = 0; attempt < kTries; ++attempt) {
-    name = folder + ".ghostspace-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-    const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file >= 0 || errno != EEXIST) return file;
-  }
-  return -1;
-}
-
 }  // namespace
 
 std::optional<std::string> MappedFile::changed() const {
@@ -178,11 +166,10 @@ std::optional<FileError> write_file_atomically(const std::string& path, std::spa
 
   const std::size_t slash = target.rfind('/');
   const std::string folder = slash == std::string::npos ? "./" : target.substr(0, slash + 1);
-  std::string temporary;
-  Descriptor file(create_temporary(folder, temporary));
-  if (!file) return cannot_write(path, reason(errno));
-  if (const auto why = fill_and_rename(file, temporary, target, mode, bytes)) {
-    ::unlink(temporary.c_str());
+  UnfinishedFile unfinished = create_unfinished_file(folder);
+  if (!unfinished.file) return cannot_write(path, reason(errno));
+  if (const auto why = fill_and_rename(unfinished.file, unfinished.path, target, mode, bytes)) {
+    ::unlink(unfinished.path.c_str());
     return cannot_write(path, *why);
   }
   sync_folder(folder);

@@ -75,10 +75,9 @@ class RandomAccessFile {
 /// Opens a regular file (or a link to one); refuses what map_file refuses.
 [[nodiscard]] std::variant<RandomAccessFile, FileError> open_file(const std::string& path);
 
-/// Writes a file as a whole or not at all: into a new file of the same folder, which then takes the
-/// place (and, where it can, the access rights) of the old one. Refuses to replace what is not a regular
-/// file; a link is followed. After an error the old file is as it was, and no other is left behind.
-/// Nothing when it worked.
+/// Writes a file as a whole or not at all: into a new file of the same folder (unfinished_file.h), which then takes the
+/// place of the old one and, if possible, its access rights. Refuses to replace anything but a regular file; follows a
+/// link. After an error, the old file is unchanged and no other file is left. Returns nullopt on success.
 [[nodiscard]] std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 
 }  // namespace gs::net

@@ -74,6 +74,13 @@ std::string output_of(const Options& options, const CommandRow& command) {
   return writes ? options.files.back() : std::string();
 }
 
+// Returns the files that a command writes at a place that the user named.
+std::vector<std::string> written_files(const Options& options, const CommandRow& command) {
+  std::vector<std::string> files{output_of(options, command), options.sound};
+  if (command.run == run_animate) files.push_back(options.files.back());
+  return files;
+}
+
 std::string folder_of(const std::string& file) {
   if (file.empty()) return {};
   const std::size_t slash = file.rfind('/');
@@ -158,6 +165,7 @@ int parse_and_run(int count, char** arguments) {
     return kUsage;
   }
   remove_abandoned_files();
+  for (const std::string& file : written_files(options, *chosen)) remove_unfinished_beside(file);
   if (const auto problem = take_standard_input(options, *chosen)) return fail(*problem);
   if (!options.confine.empty())
     if (const auto problem = confine({options.confine, folder_of(output_of(options, *chosen))})) return fail(*problem);

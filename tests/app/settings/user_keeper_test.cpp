@@ -55,6 +55,18 @@ TEST_CASE("What is kept is there for the next window") {
   CHECK(fs::status(scratch.path("state")).permissions() == fs::perms::owner_all);
 }
 
+TEST_CASE("removes unfinished files of killed processes from the settings folders") {
+  const ScratchFolder scratch;
+  const std::string left = "/.ghostspace-" + std::to_string(gone_process()) + "-0";
+  scratch.write("config" + left, "theme = da");
+  scratch.write("state" + left, "{");
+  scratch.write("config/.ghostspace-1-0.bak", "kept");
+  const UserKeeper keeper(folders_in(scratch));
+  CHECK_FALSE(fs::exists(scratch.path("config" + left)));
+  CHECK_FALSE(fs::exists(scratch.path("state" + left)));
+  CHECK(scratch.read("config/.ghostspace-1-0.bak") == "kept");
+}
+
 TEST_CASE("Files that are spoilt are told once, kept, and stop nothing") {
   const ScratchFolder scratch;
   scratch.write("config/settings.conf", "theme = light\nspeed = fast\n");
