@@ -1,5 +1,6 @@
 #include "app/base/confinement.h"
 
+#include "app/base/environment.h"
 #include "app/base/system_calls.h"
 #include "net/base/descriptor.h"
 
@@ -117,6 +118,7 @@ std::optional<std::string> confine(const Confinement& confinement) {
   if (support.landlock > 0)
     if (auto problem = confine_files(confinement, support.landlock)) return "cannot be confined: " + *problem;
   if (support.seccomp && !refuse_calls()) return reason("cannot be confined: seccomp");
+  clear_environment();  // Landlock cannot exclude /proc/self/environ, which lies below /proc/self
   return std::nullopt;
 }
 

@@ -21,10 +21,11 @@ struct ConfinementSupport {
 };
 [[nodiscard]] ConfinementSupport confinement_support();
 
-/// Confines this process, for good: files by Landlock; no sockets, no other processes or programs, nothing that changes
-/// the machine or files by other ways, by seccomp. What the kernel does not have is left out (`confinement_support`
-/// tells); what went wrong with what it has, if anything: then nothing hostile may be read. To be called before there
-/// are threads. See docs/security.md.
+/// Confines this process permanently. Landlock limits its files; seccomp refuses sockets, other processes and programs,
+/// and calls that change the machine or files by other ways; the environment loses all variables that may hold secrets
+/// (environment.h). Leaves out what the kernel lacks (see `confinement_support`). Returns the reason if something fails
+/// that the kernel has: then the process must read nothing untrusted. Call it before there are threads. See
+/// docs/security.md.
 [[nodiscard]] std::optional<std::string> confine(const Confinement& confinement);
 
 }  // namespace gs::app

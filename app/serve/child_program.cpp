@@ -1,5 +1,6 @@
 #include "app/serve/child_program.h"
 
+#include "app/base/environment.h"
 #include "app/base/exit_status.h"
 #include "net/base/descriptor.h"
 
@@ -37,8 +38,9 @@ std::string last_line(const net::Descriptor& file) {
   return line == std::string::npos ? text : text.substr(line + 1);
 }
 
-// All of what comes between fork and exec, in a process whose other threads are gone: system calls only.
-[[noreturn]] void become(const char* program, char* const* arguments, int error_output, const ChildLimits& limits) {
+// Runs between fork and exec, in a process without its other threads: makes system calls only.
+[[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int error_output,
+                         const ChildLimits& limits) {
   // It ends when this program does, and Ctrl-C on the terminal is not for it.
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
   (void)::setpgid(0, 0);
@@ -61,7 +63,7 @@ std::string last_line(const net::Descriptor& file) {
          ::dup2(error_output, STDERR_FILENO) >= 0;
   // Whatever else is open here, and whoever forgot to say that it is not for others.
   (void)::close_range(STDERR_FILENO + 1, ~0U, 0);
-  if (good) (void)::execv(program, arguments);
+  if (good) (void)::execve(program, arguments, environment);
   ::_exit(kCannotStart);
 }
 
@@ -71,8 +73,9 @@ pid_t spawn(const std::string& program, const std::vector<std::string>& argument
   std::vector<char*> list{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) list.push_back(const_cast<char*>(argument.c_str()));
   list.push_back(nullptr);
+  const std::vector<char*> environment = kept_environment();
   const pid_t child = ::fork();
-  if (child == 0) become(program.c_str(), list.data(), error_output, limits);
+  if (child == 0) become(program.c_str(), list.data(), environment.data(), error_output, limits);
   return std::max<pid_t>(child, 0);
 }
 

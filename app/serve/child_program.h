@@ -22,11 +22,10 @@ struct ChildFailure {
   bool lasting = true;  // it would be so again; else it was for want of something in this machine
 };
 
-/// Runs a program with these arguments, without input and with its output
-/// thrown away, and waits for it; what went wrong, if it did. Kills it when its
-/// time is up or when stopped; it goes when this program does. For work on
-/// files of others: whatever such a file does to the child, this process goes
-/// on. Our exit statuses are known.
+/// Runs a program with these arguments, without input, with its output discarded and with the kept part of the
+/// environment (app/base/environment.h). Waits for its end and returns the reason of a failure. Kills the child after
+/// its time, or when stopped; the child also ends with this process. Meant for work on untrusted files: no failure of
+/// the child ends this process. Interprets the exit statuses of this program.
 [[nodiscard]] std::optional<ChildFailure> run_child(const std::string& program,
                                                     const std::vector<std::string>& arguments,
                                                     const ChildLimits& limits, const std::stop_token& stop);

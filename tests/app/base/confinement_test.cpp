@@ -1,5 +1,6 @@
 // What a confined process can still do: each attempt is made in a process of its own.
 #include "app/base/confinement.h"
+#include "app/base/environment.h"
 
 #include "app/commands/options/options.h"
 #include "app/serve/child_program.h"
@@ -23,10 +24,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -60,6 +65,22 @@ bool file_opens(const std::string& path, int flags) {
 
 bool calls(long number, long a = 0, long b = 0, long c = 0, long d = 0) {
   return ::syscall(number, a, b, c, d, 0L, 0L) >= 0;
+}
+
+std::string file_text(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// Returns true if an entry is not empty and its variable is not kept.
+bool has_other_variables(const std::string& environment) {
+  for (std::size_t at = 0; at < environment.size();) {
+    const std::size_t end = std::min(environment.find('\0', at), environment.size());
+    const std::string entry = environment.substr(at, end - at);
+    if (!entry.empty() && !is_kept_variable(entry.substr(0, entry.find('=')))) return true;
+    at = end + 1;
+  }
+  return false;
 }
 
 const std::string kConfinedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
@@ -193,6 +214,46 @@ TEST_CASE("confined: no sockets, no other processes, nothing that changes the ma
   // The same calls by the numbers of other architectures: refused, or the end of the process.
   CHECK_FALSE(can([] { return calls(0x40000000 + SYS_getpid) || errno != EPERM; }));
 #endif
+}
+
+TEST_CASE("hides the environment from a confined process") {
+  // The list of this process is put back at the end.
+  char secret[] = "GHOSTSPACE_TEST_SECRET=hunter2", language[] = "LANG=C.UTF-8";
+  char* entries[] = {secret, language, nullptr};
+  char** const own = environ;
+  const ScratchFolder scratch;
+  const Confinement here{scratch.path(""), scratch.path("")};
+  environ = entries;
+  const bool hidden = succeeds_confined(here, [&] {
+    const std::string left(secret, sizeof secret);
+    return !std::getenv("GHOSTSPACE_TEST_SECRET") && left.find_first_not_of('\0') == std::string::npos &&
+           std::string(std::getenv("LANG")) == "C.UTF-8";
+  });
+  environ = own;
+  CHECK(hidden);
+  CHECK(std::string(secret).ends_with("hunter2"));
+  // Linux shows the bytes that the process started with; a test runner passes HOME or PWD.
+  const std::string before = file_text("/proc/self/environ");
+  REQUIRE(has_other_variables(before));
+  CHECK(succeeds_confined(here, [] { return !has_other_variables(file_text("/proc/self/environ")); }));
+}
+
+TEST_CASE("passes only kept variables to a child") {
+  ::setenv("GHOSTSPACE_TEST_SECRET", "hunter2", 1);
+  ::setenv("LC_GHOSTSPACE_TEST", "kept", 1);
+  std::stop_source stop;
+  const auto shown =
+      run_child("/bin/sh", {"-c", "tr '\\000' ' ' </proc/self/environ >&2; exit 1"}, {}, stop.get_token());
+  ::unsetenv("GHOSTSPACE_TEST_SECRET");
+  ::unsetenv("LC_GHOSTSPACE_TEST");
+  REQUIRE(shown);
+  INFO(shown->message);
+  CHECK(shown->message.find("LC_GHOSTSPACE_TEST=kept") != std::string::npos);
+  for (const char* name : {"GHOSTSPACE_TEST_SECRET", "hunter2", "HOME="})
+    CHECK(shown->message.find(name) == std::string::npos);
+  CHECK(is_kept_variable("TZ"));
+  for (const char* name : {"http_proxy", "AWS_SECRET_ACCESS_KEY", "SSH_AUTH_SOCK", "LD_PRELOAD", "PATHS", "", "LC"})
+    CHECK_FALSE(is_kept_variable(name));
 }
 
 TEST_CASE("the option --confine: commands do their work, and read and write nothing beyond") {
