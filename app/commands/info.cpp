@@ -244,6 +244,13 @@ void describe_volume(Fact& facts, const qnv::VolumeSource& volume, Clock::time_p
   put_metadata(facts, layout.metadata);
 }
 
+void put_notes(Fact& facts, const vrml::Diagnostics& diagnostics) {
+  Fact notes = Fact::list();
+  for (const vrml::Diagnostic& one : diagnostics.entries())
+    if (one.severity == vrml::Severity::note) notes.add(one.message);
+  if (!notes.empty()) facts.put("notes", std::move(notes));
+}
+
 void describe_world(Fact& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const OpenedWorld& world = opened.world;
@@ -262,6 +269,7 @@ void describe_world(Fact& facts, const OpenedSurface& opened) {
   if (!opened.list.bounds.empty()) put_box(facts, opened.list.bounds.lower, opened.list.bounds.upper);
   facts.put("errors", world.diagnostics.errors());
   facts.put("warnings", world.diagnostics.warnings());
+  put_notes(facts, world.diagnostics);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "app/formats/gltf/gltf_mesh.h"
 
 #include "app/formats/gltf/gltf_load.h"
+#include "app/formats/splats/splats.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -13,6 +14,8 @@
 
 namespace gs::app {
 namespace {
+
+constexpr int kMostHarmonics = 3;  // of KHR_gaussian_splatting
 
 int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
@@ -111,6 +114,7 @@ vrml::NodeId GltfMeshes::make_shape(const tinygltf::Primitive& primitive, const 
     builder_.fail(where + kDracoExtension + " is not supported; the primitive is left out");
     return {};
   }
+  report_splats(primitive);
   const GltfSurface surface = materials_.surface(primitive.material);
   Geometry geometry;
   if (!read_attributes(primitive, surface, where, geometry)) return {};
@@ -120,6 +124,25 @@ vrml::NodeId GltfMeshes::make_shape(const tinygltf::Primitive& primitive, const 
   const bool glowing = geometry.kind != Geometry::Kind::faces;
   const vrml::NodeId node = builder_.geometry(std::move(geometry));
   return node ? builder_.shape(node, materials_.appearance(primitive.material, glowing)) : vrml::NodeId{};
+}
+
+void GltfMeshes::report_splats(const tinygltf::Primitive& primitive) {
+  const std::string extension = "KHR_gaussian_splatting", prefix = extension + ":";
+  if (splats_reported_ || !primitive.extensions.contains(extension)) return;
+  std::string lost;
+  if (const int accessor = attribute(primitive, prefix + "OPACITY"); accessor >= 0)
+    if (const auto opacities = accessors_.floats(accessor, 1, true))
+      if (std::any_of(opacities->begin(), opacities->end(), [](float opacity) { return opacity < kOpaque; }))
+        lost = "opacity";
+  int degree = 0;
+  while (degree < kMostHarmonics &&
+         attribute(primitive, prefix + "SH_DEGREE_" + std::to_string(degree + 1) + "_COEF_0") >= 0)
+    ++degree;
+  if (degree > 0)
+    lost += (lost.empty() ? "" : " and ") + std::string("spherical harmonics up to degree ") + std::to_string(degree);
+  if (lost.empty()) return;
+  splats_reported_ = true;
+  builder_.note("splats are drawn as opaque points, without their " + lost);
 }
 
 std::optional<vrml::MFVec3f> GltfMeshes::vectors(int accessor) {

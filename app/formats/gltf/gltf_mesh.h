@@ -42,6 +42,8 @@ class GltfMeshes {
   void read_texture_coordinates(int accessor, const GltfSurface& surface, const std::string& where, Geometry& geometry);
   void skin(const tinygltf::Primitive& primitive, const std::vector<glm::mat4>& joints, const std::string& where,
             Geometry& geometry);
+  /// Reports once that Gaussian splats lose their opacity or their spherical harmonics.
+  void report_splats(const tinygltf::Primitive& primitive);
   std::optional<vrml::MFVec3f> vectors(int accessor);
 
   const tinygltf::Model& model_;
@@ -51,6 +53,7 @@ class GltfMeshes {
   std::map<int, vrml::NodeId> nodes_;
   std::map<int, vrml::MFVec3f> vectors_;
   std::map<int, vrml::MFVec2f> texture_coordinates_;
+  bool splats_reported_ = false;
 };
 
 }  // namespace gs::app

@@ -146,8 +146,10 @@ std::optional<qnv::Cloud> CloudFileReader::cloud(const ContentType& type) {
     return std::nullopt;
   }
   auto& cloud = std::get<qnv::Cloud>(imported);
-  for (const auto& [key, value] : cloud.description.metadata)
+  for (const auto& [key, value] : cloud.description.metadata) {
+    if (key == kSplatsDrawnAs) report(Severity::note, "splats are drawn as " + value);
     if (!file_.cut && key.ends_with(" missing")) report(Severity::error, "the file ends early: " + key + ": " + value);
+  }
   return std::move(cloud);
 }
 

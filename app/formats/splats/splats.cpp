@@ -73,6 +73,14 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   return disc;
 }
 
+/// Returns the metadata text for splats that lose opacity or harmonics; empty if they lose nothing.
+std::string drawn_as(bool translucent, int harmonics) {
+  std::string lost = translucent ? "opacity" : "";
+  if (harmonics > 0)
+    lost += std::string(translucent ? " and " : "") + "spherical harmonics up to degree " + std::to_string(harmonics);
+  return lost.empty() ? lost : "opaque discs, without their " + lost;
+}
+
 void add_count(qnv::Description& description, const char* name, std::size_t count) {
   if (count > 0) description.metadata.emplace_back(name, std::to_string(count));
 }
@@ -100,7 +108,7 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
   qnv::Description& description = cloud.description;
   description.two_sided = true;
   std::size_t faint = 0, broken = 0, thick = 0;
-  bool all_flat = true;
+  bool all_flat = true, translucent = false;
   std::vector<bool> sided;  // the sign of the normal is known
   std::vector<glm::dvec3> places;
   places.reserve(model.size());
@@ -118,6 +126,7 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
     sided.push_back(side < 0 || side > 0);
     all_flat = all_flat && disc.flat_across_z;
     thick += disc.thick ? 1 : 0;
+    translucent = translucent || model.opacities[i] < kOpaque;
     places.push_back(disc.place);
     cloud.normals.push_back(disc.normal);
     cloud.weights.push_back(disc.area);
@@ -131,6 +140,9 @@ qnv::Cloud cloud_of_splats(const SplatModel& model) {
       if (!sided[i] && dot(cloud.normals[i], cloud.positions[i] - middle) < 0) cloud.normals[i] = -cloud.normals[i];
   }
   description.metadata.emplace_back("source", model.format);
+  if (!cloud.empty())
+    if (std::string text = drawn_as(translucent, model.harmonics); !text.empty())
+      description.metadata.emplace_back(kSplatsDrawnAs, std::move(text));
   add_count(description, "splats not discs", thick);
   add_count(description, "splats too faint", faint);
   add_count(description, "splats broken", broken);

@@ -24,6 +24,10 @@ namespace gs::app {
 inline constexpr float kSigmaOfRadius = 0.70710678f;
 /// The real spherical harmonic of degree 0: colour = 0.5 + kSphericalHarmonic0 * dc.
 inline constexpr float kSphericalHarmonic0 = 0.28209479f;
+/// Splats from this opacity on count as opaque, among them those of our exports: 0.99, in 8 bits 252 / 255.
+inline constexpr float kOpaque = 0.988f;
+/// Key of the metadata that say how splats are drawn, and which properties of the file are discarded.
+inline constexpr char kSplatsDrawnAs[] = "splats drawn as";
 /// Splats fainter than this show nowhere on an 8-bit display; they are left out.
 inline constexpr float kLeastOpacity = 1.0f / 255;
 /// A splat is a disc while its smallest standard deviation is no larger than this part of the middle one.
@@ -47,6 +51,7 @@ struct SplatModel {
   std::vector<glm::vec3> dc;         // colour coefficients of degree 0
   std::vector<glm::vec3> normals;    // which side is outside; zero: not known
   std::size_t announced = 0;         // splats that the file says it has
+  int harmonics = 0;                 // highest degree of the file's spherical harmonics; above 0, they are discarded
   vrml::Share share;
 
   /// Draws memory for `count` more splats, before they are made; why there is not so much.
@@ -60,7 +65,8 @@ struct SplatModel {
 /// splats fainter than kLeastOpacity, and broken ones. The normal's sign: that of `normals`; else, where every
 /// splat is flat across its own z axis, that axis (our exports; 2DGS); else away from the middle of the box.
 /// Metadata: "source", and as counts where not 0: "splats not discs" (kept, yet thicker than kMostDiscThickness),
-/// "splats too faint", "splats broken", "splats missing" (announced, not in the file).
+/// "splats too faint", "splats broken", "splats missing" (announced, not in the file). If a splat is translucent, or
+/// the file has spherical harmonics, kSplatsDrawnAs says that they are discarded.
 [[nodiscard]] qnv::Cloud cloud_of_splats(const SplatModel& model);
 
 using ImportedCloud = std::variant<qnv::Cloud, std::string>;

@@ -1,5 +1,6 @@
 #include "app/formats/common/byte_order.h"
 #include "app/formats/common/ply_table.h"
+#include "app/formats/splats/ply_harmonics.h"
 #include "app/formats/splats/splats.h"
 
 #include <algorithm>
@@ -137,6 +138,8 @@ ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes, con
   SplatModel model;
   if (auto problem = model.draw(budget, count)) return std::move(*problem);
   model.format = "PlayCanvas compressed PLY";
+  for (const PlyElement& element : table.header.elements)
+    if (element.name == "sh") model.harmonics = harmonics_degree(element);
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
   model.resize(count);
   const std::size_t stride = table.element.least_row_bytes();

@@ -1,6 +1,7 @@
 #include "app/formats/common/byte_order.h"
 #include "app/formats/splats/splats.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -21,6 +22,7 @@ struct Section {
   std::uint64_t splats = 0, bucket_size = 0, full_buckets = 0, partial_buckets = 0;
   std::uint64_t centers = 0, data = 0, end = 0;  // offsets in the file
   std::uint64_t splat_bytes = 0, sizes = 0;
+  int harmonics = 0;             // degree
   float quantum = 0, range = 0;  // world units a step; steps from a bucket's centre to its border
 };
 
@@ -40,6 +42,7 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
   const std::uint64_t degree = load_little<std::uint16_t>(&bytes[header + 40]);
   if (degree >= kHarmonics.size())
     return "a section with harmonics of degree " + std::to_string(degree) + "; expected 0 to 3";
+  section.harmonics = static_cast<int>(degree);
   section.range = static_cast<float>(stored_range != 0 ? stored_range : mode == 0 ? 1 : 32767);
   section.quantum = block / 2 / section.range;
   section.splat_bytes = kModes[mode].base + kHarmonics[degree] * kModes[mode].harmonic;
@@ -144,6 +147,7 @@ ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes, const World
     const Section& section = std::get<Section>(read);
     if (auto problem = model.draw(budget, section.splats)) return std::move(*problem);
     model.announced += section.splats;
+    model.harmonics = std::max(model.harmonics, section.harmonics);
     // Mode 0 has buckets too, yet its positions stand for themselves.
     std::optional<Buckets> buckets;
     if (mode > 0) buckets.emplace(bytes, section);

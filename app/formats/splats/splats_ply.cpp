@@ -1,4 +1,5 @@
 #include "app/formats/common/ply_table.h"
+#include "app/formats/splats/ply_harmonics.h"
 #include "app/formats/splats/splats.h"
 
 #include <algorithm>
@@ -46,6 +47,7 @@ ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBud
   const bool flat = !table.has("scale_2");
   model.format = flat ? "2DGS PLY" : "3DGS PLY";
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
+  model.harmonics = harmonics_degree(table.element);
   model.resize(table.rows);
   constexpr const char* kPositions[] = {"x", "y", "z"};
   constexpr const char* kScales[] = {"scale_0", "scale_1", "scale_2"};

@@ -104,6 +104,7 @@ void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, 
   const auto value = [](std::byte b) { return static_cast<float>(std::to_integer<int>(b)); };
   const std::size_t coordinate = plane_widths(header.version)[positions] / 3;
   const std::size_t rotation = plane_widths(header.version)[rotations];
+  model.harmonics = std::min(int{header.harmonics_degree}, static_cast<int>(kHarmonicBytes.size()) - 1);
   model.resize(header.count);
   for (std::size_t i = 0; i < header.count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <thread>
@@ -51,6 +52,50 @@ TEST_CASE("encode: a world becomes a stream of its area, title and source, and i
   CHECK(shown == facts["vectors"]);
   CHECK(chunks == facts["chunks"]);
   CHECK(run("info " + quoted(out)).output.find("title: The ball") != std::string::npos);
+}
+
+TEST_CASE("encode and info say which properties of splats are discarded") {
+  const ScratchFolder folder;
+  const std::string note = "splats are drawn as opaque discs, without their opacity";
+  std::string opaque;
+  for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) opaque.append(reinterpret_cast<const char*>(&f), 4);
+  opaque += "\x10\x20\x30\xff\xff\x80\x80\x80";
+  std::string translucent = opaque;
+  translucent[27] = '\x40';
+  const std::string a = folder.write("opaque.splat", opaque), b = folder.write("glass.splat", translucent),
+                    out = folder.path("out.qnv");
+  CHECK(run("encode " + quoted(a) + " " + quoted(out)).output.find("opaque discs") == std::string::npos);
+  CHECK_FALSE(info(a)["metadata"].contains("splats drawn as"));
+  const Run encoded = run("encode " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
+  CHECK(encoded.status == kDone);
+  CHECK(encoded.output == b + ": note: " + note + "\n");
+  const Run told = run("info --json " + quoted(b) + " 2>/dev/null");
+  REQUIRE(told.status == kDone);
+  CHECK("splats are drawn as " + nlohmann::json::parse(told.output)["metadata"]["splats drawn as"].get<std::string>() ==
+        note);
+  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque discs") != std::string::npos);
+  CHECK(info(out)["metadata"]["splats drawn as"] == "opaque discs, without their opacity");
+}
+
+TEST_CASE("a command removes unfinished files of killed processes beside its output") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("ball.wrl", kBall), broken = folder.write("broken.stl", "");
+  std::filesystem::create_directory(folder.path("out"));
+  const auto leave = [&] {
+    folder.write("out/.ghostspace-99-7", "half");
+    folder.write("out/.ghostspace-99-7.png", "mine");
+    folder.write(".ghostspace-99-7", "elsewhere");
+  };
+  const auto removed = [&] {
+    return !std::filesystem::exists(folder.path("out/.ghostspace-99-7")) &&
+           folder.read("out/.ghostspace-99-7.png") == "mine" && folder.read(".ghostspace-99-7") == "elsewhere";
+  };
+  leave();
+  CHECK(run("encode --vectors 1000 " + quoted(world) + " " + quoted(folder.path("out/a.qnv"))).status == kDone);
+  CHECK(removed());
+  leave();  // at the start, also if the run fails
+  CHECK(run("encode " + quoted(broken) + " " + quoted(folder.path("out/b.qnv"))).status != kDone);
+  CHECK(removed());
 }
 
 TEST_CASE("encode: --exact brings the mesh itself, and export writes it") {

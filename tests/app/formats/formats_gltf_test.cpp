@@ -98,6 +98,29 @@ std::string scene_of(const std::string& primitive, const std::string& more = "")
 
 const std::string kSquarePrimitive = R"("attributes":{"POSITION":0},"indices":1)";
 
+TEST_CASE("names what Gaussian splats of a glTF lose, once") {
+  Asset asset;
+  asset.accessor(kCorners, 5126, 4, "VEC3");
+  asset.accessor(bytes_of_values<float>({1, 1, 0.99f, 1}), 5126, 4, "SCALAR");
+  asset.accessor(bytes_of_values<float>({1, 1, 0.5f, 1}), 5126, 4, "SCALAR");
+  const std::string splats = R"(,"mode":0,"extensions":{"KHR_gaussian_splatting":{"kernel":"ellipse"}})",
+                    prefix = R"(,"KHR_gaussian_splatting:)";
+  const std::string opaque = prefix + "OPACITY\":1", translucent = prefix + "OPACITY\":2",
+                    harmonics = prefix + "SH_DEGREE_1_COEF_0\":0" + prefix + "SH_DEGREE_2_COEF_0\":0";
+  const auto messages = [&](const std::string& attributes, const std::string& more) {
+    const std::string primitive = R"({"attributes":{"POSITION":0)" + attributes + "}" + more + "}";
+    return gltf(asset.json(R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitive + "," + primitive + "]}]"))
+        .messages();
+  };
+  const std::string note = "test: note: splats are drawn as opaque points, without their ";
+  CHECK(messages(translucent, R"(,"mode":0)").empty());
+  CHECK(messages("", splats).empty());
+  CHECK(messages(opaque, splats).empty());
+  CHECK(messages(translucent, splats) == note + "opacity\n");
+  CHECK(messages(opaque + harmonics, splats) == note + "spherical harmonics up to degree 2\n");
+  CHECK(messages(translucent + harmonics, splats) == note + "opacity and spherical harmonics up to degree 2\n");
+}
+
 TEST_CASE("a glTF with embedded data and the same GLB") {
   const Asset asset = square_asset();
   for (const Bytes& bytes : {bytes_of(asset.json(scene_of(kSquarePrimitive))), asset.glb(scene_of(kSquarePrimitive))}) {

@@ -103,6 +103,26 @@ TEST_CASE("splats that cannot be discs are counted") {
   CHECK(std::holds_alternative<std::string>(import_result(SplatModel())));
 }
 
+TEST_CASE("names the opacity and the harmonics that splats lose") {
+  SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
+  const auto drawn = [&] { return metadata(cloud_of_splats(model), kSplatsDrawnAs); };
+  CHECK(drawn().empty());
+  model.opacities[0] = 252.0f / 255;  // of our exports
+  CHECK(drawn().empty());
+  model.harmonics = 3;
+  CHECK(drawn() == "opaque discs, without their spherical harmonics up to degree 3");
+  model.opacities[0] = 0.5f;
+  CHECK(drawn() == "opaque discs, without their opacity and spherical harmonics up to degree 3");
+  model.harmonics = 0;
+  CHECK(drawn() == "opaque discs, without their opacity");
+  // A splat that is left out loses nothing.
+  model.resize(2);
+  model.opacities = {1, 0.001f};
+  model.scales[1] = model.scales[0];
+  model.rotations[1] = kNoTurn;
+  CHECK(drawn().empty());
+}
+
 constexpr const char* k2dgs =
     "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
     "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
@@ -123,7 +143,26 @@ TEST_CASE("2DGS PLY") {
   CHECK(cloud.weights[0] == Approx(2 * kPi));
   CHECK(cloud.weights[1] == Approx(4 * kPi));  // ln 2
   CHECK(cloud.colors[1] == Rgb8{255, 128, 0});
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their opacity");
   check_hostile(import_splats_ply, bytes_of(k2dgs));
+}
+
+TEST_CASE("finds the degree of the harmonics in a PLY file") {
+  for (const auto& [count, degree] : {std::pair(0, 0), {3, 1}, {9, 1}, {24, 2}, {45, 3}, {72, 4}}) {
+    std::string text = k2dgs, header, values;
+    for (int i = 0; i < count; ++i) {
+      header += "property float f_rest_" + std::to_string(i) + "\n";
+      values += " 0.25";
+    }
+    text.replace(text.find(" 0 0 0 0 0 0 1 0 0 0\n"), 20, " 0 0 0 20 0 0 1 0 0 0" + values);
+    text.replace(text.rfind('\n'), 1, values + "\n");
+    text.insert(text.find("end_header"), header);
+    const std::string drawn = metadata(cloud_of(import_splats_ply, bytes_of(text)), kSplatsDrawnAs);
+    INFO(text);
+    CHECK(drawn == (degree == 0
+                        ? std::string()
+                        : "opaque discs, without their spherical harmonics up to degree " + std::to_string(degree)));
+  }
 }
 
 TEST_CASE("3DGS PLY of a trained scene") {
@@ -138,6 +177,8 @@ TEST_CASE("3DGS PLY of a trained scene") {
   const Cloud cloud = cloud_of(import_splats_ply, bytes);
   REQUIRE(cloud.size() == 1000);
   CHECK(metadata(cloud, "splats not discs") == "865");
+  CHECK(metadata(cloud, kSplatsDrawnAs) ==
+        "opaque discs, without their opacity and spherical harmonics up to degree 3");
   // Computed from the file by other means, in double precision.
   CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
   CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
@@ -174,6 +215,8 @@ TEST_CASE("antimatter .splat, of which every prefix is a scene") {
   CHECK(near(cloud.normals[1] * cloud.normals[1], {0, 1, 0}));
   CHECK(cloud.colors[0] == Rgb8{255, 0, 51});
   CHECK(metadata(cloud, "splats too faint") == "1");
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their opacity");
+  CHECK(metadata(cloud_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsDrawnAs).empty());
   bytes.resize(70);
   CHECK(metadata(cloud_of(import_splats_antimatter, bytes), "splats missing") == "1");
   CHECK(problem_of(import_splats_antimatter, Bytes(31)).find("32 bytes") != std::string::npos);
@@ -230,6 +273,7 @@ TEST_CASE(".ksplat with floats") {
   CHECK(cloud.weights[0] == Approx(kPi / 4));
   CHECK(cloud.colors[0] == Rgb8{10, 20, 30});
   CHECK(near(cloud.normals[0], {0, 0, -1}));
+  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque discs, without their spherical harmonics up to degree 1");
   Bytes wrong = bytes;
   wrong[0] = std::byte{1};
   CHECK(problem_of(import_splats_ksplat, wrong).find("version 1.1") != std::string::npos);
@@ -332,6 +376,13 @@ TEST_CASE("SPZ versions 1 to 3") {
     CHECK(cloud.weights[0] == Approx(2 * kPi));
     CHECK(cloud.colors[0] == Rgb8{255, 255, 255});
     CHECK(near(cloud.normals[0], {0, 0, -1}, 0.01f));
+    CHECK(metadata(cloud, kSplatsDrawnAs).empty());
+    Bytes lossy = spz(version);
+    lossy[12] = std::byte{2};
+    lossy[16 + (version == 1 ? 12 : 18)] = std::byte{128};
+    lossy.resize(lossy.size() + 2 * 24);
+    CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
+          "opaque discs, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
     // Rubbish that unpacks.
     Bytes data = spz(version);
@@ -403,6 +454,30 @@ TEST_CASE("the same scene as SPZ version 4 and as compressed PLY") {
   CHECK(metadata(less, "splats missing") == std::to_string(152746 - less.size()));
   head.resize(46000);
   check_hostile(import_splats_compressed_ply, head, 5003);
+}
+
+TEST_CASE("names what splats of a compressed PLY file lose") {
+  const auto compressed = [](std::uint32_t color, bool harmonics) {
+    std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
+    for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
+                             "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
+      header += std::string("property float ") + name + "\n";
+    header += "element vertex 1\n";
+    for (const char* name : {"position", "rotation", "scale", "color"})
+      header += std::string("property uint packed_") + name + "\n";
+    if (harmonics) {
+      header += "element sh 1\n";
+      for (int i = 0; i < 24; ++i) header += "property uchar f_rest_" + std::to_string(i) + "\n";
+    }
+    Bytes bytes = bytes_of(header + "end_header\n");
+    for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
+    for (const std::uint32_t word : {0u, 0u, 0xffffffffu, color}) put(bytes, word);
+    if (harmonics) bytes.resize(bytes.size() + 24, std::byte{128});
+    return metadata(cloud_of(import_splats_compressed_ply, bytes), kSplatsDrawnAs);
+  };
+  CHECK(compressed(0x808080ffu, false).empty());
+  CHECK(compressed(0x80808080u, false) == "opaque discs, without their opacity");
+  CHECK(compressed(0x80808080u, true) == "opaque discs, without their opacity and spherical harmonics up to degree 2");
 }
 
 TEST_CASE("areas of points are those of their neighbours' disc") {

@@ -210,3 +210,15 @@ TEST_CASE("splats, points and volumes open as shapes of vectors") {
     CHECK(said(bad).starts_with(folder.path(name) + ": error: "));
   }
 }
+
+TEST_CASE("a world of translucent splats has a note on how they are drawn") {
+  const ScratchFolder folder;
+  std::string splat;
+  for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) splat.append(reinterpret_cast<const char*>(&f), 4);
+  splat += "\x10\x20\x30\x40\xff\x80\x80\x80";
+  const OpenedWorld world = load_world(folder.write("glass.splat", splat));
+  CHECK(said(world) ==
+        folder.path("glass.splat") + ": note: splats are drawn as opaque discs, without their opacity\n");
+  splat[27] = '\xff';
+  CHECK(said(load_world(folder.write("opaque.splat", splat))).empty());
+}
