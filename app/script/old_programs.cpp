@@ -1,4 +1,5 @@
 #include "app/script/script_world.h"
+#include "net/base/url.h"
 
 #include <algorithm>
 #include <array>
@@ -255,29 +256,24 @@ namespace gs::app {
 
 ProgramPlace program_place(std::string_view url) {
   while (!url.empty() && std::isspace(static_cast<unsigned char>(url.front()))) url.remove_prefix(1);
-  constexpr std::string_view kSchemes[] = {"javascript:", "vrmlscript:", "ecmascript:"};
-  const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+  constexpr std::string_view kSchemes[] = {"javascript", "vrmlscript", "ecmascript"};
   for (const std::string_view scheme : kSchemes)
-    if (url.size() >= scheme.size() &&
-        std::equal(scheme.begin(), scheme.end(), url.begin(), [&](char a, char b) { return same(b, a); }))
-      return {ProgramPlace::Kind::held, url.substr(scheme.size())};
+    if (net::has_scheme(url, scheme)) return {ProgramPlace::Kind::held, url.substr(scheme.size() + 1)};
+  const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
   const std::string_view name = url.substr(0, url.find_first_of("?#"));
   const auto ends_with = [&](std::string_view what) {
     return name.size() >= what.size() &&
            std::equal(what.begin(), what.end(), name.end() - static_cast<std::ptrdiff_t>(what.size()),
                       [&](char a, char b) { return same(b, a); });
   };
-  if (ends_with(".class") || ends_with(".jar") || (url.size() > 5 && url.substr(0, 5) == "java:"))
-    return {ProgramPlace::Kind::java, {}};
+  if (ends_with(".class") || ends_with(".jar") || net::has_scheme(url, "java")) return {ProgramPlace::Kind::java, {}};
   if (url.empty()) return {};
   // A language that is not known here, rather than a place.
   constexpr std::string_view kPlaces[] = {"http", "https", "file", "ftp", "data", "memory", "cells", "urn"};
   const std::string_view scheme = url.substr(0, url.find_first_of(":/.?#\n\\ "));
   if (scheme.size() > 1 && scheme.size() < url.size() && url[scheme.size()] == ':' &&
-      std::none_of(std::begin(kPlaces), std::end(kPlaces), [&](std::string_view place) {
-        return place.size() == scheme.size() &&
-               std::equal(place.begin(), place.end(), scheme.begin(), [&](char a, char b) { return same(b, a); });
-      }))
+      std::none_of(std::begin(kPlaces), std::end(kPlaces),
+                   [&](std::string_view place) { return net::has_scheme(url, place); }))
     return {ProgramPlace::Kind::unknown, scheme};
   return {ProgramPlace::Kind::file, {}};
 }

@@ -110,7 +110,7 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
 }
 
 bool open_in_browser(const std::string& url) {
-  if (!url.starts_with("http://") && !url.starts_with("https://") && !url.starts_with("mailto:")) return false;
+  if (!net::has_scheme(url, "http") && !net::has_scheme(url, "https") && !net::has_scheme(url, "mailto")) return false;
   std::string program = "xdg-open", argument = url;
   char* const arguments[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;

@@ -1,5 +1,6 @@
 #include "app/viewer/hand_over.h"
 
+#include "app/session/documents/link_file.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 #include "net/control/control_caller.h"
@@ -44,7 +45,7 @@ std::string token_in(const std::string& folder) {
 
 std::string absolute_place(const std::string& place) {
   const net::Url url = net::parse_url(place);
-  if (place.empty() || place.starts_with("ghostspace:") || (!url.scheme.empty() && net::find_scheme(url.scheme)))
+  if (place.empty() || net::has_scheme(place, kLinkScheme) || (!url.scheme.empty() && net::find_scheme(url.scheme)))
     return place;
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(place, error);

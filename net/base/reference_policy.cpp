@@ -32,7 +32,8 @@ bool lies_in(const std::string& path, const std::string& folder) {
 }  // namespace
 
 std::string Origin::site() const {
-  if (is_user() || is_file()) return url.substr(0, url.find(':'));
+  if (is_user()) return {};
+  if (is_file()) return "file";
   const Url parts = parse_url(url);
   return parts.scheme + "://" + parts.authority + " " + std::to_string(static_cast<int>(space));
 }

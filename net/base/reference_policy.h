@@ -18,7 +18,7 @@ struct Origin {
 
   [[nodiscard]] bool is_user() const { return url.empty(); }
   /// A file of this machine. Everything else that is not the user may have been written by anyone.
-  [[nodiscard]] bool is_file() const { return url.starts_with("file:"); }
+  [[nodiscard]] bool is_file() const { return has_scheme(url, "file"); }
   /// What decides: texts of one site may refer to the same. Of files there is one.
   [[nodiscard]] std::string site() const;
   /// The most private space in which a host may be that sends what this text refers to.

@@ -139,6 +139,12 @@ Url parse_url(std::string_view text) {
   return url;
 }
 
+bool has_scheme(std::string_view url, std::string_view scheme) {
+  if (url.size() <= scheme.size() || url[scheme.size()] != ':') return false;
+  return std::equal(scheme.begin(), scheme.end(), url.begin(),
+                    [](char wanted, char c) { return wanted == (c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+}
+
 std::optional<HostAndPort> host_and_port(std::string_view authority) {
   if (const std::size_t at = authority.rfind('@'); at != std::string_view::npos) authority.remove_prefix(at + 1);
   HostAndPort result;

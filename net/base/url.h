@@ -27,6 +27,9 @@ struct HostAndPort {
 /// Cuts any text into parts; never fails. A one-letter scheme is taken for a drive letter and is a path.
 [[nodiscard]] Url parse_url(std::string_view text);
 
+/// Reports whether a URL has this scheme, given in lower case without its colon. Schemes ignore case (RFC 3986 3.1).
+[[nodiscard]] bool has_scheme(std::string_view url, std::string_view scheme);
+
 /// `reference` as seen from `base` (RFC 3986 5.2.2).
 [[nodiscard]] Url resolve(const Url& base, const Url& reference);
 

@@ -2,6 +2,7 @@
 
 #include "app/base/text.h"
 #include "app/formats/content_types.h"
+#include "app/session/documents/link_file.h"
 #include "app/settings/user_folders.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
@@ -80,7 +81,7 @@ TypedPath typed_path(std::string_view typed) {
 
 bool looks_like_url(std::string_view typed) {
   const net::Url url = net::parse_url(typed);
-  return typed.starts_with("ghostspace:") || (!url.scheme.empty() && net::find_scheme(url.scheme));
+  return net::has_scheme(typed, kLinkScheme) || (!url.scheme.empty() && net::find_scheme(url.scheme));
 }
 
 bool looks_like_path(std::string_view typed) {

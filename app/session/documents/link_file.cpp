@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::string_view kLinkHead = "[GhostSpace link]", kLinkScheme = "ghostspace:";
+constexpr std::string_view kLinkHead = "[GhostSpace link]";
 constexpr std::size_t kMostLink = 64 << 10, kMostValue = 8 << 10;
 
 std::string_view without_link_blanks(std::string_view text) {
@@ -72,8 +72,8 @@ std::string link_file_text(const SceneLink& link) {
 }
 
 std::optional<std::variant<SceneLink, std::string>> read_link_url(std::string_view url) {
-  if (lower_case(url.substr(0, kLinkScheme.size())) != kLinkScheme) return std::nullopt;
-  std::string place(url.substr(kLinkScheme.size()));
+  if (!net::has_scheme(url, kLinkScheme)) return std::nullopt;
+  std::string place(url.substr(kLinkScheme.size() + 1));
   if (place.starts_with("//")) place = "http:" + place;
   // Browsers make "ghostspace:http//..." of what they take for a path.
   SceneLink link;

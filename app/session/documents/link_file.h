@@ -22,6 +22,8 @@ struct SceneLink {
   std::size_t budget = 0;  // vectors; 0: none is said
 };
 
+/// Scheme of a link to a scene.
+inline constexpr std::string_view kLinkScheme = "ghostspace";
 inline constexpr std::string_view kLinkMime = "application/x-ghostspace-link", kLinkExtension = ".gslink";
 
 /// What is wrong, and what was expected, where it is no link. Safe for any bytes: a link leads to the network only, and

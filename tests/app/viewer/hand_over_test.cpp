@@ -82,6 +82,12 @@ TEST_CASE("Files are handed over to the window that is there, and to nobody else
   CHECK(HandOver::listen(folder, [] {}));  // the place is free again
 }
 
+TEST_CASE("Hands over URLs as they are, their scheme in any case (RFC 3986 3.1)") {
+  for (const char* url : {"ghostspace:http://a/b.wrl", "GHOSTSPACE:http://a/b.wrl", "HTTP://a/b.wrl"})
+    CHECK(absolute_place(url) == url);
+  CHECK(absolute_place("ghostspace.wrl").starts_with('/'));
+}
+
 TEST_CASE("A folder that others may enter is no place to hand over") {
   const Runtime runtime;
   const std::string folder = hand_over_folder();

@@ -158,6 +158,12 @@ TEST_CASE("only file URLs have a path, and no zero bytes in it") {
   CHECK(path_of_url(parse_url("FILE:///a%2")) == "/a%2");
 }
 
+TEST_CASE("a scheme is compared without case (RFC 3986 3.1)") {
+  for (const char* url : {"ghostspace:x", "GhostSpace:x", "GHOSTSPACE:"}) CHECK(has_scheme(url, "ghostspace"));
+  for (const char* url : {"", "ghostspace", "ghostspaces:x", "ghost:x", " ghostspace:x", "x/ghostspace:"})
+    CHECK_FALSE(has_scheme(url, "ghostspace"));
+}
+
 TEST_CASE("an authority leads to a host and a port") {
   const auto text = [](std::string_view authority) {
     const auto found = gs::net::host_and_port(authority);

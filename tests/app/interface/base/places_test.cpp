@@ -41,6 +41,7 @@ TEST_CASE("What is typed is told apart: paths, URLs, words") {
   CHECK_FALSE(looks_like_path("http://example.org/a"));
   CHECK(looks_like_url("https://example.org/a.wrl"));
   CHECK(looks_like_url("ghostspace:http://example.org/a.wrl"));
+  CHECK(looks_like_url("GhostSpace:http://example.org/a.wrl"));
   CHECK_FALSE(looks_like_url("C:/a"));
   CHECK(opened_path("  /a b ") == "/a b");
   CHECK(opened_path("   ").empty());

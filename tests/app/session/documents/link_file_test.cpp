@@ -63,6 +63,7 @@ TEST_CASE("URLs of the scheme ghostspace lead where the rest says") {
     CHECK(place(bad) == "refused");
   CHECK(place("http://example.org/") == "none");
   CHECK(place("ghostspace") == "none");
+  CHECK(place("GhostSpace:HTTP://example.org/a.wrl") == "HTTP://example.org/a.wrl");
 }
 
 TEST_CASE("What the user gives may be a link, by its name") {
