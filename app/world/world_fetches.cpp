@@ -28,7 +28,9 @@ void WorldLoading::State::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) 
 
 void WorldLoading::State::begin_next_candidate(Fetch& fetch) {
   while (fetch.next < fetch.candidates.size()) {
-    const net::Url& url = fetch.candidates[fetch.next++];
+    net::Url& url = fetch.candidates[fetch.next++];
+    // Servers of cells are counted by this spelling.
+    if (auto canonical = net::canonical_url(url)) url = std::move(*canonical);
     ledger->seek(fetch.row, net::url_for_messages(url.text()), url.scheme.empty() ? "file" : url.scheme);
     if (const auto refused = policy.refuse(fetch.from, url)) {
       fail_candidate(fetch, refused->message, refused->folder);

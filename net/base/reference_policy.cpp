@@ -35,7 +35,10 @@ std::string Origin::site() const {
   if (is_user()) return {};
   if (is_file()) return "file";
   const Url parts = parse_url(url);
-  return parts.scheme + "://" + parts.authority + " " + std::to_string(static_cast<int>(space));
+  const auto canonical = canonical_url(parts);
+  // Without a host there is no site: such a text shares nothing with others.
+  if (!canonical) return url;
+  return canonical->scheme + "://" + canonical->authority + " " + std::to_string(static_cast<int>(space));
 }
 
 AddressSpace Origin::reach() const {
@@ -57,19 +60,24 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
     return ReferenceRefusal{
         "the scheme " + to.scheme.substr(0, 32) + ": is not known; expected one of " + known_schemes(false), {}};
   }
+  const auto named = canonical_url(to);
+  // Other parsers, curl's among them, would take a host from the path.
+  if (!named)
+    return ReferenceRefusal{"it names no host or an invalid port; expected " + to.scheme + "://HOST/PATH", {}};
   if (from.is_user()) return std::nullopt;
   if (target->transport == TransportKind::file) return refuse_file(from, path_of_url(to));
-  const Url own = parse_url(from.url);
+  Url own = parse_url(from.url);
+  if (auto canonical = canonical_url(own)) own = std::move(*canonical);
   if (!from.is_file() && !target->from_network)
     return ReferenceRefusal{"a document of " +
                                 (own.scheme.empty() ? "unknown origin" : own.scheme.substr(0, 32) + ":") +
                                 " may not refer to " + to.scheme + ":; expected one of " + known_schemes(true),
                             {}};
   // A relative reference takes along what the user typed.
-  const bool same_host = own.scheme == to.scheme && own.authority == to.authority;
+  const bool same_host = own.scheme == to.scheme && own.authority == named->authority;
   if (has_password(to) && !same_host)
     return ReferenceRefusal{"a document may not name a user or a password; expected " + to.scheme + "://HOST/PATH", {}};
-  const auto place = host_and_port(to.authority);
+  const auto place = host_and_port(named->authority);
   if (target->transport == TransportKind::cells && place && place->port.value_or(kFirstFreePort) < kFirstFreePort)
     return ReferenceRefusal{"a document may not have datagrams sent to port " + std::to_string(*place->port) +
                                 "; expected one from " + std::to_string(kFirstFreePort) + " on",

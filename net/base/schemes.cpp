@@ -7,14 +7,14 @@ namespace gs::net {
 namespace {
 
 constexpr std::array kSchemes{
-    // name, transport, lane, from_network, redirect_target, cached, secure, has_host
-    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false, false},
-    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false},
-    Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true},
-    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true},
-    Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, true},
-    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true},
-    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true},
+    // name, transport, lane, from_network, redirect_target, cached, secure, has_host, needs_host, port
+    Scheme{"file", TransportKind::file, Lane::local, false, false, false, false, false, false, 0},
+    Scheme{"data", TransportKind::data, Lane::local, true, false, false, false, false, false, 0},
+    Scheme{"http", TransportKind::http, Lane::network, true, true, true, false, true, true, 80},
+    Scheme{"https", TransportKind::http, Lane::network, true, true, true, true, true, true, 443},
+    Scheme{"ftp", TransportKind::http, Lane::network, true, false, false, false, true, true, 21},
+    Scheme{"cells", TransportKind::cells, Lane::network, true, false, false, false, true, true, 0},
+    Scheme{"memory", TransportKind::memory, Lane::network, true, false, true, false, true, false, 0},
 };
 
 }  // namespace
@@ -27,12 +27,29 @@ const Scheme* find_scheme(std::string_view name) {
   return found == kSchemes.end() ? nullptr : &*found;
 }
 
+std::optional<Url> canonical_url(Url url) {
+  const Scheme* const scheme = find_scheme(url.scheme);
+  if (!scheme || !scheme->needs_host) return url;
+  const auto place = host_and_port(url.authority);
+  if (!place) return std::nullopt;
+  const std::size_t at = url.authority.rfind('@');
+  std::string authority = at == std::string::npos ? std::string() : url.authority.substr(0, at + 1);
+  const bool bracketed = url.authority.substr(authority.size()).starts_with('[');
+  if (bracketed) authority += '[';
+  for (const char c : place->host) authority += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (bracketed) authority += ']';
+  if (place->port && *place->port != scheme->port) authority += ":" + std::to_string(*place->port);
+  url.authority = std::move(authority);
+  return url;
+}
+
 std::string url_for_messages(std::string_view url) {
   constexpr std::size_t kLongest = 200;
   const std::size_t scheme_end = url.find(':');
   std::string result;
-  if (scheme_end != std::string_view::npos && url.substr(scheme_end).starts_with("://")) {
-    const std::size_t start = scheme_end + 3;
+  if (scheme_end != std::string_view::npos && url.substr(scheme_end).starts_with(":/") && !has_scheme(url, "file")) {
+    // Some clients take a host, and with it a password, from behind any number of slashes.
+    const std::size_t start = std::min(url.find_first_not_of('/', scheme_end + 1), url.size());
     const std::size_t end = std::min(url.find_first_of("/?#", start), url.size());
     const std::size_t at = url.substr(start, end - start).rfind('@');
     result = url.substr(0, start);

@@ -17,10 +17,6 @@ bool has_control_or_blank(std::string_view text, bool blank_too) {
   });
 }
 
-std::string without_fragment(const std::string& url) {
-  return url.starts_with("data:") ? url : url.substr(0, std::min(url.find('#'), url.size()));
-}
-
 }  // namespace
 
 LoadJob::LoadJob(JobContext& context, RequestId id, Request request)
@@ -39,12 +35,21 @@ LoadJob::~LoadJob() {
 }
 
 void LoadJob::set_url(std::string url) {
-  Url parts = parse_url(std::string_view(url).substr(0, std::min<std::size_t>(url.size(), 4096)));
-  scheme_ = find_scheme(parts.scheme);
+  const std::string name = parse_url(std::string_view(url).substr(0, 32)).scheme;
+  scheme_ = find_scheme(name);
+  host_.clear();
   // Schemes are spelt in lower case from here on.
-  if (scheme_ && !url.starts_with(parts.scheme)) url.replace(0, parts.scheme.size(), parts.scheme);
-  url_ = without_fragment(url);
-  host_ = scheme_ && scheme_->has_host ? parts.scheme + "://" + parts.authority : std::string();
+  if (scheme_) url.replace(0, name.size(), name);
+  // A fragment of a data: URL is part of its text.
+  if (!scheme_ || scheme_->transport != TransportKind::data) url.resize(std::min(url.find('#'), url.size()));
+  url_ = std::move(url);
+  if (!scheme_ || !scheme_->has_host) return;
+  // The cache, the policy, the transport and the texts that come see one spelling. A URL without a host keeps its own;
+  // the policy refuses it.
+  if (const auto canonical = canonical_url(parse_url(url_))) {
+    url_ = canonical->text();
+    host_ = canonical->scheme + "://" + canonical->authority;
+  }
 }
 
 std::string LoadJob::key() const { return url_ + "\n" + request_.accept; }

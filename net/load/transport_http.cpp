@@ -99,6 +99,7 @@ class CurlTransport final : public HttpTransport {
     AddressSpace reach = AddressSpace::special;
     AddressSpace space = AddressSpace::special;  // of the host
     std::string refused_host;                    // why an address was passed over
+    std::string refused_url;                     // why no connection is made at all
     bool proxied = false;                        // the host's address is the proxy's to find
     bool by_ftp = false;
     std::uint64_t left = 0;  // bytes of a file by FTP
@@ -199,7 +200,8 @@ void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoi
   transfer->easy.reset(curl().curl_easy_init());
   set_options(*transfer, request);
   // What is refused already ends in the next step.
-  if (transfer->refused_host.empty()) curl().curl_multi_add_handle(multi_.get(), transfer->easy.get());
+  if (transfer->refused_host.empty() && transfer->refused_url.empty())
+    curl().curl_multi_add_handle(multi_.get(), transfer->easy.get());
   transfers_[id] = std::move(transfer);
   dirty_ = true;
 }
@@ -214,8 +216,15 @@ bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>
 
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
   CURL* const easy = transfer.easy.get();
-  curl().curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
-  transfer.by_ftp = parse_url(request.url).scheme == "ftp";
+  const auto canonical = canonical_url(parse_url(request.url));
+  // curl would take a host from the path.
+  if (!canonical) {
+    transfer.refused_url = "it names no host or an invalid port";
+    return;
+  }
+  const std::string url = canonical->text();
+  curl().curl_easy_setopt(easy, CURLOPT_URL, url.c_str());
+  transfer.by_ftp = canonical->scheme == "ftp";
   curl().curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
   // The loader follows redirects itself: each hop is checked, and looked up in the cache.
   curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
@@ -233,14 +242,13 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
   // A proxy would answer by HTTP.
-  const std::string proxy = options_.proxy_from_environment && !transfer.by_ftp
-                                ? proxy_of(parse_url(request.url), environment_variable)
-                                : std::string();
+  const std::string proxy =
+      options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(*canonical, environment_variable) : std::string();
   curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
   curl().curl_easy_setopt(easy, CURLOPT_NOPROXY, "");
   transfer.proxied = !proxy.empty();
   if (transfer.proxied) {
-    transfer.space = space_by_name(request.url, options_.space_of);
+    transfer.space = space_by_name(url, options_.space_of);
     transfer.refused_host = refuse_host(transfer.reach, transfer.space).value_or("");
   }
   curl().curl_easy_setopt(easy, CURLOPT_OPENSOCKETFUNCTION, &open_socket_callback);
@@ -428,7 +436,9 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
 /// Those that were never begun.
 void CurlTransport::end_refused() {
   for (auto& [id, transfer] : transfers_)
-    if (!transfer->over && transfer->proxied && !transfer->refused_host.empty())
+    if (!transfer->over && !transfer->refused_url.empty())
+      end(*transfer, {LoadError{LoadErrorKind::forbidden, transfer->refused_url, 0}, false});
+    else if (!transfer->over && transfer->proxied && !transfer->refused_host.empty())
       end(*transfer, {LoadError{LoadErrorKind::forbidden, transfer->refused_host, 0}, false});
 }
 

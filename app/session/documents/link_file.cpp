@@ -30,8 +30,8 @@ bool has_controls(std::string_view text) {
 std::optional<std::string> refuse_place(std::string_view text) {
   if (text.size() > kMostValue || has_controls(text)) return "its URL is no URL";
   const net::Url url = net::parse_url(std::string(text));
-  const std::string scheme = lower_case(url.scheme);
-  if ((scheme == "http" || scheme == "https" || scheme == "cells") && !url.authority.empty()) return std::nullopt;
+  const bool leads_on = url.scheme == "http" || url.scheme == "https" || url.scheme == "cells";
+  if (leads_on && net::canonical_url(url)) return std::nullopt;
   return "it leads to '" + shortened(text, 80) + "'; expected a URL of http, https or cells";
 }
 

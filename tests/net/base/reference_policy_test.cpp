@@ -56,6 +56,28 @@ TEST_CASE("what the user asks for is allowed anywhere") {
   CHECK(refusal("", "a/b") == "it has no scheme; expected one of file, data, http, https, ftp, cells");
 }
 
+TEST_CASE("refuses URLs without a host to everyone, where their scheme needs one") {
+  for (const char* to : {"http:///user:pw@127.0.0.1:1/x", "http:/127.0.0.1/x", "http:x", "https://:443/x",
+                         "ftp:///127.0.0.1:1021/x", "ftp:/x", "cells:///x", "http://a:65536/"})
+    for (const char* from : {"", "file:///w/w.wrl", "http://a/b.wrl", "ftp://a/b.wrl"}) {
+      INFO(from << " to " << to);
+      CHECK(refusal(from, to) ==
+            "it names no host or an invalid port; expected " + parse_url(to).scheme + "://HOST/PATH");
+    }
+}
+
+TEST_CASE("the site of a text has one spelling") {
+  const auto site = [](const char* url) { return Origin{url, AddressSpace::global}.site(); };
+  CHECK(site("HTTP://A.example:80/x") == site("http://a.example/y"));
+  CHECK(site("http://a.example:81/") != site("http://a.example/"));
+  CHECK(site("http://a.example/") != site("https://a.example/"));
+  CHECK(site("http:///a.example/") != site("http:///b.example/"));
+  CHECK(site("FILE:///a") == site("file:///b"));
+  CHECK(Origin{"FILE:///a"}.is_file());
+  // What was typed as HOST:80 stays the host of a relative reference, with its password.
+  CHECK(refusal("http://user:pw@A:80/w.wrl", "http://user:pw@a/x").empty());
+}
+
 TEST_CASE("a file refers to what was allowed and below it, links followed") {
   const TemporaryFolder folder;
   const std::string world = made(folder, "worlds/sub/a.wrl"), beside = made(folder, "worlds/sub/b c.wrl"),

@@ -22,8 +22,34 @@ TEST_CASE("messages show no passwords") {
   CHECK(url_for_messages("http://user:secret@host/a?b#c") == "http://host/a?b#c");
   CHECK(url_for_messages("http://user@x:secret@host/a@b") == "http://host/a@b");
   CHECK(url_for_messages("http://host/a@b") == "http://host/a@b");
+  CHECK(url_for_messages("http:///user:secret@host/a") == "http:///host/a");
+  CHECK(url_for_messages("http:/user:secret@host/a") == "http:/host/a");
+  CHECK(url_for_messages("file:///a@b/c") == "file:///a@b/c");
   CHECK(url_for_messages("a\nb") == "a?b");
   CHECK(url_for_messages("data:," + std::string(1000, 'x')).size() == 203);
+}
+
+TEST_CASE("a URL has one canonical spelling, or none without a host (RFC 3986 6.2)") {
+  const auto canonical = [](std::string_view url) {
+    const auto found = canonical_url(parse_url(url));
+    return found ? found->text() : "none";
+  };
+  CHECK(canonical("HTTP://Example.ORG:80/A?B#C") == "http://example.org/A?B#C");
+  CHECK(canonical("https://user:Secret@Example.org:443") == "https://user:Secret@example.org");
+  CHECK(canonical("http://example.org:8080/") == "http://example.org:8080/");
+  CHECK(canonical("http://example.org:/") == "http://example.org/");
+  CHECK(canonical("ftp://example.org:21/a") == "ftp://example.org/a");
+  CHECK(canonical("cells://example.org:21/a") == "cells://example.org:21/a");
+  CHECK(canonical("http://[2001:DB8::1]:80/") == "http://[2001:db8::1]/");
+  for (const char* url :
+       {"http:///user:pw@127.0.0.1:1/x", "http:/127.0.0.1/x", "http:127.0.0.1/x", "http:", "http://", "https://:443/",
+        "ftp:///127.0.0.1:1021/x", "cells:/a", "http://user@/x", "http://a:99999/", "http://a:b/", "http://[::1/"})
+    CHECK(canonical(url) == "none");
+  CHECK(canonical("file:///A") == "file:///A");
+  CHECK(canonical("file:/A") == "file:/A");
+  CHECK(canonical("data:,A") == "data:,A");
+  CHECK(canonical("memory:A") == "memory:A");
+  CHECK(canonical("a/B") == "a/B");
 }
 
 std::string text_of(std::string_view url) {

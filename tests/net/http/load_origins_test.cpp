@@ -222,6 +222,51 @@ TEST_CASE("a public server's redirect to this machine is not followed") {
   CHECK(outside.connections() > 0);
 }
 
+TEST_CASE("no connection is made for a URL without a host, by redirect either") {
+  BadServer inside(say_hello);
+  const std::string place = inside.url("").substr(7);
+  const std::vector<std::string> bad{
+      "http:///user:pw@" + place + "/x", "http:/" + place + "/x",  "http:" + place + "/x",
+      "http:////" + place + "/x",        "ftp:///" + place + "/x", "http://@/" + place};
+  const auto loader = Loader::create(pretending());
+  for (const std::string& url : bad)
+    for (const Origin& origin : {kPublic, Origin{"file:///w/w.wrl"}, Origin{}}) {
+      INFO(url);
+      const Outcome got = load(*loader, from(origin, url));
+      REQUIRE(got.error);
+      CHECK(got.error->kind == LoadErrorKind::forbidden);
+      CHECK(got.error->message.find("it names no host or an invalid port; expected ") != std::string::npos);
+      CHECK(got.error->message.find("pw") == std::string::npos);
+    }
+  std::string target;
+  BadServer outside([&](Exchange& exchange) {
+    exchange.send(http("302 Found", "Location: " + target + "\r\nConnection: close\r\n", ""));
+  });
+  for (const std::string& url : bad) {
+    INFO(url);
+    target = url;
+    const Outcome got = load(*loader, outside.url());
+    REQUIRE(got.error);
+    CHECK(got.error->kind == LoadErrorKind::forbidden);
+    CHECK(got.error->message.find("pw") == std::string::npos);
+  }
+  target = "///" + place + "/x";
+  CHECK(load(*loader, outside.url()).error->kind == LoadErrorKind::forbidden);
+  CHECK(inside.connections() == 0);
+}
+
+TEST_CASE("a URL is loaded, and told, in its canonical spelling") {
+  BadServer server(say_hello);
+  const auto loader = Loader::create(pretending());
+  const Outcome got = load(*loader, "HTTP" + server.url("/a#b").substr(4));
+  CHECK(got.text() == "hello");
+  CHECK(got.head.url == server.url("/a"));
+  BadServer outside([&](Exchange& exchange) {
+    exchange.send(http("302 Found", "Location: HTTP" + server.url("/c#d").substr(4) + "\r\n", ""));
+  });
+  CHECK(load(*loader, outside.url()).head.url == server.url("/c"));
+}
+
 TEST_CASE("through a proxy, what names say counts") {
   BadServer proxy(say_hello, "127.0.0.2");
   ::setenv("http_proxy", proxy.url("").c_str(), 1);

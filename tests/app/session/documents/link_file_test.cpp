@@ -64,6 +64,8 @@ TEST_CASE("URLs of the scheme ghostspace lead where the rest says") {
   CHECK(place("http://example.org/") == "none");
   CHECK(place("ghostspace") == "none");
   CHECK(place("GhostSpace:HTTP://example.org/a.wrl") == "HTTP://example.org/a.wrl");
+  for (const char* bad : {"ghostspace:http:///user:pw@host/a", "ghostspace:http://:80/a", "ghostspace:http://a:99999/"})
+    CHECK(place(bad) == "refused");
 }
 
 TEST_CASE("What the user gives may be a link, by its name") {
