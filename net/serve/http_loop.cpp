@@ -19,8 +19,6 @@
 namespace gs::net {
 namespace {
 
-// Of a connection: what its request's headers may take, and a little more.
-constexpr std::size_t kConnectionMemory = 32768;
 constexpr Instant kLookEvery{100'000};
 
 // Targets are decoded by parse_request_path: libmicrohttpd would end them at an

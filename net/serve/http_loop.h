@@ -16,6 +16,9 @@
 
 namespace gs::net {
 
+/// Bytes of memory for the headers of a connection's request.
+inline constexpr std::size_t kConnectionMemory = 32768;
+
 /// The thread of an HttpServer: sockets and HTTP by libmicrohttpd, which calls
 /// back from `run` only. Everything but what is said to be for any thread
 /// happens on that thread.

@@ -3,9 +3,12 @@
 #include "net/base/host_names.h"
 #include "net/serve/http_loop.h"
 #include "net/serve/microhttpd_library.h"
+#include "net/serve/request_fields.h"
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
+#include <cstring>
 #include <ctime>
 
 #include <netinet/in.h>
@@ -50,6 +53,28 @@ std::string joined_fields(const std::vector<std::string>& values) {
   std::string text;
   for (const std::string& value : values) text += (text.empty() ? "" : ",") + value;
   return text;
+}
+
+/// Reports whether a field's line was folded. libmicrohttpd before 1.0 appends the line that follows to a new copy of
+/// the name; otherwise a name and its value stand in one line, with blanks only between them. Later versions refuse
+/// folded lines themselves.
+bool is_folded(const char* name, const char* value) {
+  static const bool tells = std::string_view(microhttpd().MHD_get_version()).starts_with("0.");
+  if (!tells || !name || !value) return false;
+  const char* const behind = name + std::strlen(name) + 1;
+  const auto begin = reinterpret_cast<std::uintptr_t>(behind), end = reinterpret_cast<std::uintptr_t>(value);
+  return end < begin || end - begin > kConnectionMemory ||
+         !std::all_of(behind, behind + (end - begin), [](char c) { return c == ' ' || c == '\t'; });
+}
+MHD_Result collect_received(void* self, MHD_ValueKind, const char* name, const char* value) {
+  static_cast<std::vector<ReceivedField>*>(self)->push_back(
+      {name ? name : "", value ? value : "", is_folded(name, value)});
+  return MHD_YES;
+}
+std::vector<ReceivedField> received_fields(MHD_Connection* handle) {
+  std::vector<ReceivedField> fields;
+  (void)microhttpd().MHD_get_connection_values(handle, MHD_HEADER_KIND, collect_received, &fields);
+  return fields;
 }
 
 std::optional<IpAddress> peer_of(MHD_Connection* handle) {
@@ -141,8 +166,9 @@ MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char
     request.record.version = version;
     request.connection->phase = Phase::sending;
     request.connection->since = now;
-    // An answer now would close the connection; only what no one wants to read
-    // is answered at once.
+    if (const auto why = refuse_fields(received_fields(handle), version))
+      return queue(request, handle, HttpSite::malformed(*why));
+    // A request with a body is answered at once, which closes the connection: nobody reads the body, nor trailers.
     if (!has_body(handle)) return MHD_YES;
   }
   if (request.until) {

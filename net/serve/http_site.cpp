@@ -173,6 +173,12 @@ HttpAnswer HttpSite::too_many(const HttpRequest& request) const {
   return answer;
 }
 
+HttpAnswer HttpSite::malformed(const std::string& why) {
+  HttpAnswer answer = problem(400, why);
+  answer.headers.emplace_back("Connection", "close");
+  return answer;
+}
+
 HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
   if (request.method == "OPTIONS") {
     HttpAnswer answer;

@@ -63,6 +63,8 @@ class HttpSite {
   [[nodiscard]] Reply answer(const HttpRequest& request) const;
   /// To a client that asks for too much.
   [[nodiscard]] HttpAnswer too_many(const HttpRequest& request) const;
+  /// Returns the answer to a request that `why` makes unreadable; the connection closes behind it.
+  [[nodiscard]] static HttpAnswer malformed(const std::string& why);
 
  private:
   /// A version of a file that may be sent.

@@ -16,6 +16,7 @@
   X(MHD_get_connection_values)             \
   X(MHD_get_daemon_info)                   \
   X(MHD_get_timeout)                       \
+  X(MHD_get_version)                       \
   X(MHD_lookup_connection_value)           \
   X(MHD_queue_response)                    \
   X(MHD_quiesce_daemon)                    \
