@@ -51,6 +51,7 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
   maker.type.mime = "model/x-qnv";
   maker.extension = ".qnv";
   maker.for_missing = true;
+  maker.at_once = 1;  // each may take gigabytes
   maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
     const std::string source = name.ends_with(".qnv") ? name.substr(0, name.size() - 4) : std::string();
     if (!can_be_encoded(source)) return std::nullopt;

@@ -78,7 +78,10 @@ std::optional<std::string> HttpLoop::start() {
     MadeFiles::Options made;
     made.folder = options_.made_folder;
     made.most_bytes = options_.most_made_bytes;
-    made_ = std::make_unique<MadeFiles>(made, options_.makers.size() + 1, [this] { wake(); });
+    std::vector<std::size_t> at_once;
+    for (const Maker& maker : options_.makers) at_once.push_back(maker.at_once);
+    at_once.push_back(1);  // gzip
+    made_ = std::make_unique<MadeFiles>(made, at_once, [this] { wake(); });
   }
   site_ = std::make_unique<HttpSite>(options_, std::move(std::get<ServedFolder>(folder)), made_.get(),
                                      [this] { return metrics(); });

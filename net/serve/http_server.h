@@ -54,6 +54,7 @@ struct Maker {
       make;
   std::chrono::milliseconds wait{10'000};  // so long a request without Range waits before it is told to
                                            // come again
+  std::size_t at_once = 4;                 // max files in work, all but the youngest of them slow ones
 };
 
 struct HttpServerOptions {

@@ -37,16 +37,20 @@ bool is_ours(const std::string& name) {
 
 }  // namespace
 
-MadeFiles::MadeFiles(Options options, std::size_t lanes, std::function<void()> wake)
-    : options_(std::move(options)), wake_(std::move(wake)), lanes_(lanes) {
+MadeFiles::MadeFiles(Options options, const std::vector<std::size_t>& at_once, std::function<void()> wake)
+    : options_(std::move(options)), wake_(std::move(wake)), lanes_(at_once.size()) {
   (void)remove_abandoned_folders(options_.folder, kWorkFolders);
-  for (std::size_t lane = 0; lane < lanes; ++lane)
-    lanes_[lane].thread = std::jthread([this, lane](const std::stop_token& stop) { work(lane, stop); });
+  for (std::size_t number = 0; number < at_once.size(); ++number)
+    for (std::size_t i = 0; i < at_once[number]; ++i)
+      lanes_[number].threads.emplace_back(
+          [this, &lane = lanes_[number]](const std::stop_token& stop) { work(lane, stop); });
 }
 
 MadeFiles::~MadeFiles() {
-  for (Lane& lane : lanes_) lane.thread.request_stop();
-  for (Lane& lane : lanes_) lane.thread.join();
+  for (Lane& lane : lanes_)
+    for (std::jthread& thread : lane.threads) thread.request_stop();
+  for (Lane& lane : lanes_)
+    for (std::jthread& thread : lane.threads) thread.join();
 }
 
 MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, const std::string& extension, Make make) {
@@ -62,7 +66,7 @@ MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, con
   for (const Failed& failed : lane.failures)
     if (failed.key == key) return {MadeState::failed, {}, failed.failure};
   if (lane.jobs.size() >= options_.most_waiting) return {MadeState::full, {}, {}};
-  lane.jobs.push_back({key, name, extension, std::move(make)});
+  lane.jobs.push_back({key, name, extension, std::move(make), std::nullopt});
   arrived_.notify_all();
   return {};
 }
@@ -80,26 +84,54 @@ MadeFiles::Statistics MadeFiles::statistics(std::size_t lane) const {
   return result;
 }
 
-void MadeFiles::work(std::size_t number, const std::stop_token& stop) {
-  Lane& lane = lanes_[number];
+std::list<MadeFiles::Job>::iterator MadeFiles::begin_next(Lane& lane, std::unique_lock<std::mutex>& lock,
+                                                          const std::stop_token& stop) {
+  const auto first_waiting = [&lane] {
+    return std::find_if(lane.jobs.begin(), lane.jobs.end(), [](const Job& job) { return !job.begun; });
+  };
+  // Time until which the youngest file in work is not slow yet.
+  const auto quick_until = [&] {
+    Instant until{};
+    for (const Job& job : lane.jobs)
+      if (job.begun) until = std::max(until, *job.begun + options_.patience);
+    return until;
+  };
+  while (!stop.stop_requested()) {
+    const auto next = first_waiting();
+    const Instant now = clock_now(), until = quick_until();
+    if (next == lane.jobs.end()) {
+      (void)arrived_.wait(lock, stop, [&] { return first_waiting() != lane.jobs.end(); });
+    } else if (now < until) {
+      (void)arrived_.wait_for(lock, stop, until - now, [&] { return quick_until() < until; });
+    } else {
+      next->begun = now;
+      return next;
+    }
+  }
+  return lane.jobs.end();
+}
+
+void MadeFiles::work(Lane& lane, const std::stop_token& stop) {
   for (;;) {
-    Job job;
+    std::list<Job>::iterator job;
     {
       std::unique_lock lock(mutex_);
-      if (!arrived_.wait(lock, stop, [&] { return !lane.jobs.empty(); }) || stop.stop_requested()) return;
-      job = lane.jobs.front();
+      job = begin_next(lane, lock, stop);
+      if (job == lane.jobs.end()) return;
     }
-    const auto failure = make(job, stop);
+    // Other threads leave a job alone that has begun.
+    const auto failure = make(*job, stop);
     {
       const std::lock_guard lock(mutex_);
-      lane.jobs.pop_front();
       ++(failure ? lane.statistics.failed : lane.statistics.made);
       // What was stopped did not fail.
       if (failure && !stop.stop_requested())
         lane.failures.push_back(
-            {job.key, *failure,
+            {job->key, *failure,
              options_.now() + (failure->lasting ? options_.lasting_failure : options_.passing_failure)});
       if (lane.failures.size() > kMostFailures) lane.failures.pop_front();
+      lane.jobs.erase(job);
+      arrived_.notify_all();
     }
     if (!failure) clean();
     wake_();

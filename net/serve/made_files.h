@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <map>
+#include <list>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -32,10 +32,10 @@ struct MadeFile {
   MakeFailure failure;  // when failed
 };
 
-/// Files that are made of others when someone asks for them, and kept: each is
-/// made once, in a lane, which makes one at a time by a thread of its own. What
-/// was made stands in a folder, bounded in bytes: what has not been used for
-/// longest goes. What failed is tried again after a while. Any thread.
+/// Files that are made of others on demand, and kept. Each is made once, in a lane. A lane makes one file at a time,
+/// but passes over slow ones: after `patience` the next file begins on another thread of the lane. The folder of made
+/// files is bounded in bytes; the file that was unused for longest goes first. Failed files are tried again after a
+/// while. Any thread.
 class MadeFiles {
  public:
   /// Writes `out`, in a folder that it has for itself; what went wrong, if it did. Should end soon when stopped. On a
@@ -48,15 +48,16 @@ class MadeFiles {
     std::size_t most_waiting = 64;                      // in a lane
     // So long nothing is tried again that failed, for good or for the time being.
     Instant lasting_failure = std::chrono::minutes(10), passing_failure = std::chrono::seconds(2);
+    Instant patience = std::chrono::milliseconds(500);  // a file that takes longer is slow
     std::function<Instant()> now = clock_now;
   };
   struct Statistics {
     std::uint64_t made = 0, failed = 0, waiting = 0;
   };
 
-  /// `wake` is called from a lane's thread whenever something was made or
-  /// failed.
-  MadeFiles(Options options, std::size_t lanes, std::function<void()> wake);
+  /// `at_once` holds the number of threads of each lane. `wake` is called from a lane's thread whenever something was
+  /// made or failed.
+  MadeFiles(Options options, const std::vector<std::size_t>& at_once, std::function<void()> wake);
   /// Stops what is being made.
   ~MadeFiles();
   MadeFiles(const MadeFiles&) = delete;
@@ -73,6 +74,7 @@ class MadeFiles {
   struct Job {
     std::string key, name, extension;
     Make make;
+    std::optional<Instant> begun;  // empty while it waits for a thread
   };
   struct Failed {
     std::string key;
@@ -80,12 +82,15 @@ class MadeFiles {
     Instant until{};
   };
   struct Lane {
-    std::deque<Job> jobs;         // the first is being made
+    std::list<Job> jobs;          // in the order of the requests
     std::deque<Failed> failures;  // newest last
     Statistics statistics;
-    std::jthread thread;
+    std::vector<std::jthread> threads;
   };
-  void work(std::size_t lane, const std::stop_token& stop);
+  void work(Lane& lane, const std::stop_token& stop);
+  /// Waits for a job that may begin. Returns the end of the list when stopped.
+  [[nodiscard]] std::list<Job>::iterator begin_next(Lane& lane, std::unique_lock<std::mutex>& lock,
+                                                    const std::stop_token& stop);
   [[nodiscard]] std::optional<MakeFailure> make(const Job& job, const std::stop_token& stop);
   void clean();
 

@@ -169,7 +169,7 @@ TEST_CASE("What could not be made is tried again, soon where the file is not to 
     MadeFiles::Options options;
     options.folder = folder.string();
     options.now = [&now] { return Instant(now.load()); };
-    MadeFiles made(options, 1, [] {});
+    MadeFiles made(options, {1}, [] {});
     CHECK_FALSE(fs::exists(folder / "making-abcdef"));
     std::atomic<int> tries{0};
     const auto state = [&](const std::string& key, bool lasting) {
@@ -220,7 +220,7 @@ TEST_CASE("The folder of made files is bounded, and holds others' files in peace
     options.folder = folder.string();
     options.most_bytes = 2500;
     options.most_waiting = 8;
-    MadeFiles made(options, 1, [] {});
+    MadeFiles made(options, {1}, [] {});
     const auto make = [](const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
       std::ofstream(out) << std::string(1000, 'x');
       return std::nullopt;
@@ -252,7 +252,7 @@ TEST_CASE("what is made is made again where somebody has removed the folder for 
   {
     MadeFiles::Options options;
     options.folder = folder.string();
-    MadeFiles made(options, 1, [] {});
+    MadeFiles made(options, {1}, [] {});
     const auto make = [](const std::string& out, const std::stop_token&) -> std::optional<MakeFailure> {
       std::ofstream(out) << "x";
       return std::nullopt;

@@ -1,0 +1,60 @@
+#include "tests/net/served_site.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace gs::net;
+using namespace gs::net::test;
+
+TEST_CASE("HTTP server: slow files that are made do not delay others") {
+  ServedSite site;
+  for (const char* name : {"slow1", "slow2", "slow3", "quick1", "quick2"}) site.write(name, name);
+  site.options.made_folder = site.made();
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool open = false;
+  std::atomic<int> slow{0};
+  Maker maker;
+  maker.name = "thumbnail";
+  maker.extension = ".png";
+  maker.wait = std::chrono::seconds(20);
+  maker.source_of = [](const std::string& name, const std::string& query) -> std::optional<std::string> {
+    if (query != "thumbnail") return std::nullopt;
+    return name;
+  };
+  maker.make = [&](const std::string& source, const std::string& out,
+                   const std::stop_token&) -> std::optional<MakeFailure> {
+    if (source.find("slow") != std::string::npos) {
+      ++slow;
+      std::unique_lock lock(mutex);
+      changed.wait_for(lock, std::chrono::seconds(15), [&] { return open; });
+    }
+    std::ofstream(out) << "picture";
+    return std::nullopt;
+  };
+  site.options.makers.push_back(maker);
+  site.start();
+  std::vector<std::thread> clients;
+  for (const char* name : {"/slow1?thumbnail", "/slow2?thumbnail", "/slow3?thumbnail"})
+    clients.emplace_back([&site, name] { (void)site.get(name); });
+  while (slow == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto begin = std::chrono::steady_clock::now();
+  CHECK(site.get("/quick1?thumbnail").body == "picture");
+  CHECK(site.get("/quick2?thumbnail").body == "picture");
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(8));
+  {
+    const std::lock_guard lock(mutex);
+    CHECK_FALSE(open);
+    open = true;
+  }
+  changed.notify_all();
+  for (std::thread& client : clients) client.join();
+  CHECK(slow == 3);
+  CHECK(site.get("/slow3?thumbnail").body == "picture");
+}
