@@ -33,7 +33,7 @@ std::string find_ignoring_case(const fs::path& path) {
 }  // namespace
 
 LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& policy, const net::Origin& from,
-                          const std::string& given) {
+                          const std::string& given, const net::CheckFirstBytes& check) {
   LocalFile result;
   result.path = given.empty() ? net::path_of_url(url) : given;
   // False: it is not there.
@@ -43,7 +43,7 @@ LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& polic
       result.folder = refused->folder;
       return true;
     }
-    auto opened = net::map_file(path);
+    auto opened = net::map_file(path, check);
     if (auto* file = std::get_if<net::MappedFile>(&opened)) {
       result.file = std::move(*file);
       return true;

@@ -21,8 +21,10 @@ struct LocalFile {
 
 /// Opens what a file: URL means that a text from `from` refers to, if it may; also where only upper and lower case
 /// differ, as in worlds that come from Windows. `given`: the path as the user gave it, exactly; empty for any other.
+/// `check` sees the first bytes of a large file before it is mapped.
 [[nodiscard]] LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& policy,
-                                        const net::Origin& from, const std::string& given = {});
+                                        const net::Origin& from, const std::string& given = {},
+                                        const net::CheckFirstBytes& check = {});
 
 /// What a world in the file `path` may refer to: its own folder with all below, and what the user `allowed`.
 [[nodiscard]] net::ReferencePolicy policy_of_world(const std::string& path, const std::vector<std::string>& allowed);

@@ -71,7 +71,7 @@ constexpr ContentType kTypes[] = {
     {"points PLY", "application/x-ply", "", is_points_ply, ContentClass::cloud, nullptr, import_points_ply, false,
      UpRule::survey},
     {"PLY", "application/x-ply", ".ply ", is_ply, ContentClass::mesh, alone<import_ply>, nullptr, false,
-     UpRule::by_shape, true},
+     UpRule::by_shape, true, "ply"},
     {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, import_gltf},
     {"OBJ", "model/obj", ".obj ", nullptr, ContentClass::mesh, import_obj},
     {"OFF", "model/x-off", ".off ", is_off, ContentClass::mesh, alone<import_off>},
@@ -82,7 +82,8 @@ constexpr ContentType kTypes[] = {
     {"VTK PolyData", "application/x-vtk-poly-data", ".vtp ", is_vtp, ContentClass::mesh, alone<import_vtp>},
     {"VTK UnstructuredGrid", "application/x-vtk-unstructured-grid", ".vtu ", is_vtu, ContentClass::mesh,
      alone<import_vtu>},
-    {"legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, ContentClass::mesh, alone<import_vtk_legacy>},
+    {"legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, ContentClass::mesh, alone<import_vtk_legacy>, nullptr,
+     false, UpRule::y, false, "# vtk DataFile Version"},
     {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, ContentClass::cloud, nullptr, import_splats_spz, true},
     {"splats", "model/x-splat", ".splat ", nullptr, ContentClass::cloud, nullptr, import_splats_antimatter},
     {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, ContentClass::cloud, nullptr, import_splats_ksplat},
@@ -145,6 +146,13 @@ const ContentType& content_type_of(std::string_view path, Bytes bytes) {
       if (type.extensions.find(extension) != std::string_view::npos) return type;
   }
   return content_types().front();
+}
+
+std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first) {
+  if (is_gzip(first)) return std::nullopt;
+  const ContentType& type = content_type_of(path, first);
+  if (text_of(first).starts_with(type.mark)) return std::nullopt;
+  return "it is no " + std::string(type.name) + " file; expected '" + std::string(type.mark) + "' as its first bytes";
 }
 
 std::vector<std::byte> first_bytes(Bytes bytes) {

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,7 @@ struct ContentType {
   bool unpacks_itself = false;  // gzip is part of the format
   UpRule up = UpRule::y;        // what is up, where the file itself does not say
   bool in_order = false;        // mesh: may be read triangle by triangle (open_mesh_stream)
+  std::string_view mark = {};   // bytes that each file begins with; empty if the type has no such mark
 
   /// True for types that become vectors in the place of nodes.
   [[nodiscard]] bool is_cloud() const {
@@ -52,6 +54,10 @@ struct ContentType {
 /// The type of a file: by its first bytes (see `first_bytes`), else by its name (a `.gz` at its end does not count),
 /// else VRML97, whose parser says best what is wrong with anything else.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
+
+/// Rejects a file by its first bytes (at most 8 KiB) if its name promises a type with a mark that they lack. Returns
+/// nullopt if reading it makes sense. A large file can be refused before it is mapped.
+[[nodiscard]] std::optional<std::string> refuse_first_bytes(std::string_view path, std::span<const std::byte> first);
 
 /// The type whose mark the first bytes bear; null for none.
 [[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);

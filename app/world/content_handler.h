@@ -43,6 +43,10 @@ class ContentHandler {
   virtual ~ContentHandler() = default;
   /// The resource is there, and its bytes will come from the start. False: not wanted.
   virtual bool begin(const Found& found) = 0;
+  /// Checks the first bytes of a large local file before it is mapped. Returns why it must not be, or nullopt.
+  virtual std::optional<std::string> refuse_first(const std::string& /*path*/, std::span<const std::byte>) {
+    return std::nullopt;
+  }
   /// A local file, to be read as a whole at once. False: it should rather come in pieces.
   virtual bool whole_file(const net::MappedFile&, const std::string&) { return false; }
   /// Likewise, and it is moved by who is to have it for longer. False: it was left alone.

@@ -35,6 +35,9 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   ~SceneHandler() override;
   [[nodiscard]] const SceneHandler* makes_nodes_of() const override { return this; }
   bool begin(const Found& found) override;
+  std::optional<std::string> refuse_first(const std::string& path, std::span<const std::byte> first) override {
+    return refuse_first_bytes(path, first);
+  }
   bool whole_file(const net::MappedFile& file, const std::string& path) override;
   void receive(std::span<const std::byte> bytes) override;
   void end(const std::optional<std::string>& problem) override;

@@ -98,7 +98,10 @@ bool WorldLoading::State::begin_local(Fetch& fetch, const net::Url& url) {
     found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
   } else {
     found.local = true;
-    LocalFile file = open_local_file(url, policy, fetch.from, fetch.given_path);
+    const std::string name = fetch.given_path.empty() ? net::path_of_url(url) : fetch.given_path;
+    LocalFile file = open_local_file(url, policy, fetch.from, fetch.given_path, [&](std::span<const std::byte> first) {
+      return fetch.handler->refuse_first(name, first);
+    });
     if (!file.file) {
       fail_candidate(fetch, file.problem, file.folder);
       return false;

@@ -3,6 +3,7 @@
 #include "net/base/descriptor.h"
 #include "net/files/unfinished_file.h"
 
+#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -122,13 +123,20 @@ std::variant<RandomAccessFile, FileError> open_file(const std::string& path) {
   return RandomAccessFile(std::move(file), size);
 }
 
-std::variant<MappedFile, FileError> map_file(const std::string& path) {
+std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check) {
   auto opened = open_regular(path);
   if (auto* error = std::get_if<FileError>(&opened)) return std::move(*error);
   auto& [file, length] = std::get<Regular>(opened);
   const auto size = static_cast<std::size_t>(length);
   MappedFile result;
   if (size >= MappedFile::kMappedSize) {
+    if (check) {
+      std::array<std::byte, 8192> first;
+      const ssize_t count = ::pread(file.get(), first.data(), first.size(), 0);
+      if (count < 0) return FileError{"cannot read " + path + ": " + reason(errno)};
+      if (const auto why = check(std::span(first).first(static_cast<std::size_t>(count))))
+        return cannot_open(path, *why);
+    }
     result.stamp_ = stamp_of(file);
     if (auto mapping = GuardedMapping::of(file.get(), size)) {
       result.mapping_ = std::move(*mapping);

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,9 @@ namespace gs::net {
 struct FileError {
   std::string message;
 };
+
+/// Checks the first bytes (at most 8 KiB) of a file. Returns why it must not be read, or nullopt.
+using CheckFirstBytes = std::function<std::optional<std::string>(std::span<const std::byte> first)>;
 
 /// The bytes of a regular file, read-only. Movable; one owner; any thread.
 ///
@@ -41,7 +45,7 @@ class MappedFile {
   [[nodiscard]] std::optional<std::string> changed() const;
 
  private:
-  friend std::variant<MappedFile, FileError> map_file(const std::string& path);
+  friend std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check);
 
   std::vector<std::byte> copy_;
   GuardedMapping mapping_;
@@ -51,8 +55,9 @@ class MappedFile {
 };
 
 /// Opens a regular file (or a link to one) for reading. Folders, pipes, sockets and devices are refused
-/// without waiting for them. Blocks as long as the disk does; any thread.
-[[nodiscard]] std::variant<MappedFile, FileError> map_file(const std::string& path);
+/// without waiting for them. Calls `check` for files that would be mapped, before it maps them. Blocks as long as the
+/// disk does; any thread.
+[[nodiscard]] std::variant<MappedFile, FileError> map_file(const std::string& path, const CheckFirstBytes& check = {});
 
 /// A regular file that is open for reading here and there. Movable; one owner; any number of threads may read at once.
 /// Someone who truncates it meanwhile makes a reader get less, and nothing worse.

@@ -51,7 +51,10 @@ class HeaderLines {
     ++number_;
     const char* first = cursor_.next;
     const char* stop = first;
-    while (stop < cursor_.end && *stop != '\n' && *stop != '\r') ++stop;
+    const char* const last = first + std::min<std::ptrdiff_t>(kLongestLine, cursor_.end - first);
+    while (stop < last && *stop != '\n' && *stop != '\r') ++stop;
+    too_long_ = stop - first == kLongestLine;
+    if (too_long_) return false;
     line = {first, static_cast<std::size_t>(stop - first)};
     cursor_.next = stop;
     if (stop == cursor_.end) return true;
@@ -61,11 +64,15 @@ class HeaderLines {
     return true;
   }
   [[nodiscard]] vrml::SourceLocation location() const { return {number_, 1}; }
+  /// Reports whether next() gave up on a line. Without a limit, a sparse file would be searched to its end.
+  [[nodiscard]] bool too_long() const { return too_long_; }
 
  private:
+  static constexpr std::ptrdiff_t kLongestLine = 64 << 10;
+
   TextCursor& cursor_;
   std::uint32_t number_ = 0;
-  bool lone_return_ = false;
+  bool lone_return_ = false, too_long_ = false;
 };
 
 std::optional<PlyType> type_named(std::string_view name) {
@@ -176,7 +183,9 @@ std::optional<PlyHeader> read_ply_header(TextCursor& cursor, SceneBuilder& build
       return std::nullopt;
     }
   }
-  builder.fail("the file ends within its header; expected end_header", lines.location());
+  builder.fail(lines.too_long() ? "a header line of more than 64 KiB; expected end_header"
+                                : "the file ends within its header; expected end_header",
+               lines.location());
   return std::nullopt;
 }
 

@@ -216,6 +216,10 @@ TEST_CASE("3D Gaussian splats are points of their base colour") {
 
 TEST_CASE("broken headers are said with their place and what was expected") {
   CHECK(ply("").messages() == "test:1:1: error: not a PLY file: expected 'ply' as the first line\n");
+  CHECK(ply("ply\n" + std::string(65536, '\0')).messages() ==
+        "test:2:1: error: a header line of more than 64 KiB; expected end_header\n");
+  CHECK(ply(std::string(65536, '\0')).messages() ==
+        "test:1:1: error: not a PLY file: expected 'ply' as the first line\n");
   CHECK(ply("ply\nformat binary 1.0\n").messages() ==
         "test:2:1: error: unknown format 'binary'; expected ascii, binary_little_endian or binary_big_endian\n");
   CHECK(ply("ply\nformat ascii 1.0\nelement vertex -3\n").messages() ==

@@ -85,6 +85,25 @@ TEST_CASE("small, large and empty files are read") {
   }
 }
 
+TEST_CASE("a large file is checked by its first bytes before it is mapped") {
+  const Folder folder;
+  put(folder / "large", "abc" + std::string(MappedFile::kMappedSize, 'x'));
+  put(folder / "small", "abc");
+  std::string seen;
+  const auto refuse = [&seen](std::span<const std::byte> first) -> std::optional<std::string> {
+    seen.assign(reinterpret_cast<const char*>(first.data()), first.size());
+    return "no";
+  };
+  const auto refused = map_file(folder / "large", refuse);
+  REQUIRE(std::holds_alternative<FileError>(refused));
+  CHECK(std::get<FileError>(refused).message == "cannot open " + (folder / "large") + ": no");
+  CHECK(seen == "abc" + std::string(8189, 'x'));
+  const auto accepted =
+      map_file(folder / "large", [](std::span<const std::byte>) { return std::optional<std::string>(); });
+  CHECK(std::holds_alternative<MappedFile>(accepted));
+  CHECK(std::holds_alternative<MappedFile>(map_file(folder / "small", refuse)));
+}
+
 TEST_CASE("what is put aside of a file can be read again") {
   const Folder folder;
   std::string text(MappedFile::kMappedSize + 12345, 'a');
