@@ -271,6 +271,7 @@ void Control::answer_call(Session& session, ControlClient& client, JsonCursor js
   }
   const bool good = row->run(call);
   changed_ = changed_ || call.changes;
+  if (document && call.changes) document->controlled = true;
   if (!good) return fail(RpcError::failed, call.problem);
   if (asked.id.empty() || call.answers_later) return;
   out += "{\"jsonrpc\":\"2.0\",\"id\":";

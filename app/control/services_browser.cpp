@@ -68,6 +68,7 @@ ScriptRequest request_of(const ServiceCall& call, ScriptRequest::Kind kind) {
   request.kind = kind;
   request.scene = call.document->world.scene.get();
   request.origin = request.scene;
+  request.from_client = true;
   return request;
 }
 
@@ -87,9 +88,10 @@ bool load_url(ServiceCall& call) {
   if (!urls || !parameters) return false;
   request.urls = *urls;
   request.parameters = *parameters;
-  call.session.serve(*call.document, request);
   call.changes = true;
-  return true;
+  const auto refused = call.session.serve(*call.document, request);
+  call.problem = refused.value_or("");
+  return !refused;
 }
 
 void put_nodes(ServiceCall& call, std::string& out, vrml::SceneGraph& scene, const vrml::MFNode& nodes) {
@@ -262,8 +264,8 @@ constexpr ServiceRow kBrowserServices[] = {
     {"loadURL",
      {{kUrl, {"parameter", "string, or list of strings: as of an Anchor (VRML97 6.2)", true}}},
      "",
-     "goes to another world, or a Viewpoint (`#NAME`), as an Anchor of this world would; a page that is for a web "
-     "browser is not opened",
+     "goes to another world, or a Viewpoint (`#NAME`), as an Anchor of this world would; of files, opens only those "
+     "that the world may read; a page that is for a web browser is not opened",
      true,
      load_url},
     {"replaceWorld",

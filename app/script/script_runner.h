@@ -39,6 +39,7 @@ struct ScriptRequest {
   vrml::NodeId node;
   const vrml::InterfaceDeclaration* event_in = nullptr;
   vrml::SourceLocation location;  // of the Script
+  bool from_client = false;       // a client of --control asks; its files are held to the world's folder
 };
 
 /// What programs may ask about the browser.

@@ -2,6 +2,7 @@
 
 #include "app/session/documents/link_file.h"
 
+#include "app/base/local_file.h"
 #include "app/formats/content_types.h"
 #include "net/base/schemes.h"
 #include "net/base/url.h"
@@ -74,17 +75,20 @@ Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
   for (const vrml::SFString& url : scene.get<vrml::MFString>(anchor, "url")) urls.push_back(url.str());
   for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter"))
     parameters.push_back(parameter.str());
-  return link_of(urls, parameters, scene.text_of(anchor, url_field->slot));
+  const vrml::SourceText& text = scene.text_of(anchor, url_field->slot);
+  return link_of(urls, parameters, text.origin(), text.source());
 }
 
 Link link_of(const std::vector<std::string>& urls, const std::vector<std::string>& parameters,
-             const vrml::SourceText& of) {
+             const vrml::SourceText& of, const std::shared_ptr<const vrml::TextSource>& source) {
   Link link;
   for (const std::string& text : parameters) {
     if (text.starts_with("target=") && text != "target=_self" && text != "target=_top" && text != "target=_parent")
       link.other_window = true;
   }
-  const net::Url base = base_of(of.file_name());
+  // A text that was read at run time has a source of its own.
+  const bool is_fetched = source && source != of.source();
+  const net::Url base = is_fetched ? net::parse_url(source->url) : base_of(of.file_name());
   for (const std::string& each : urls) {
     Link::Place place;
     net::Url url = net::resolve(base, net::parse_url(net::tidy_url(each)));
@@ -97,6 +101,7 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
       if (place.viewpoint.empty()) continue;
     } else if (url.scheme == "file") {
       place.target = net::path_of_url(url);
+      place.is_file = true;
       if (base.scheme != "file") place.problem = "A world of the network leads to a file of this machine: not opened";
     } else {
       place.target = url.text();
@@ -107,6 +112,21 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
     link.places.push_back(std::move(place));
   }
   return link;
+}
+
+void keep_to_readable_files(Link& link, const vrml::SourceText& text, const std::vector<std::string>& allowed) {
+  const net::Url base = base_of(text.file_name());
+  if (base.scheme != "file") return;  // link_of has refused all files
+  const net::ReferencePolicy policy = policy_of_world(net::path_of_url(base), allowed);
+  for (Link::Place& place : link.places) {
+    if (!place.is_file || !place.problem.empty()) continue;
+    // The name of a missing or relative file could mean another one when it is opened: "file:file:///x", "x.wrl#".
+    std::error_code error;
+    if (!place.target.starts_with('/') || !std::filesystem::exists(place.target, error))
+      place.problem = place.target + ": there is no such file";
+    else if (const auto refused = policy.refuse_file({base.text()}, place.target))
+      place.problem = place.target + ": " + refused->message;
+  }
 }
 
 bool open_in_browser(const std::string& url) {

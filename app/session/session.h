@@ -134,8 +134,9 @@ class Session {
   /// Who acts in each step from now on, behind those who came before. It must outlive this, or be taken away before.
   void add_guest(SessionGuest& guest) { guests_.push_back(&guest); }
   void remove_guest(SessionGuest& guest) { std::erase(guests_, &guest); }
-  /// What programs and guests want of the session, in the name of a world that it shows (VRML97 4.12.10).
-  void serve(const Document& document, const ScriptRequest& request);
+  /// Serves a request of a program or a client in the name of a world that is shown (VRML97 4.12.10). Returns why no
+  /// place of loadURL may be opened, or nullopt.
+  std::optional<std::string> serve(const Document& document, const ScriptRequest& request);
   /// After a picture was drawn: asks for what it lacked of streams.
   void ask_for_streams();
   /// Shows a world that was opened elsewhere, and lives, in the active viewport.

@@ -2,6 +2,7 @@
 #include "app/session/session.h"
 #include "app/view/navigation.h"
 
+#include <algorithm>
 #include <utility>
 
 // What programs of Scripts want of the session (VRML97 4.12.10).
@@ -30,7 +31,7 @@ void Session::keep_private(const Document& document, const Link& link) {
 }
 
 // In the viewport that shows the world, the active one if there are several.
-void Session::serve(const Document& document, const ScriptRequest& request) {
+std::optional<std::string> Session::serve(const Document& document, const ScriptRequest& request) {
   const auto shows = [&](std::size_t pane) {
     const View* const seen = panes_.at(pane).view();
     return seen && seen->document.get() == &document;
@@ -39,29 +40,34 @@ void Session::serve(const Document& document, const ScriptRequest& request) {
   if (!shows(pane))
     for (const std::size_t other : panes_.visible())
       if (shows(other)) pane = other;
-  if (!shows(pane)) return;
+  if (!shows(pane)) return std::nullopt;
   View& seen = *panes_.at(pane).view();
   switch (request.kind) {
     case ScriptRequest::Kind::description:
       tell(request.text, false);
-      return;
+      return std::nullopt;
     case ScriptRequest::Kind::viewpoint:
       if (const auto index = find_viewpoint(seen.list->viewpoints, request.text)) jump_to_viewpoint(seen, *index);
-      return;
+      return std::nullopt;
     case ScriptRequest::Kind::load_url: {
-      Link link = link_of(request.urls, request.parameters, *request.origin);
+      Link link = link_of(request.urls, request.parameters, *request.origin, request.source);
       // Nobody has asked for a page that opens by itself.
       constexpr double kAfterPress = 3;
       if (now_ - pressed_at_ > kAfterPress)
         for (Link::Place& place : link.places)
           if (place.for_browser) place.problem = "The world wants to open " + place.target + ": not opened";
       keep_private(document, link);
-      return follow_link(pane, link);
+      if (request.from_client || document.controlled) keep_to_readable_files(link, *request.origin, load_.allowed);
+      follow_link(pane, link);
+      const auto may_open = [](const Link::Place& place) { return place.problem.empty(); };
+      if (link.places.empty() || std::any_of(link.places.begin(), link.places.end(), may_open)) return std::nullopt;
+      return link.places.front().problem;
     }
     case ScriptRequest::Kind::program:
     case ScriptRequest::Kind::create_from_url:
-      return;  // the world's own affair
+      return std::nullopt;  // the world's own affair
   }
+  return std::nullopt;
 }
 
 }  // namespace gs::app

@@ -38,6 +38,7 @@ struct Document {
   bool all_came = false;
   const void* viewer = nullptr;           // the view whose place its sensors know
   std::optional<glm::dvec3> destination;  // to which its viewer is on the way
+  bool controlled = false;                // a client of --control has changed it, and may have made its Scripts
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };

@@ -3,6 +3,7 @@
 
 #include "net/load/transport_memory.h"
 #include "tests/app/late_worlds.h"
+#include "tests/app/scratch_folder.h"
 
 #include <chrono>
 #include <span>
@@ -22,9 +23,9 @@ using late_worlds::put;
 /// A session in real time that reads memory://a/world.wrl, and a client.
 struct Site {
   Site() : control(channel, [] {}) { load.memory = std::make_shared<net::MemoryNetwork>(); }
-  void open() {
+  void open(const std::string& file = "memory://a/world.wrl") {
     SessionOptions options;
-    options.files = {"memory://a/world.wrl"};
+    options.files = {file};
     session = std::make_unique<Session>(options, load, [] {});
     session->add_guest(control);
   }
@@ -93,6 +94,66 @@ TEST_CASE("loadURL goes to another world, whose coming is told, and opens no pag
   CHECK(site.web_pages == 0);
   site.say({{"id", 2}, {"method", "getNode"}, {"params", Json::array({"New"})}});
   CHECK(site.until([](const Json& one) { return one.value("id", 0) == 2; })["result"]["type"] == "Transform");
+}
+
+TEST_CASE("loadURL of a client opens no file outside of the world's folder without --allow") {
+  const ScratchFolder folder;
+  folder.write("world/world.wrl", kHeader + "DEF Old Group {}");
+  folder.write("world/sub/next.wrl", kHeader + "DEF New Transform {}");
+  folder.write("secret.wrl", kHeader + "DEF Secret Switch {}");
+  const std::string secret = folder.path("secret.wrl");
+  const auto ended = [](int id) { return [id](const Json& one) { return one.value("id", 0) == id; }; };
+  // A client may also let a Script of its own do it.
+  const std::string script =
+      "Script { url \"javascript: function initialize() { Browser.loadURL(new MFString('" + secret + "')); }\" }";
+  const auto add_script = [&](Site& site) {
+    site.say({{"id", 3}, {"method", "createVrmlFromString"}, {"params", Json::array({script})}});
+    const Json made = site.until(ended(3));
+    REQUIRE(made.contains("result"));
+    site.say(
+        {{"id", 4}, {"method", "setValue"}, {"params", Json::array({"Old", "children", made["result"]["nodes"]})}});
+    REQUIRE(site.until(ended(4)).contains("result"));
+  };
+  for (const bool allowed : {false, true}) {
+    Site site;
+    if (allowed) site.load.allowed.push_back(folder.path(""));
+    site.open(folder.path("world/world.wrl"));
+    site.say({{"id", 1}, {"method", "awaitWorld"}});
+    site.say({{"method", "adviseBrowser"}});
+    REQUIRE(site.until(ended(1)).contains("result"));
+    const auto came = [](const std::string& name) {
+      return [name](const Json& one) {
+        return one.value("method", "") == "browser" && one["params"]["event"] == "initialized" &&
+               one["params"]["url"].get<std::string>().ends_with(name);
+      };
+    };
+    if (allowed) {
+      add_script(site);
+      REQUIRE(site.until(came("secret.wrl")).is_object());
+      site.say({{"id", 2}, {"method", "loadURL"}, {"params", Json::array({"world/world.wrl"})}});
+      REQUIRE(site.until(came("world.wrl")).is_object());
+      continue;
+    }
+    for (const std::string& url :
+         {std::string("../secret.wrl"), "file://" + secret, "file:" + secret, secret, "sub/../../secret.wrl#V",
+          "file:file://" + secret, "file://" + secret + "%23", "FILE://" + secret, std::string("file:///etc/passwd")}) {
+      INFO(url);
+      site.say({{"id", 2}, {"method", "loadURL"}, {"params", Json::array({url})}});
+      const Json answer = site.until(ended(2));
+      REQUIRE(answer.contains("error"));
+      const std::string why = answer["error"]["message"];
+      CHECK((why.find("it lies outside of the world's folder; --allow ") != std::string::npos ||
+             why.find("there is no such file") != std::string::npos));
+    }
+    add_script(site);
+    // The first place that may be opened is.
+    site.say({{"method", "loadURL"}, {"params", Json::array({Json::array({"../secret.wrl", "sub/next.wrl"})})}});
+    const Json next = site.until([](const Json& one) {
+      return one.value("method", "") == "browser" && one["params"]["event"] == "initialized";
+    });
+    REQUIRE(next.is_object());
+    CHECK(next["params"]["url"].get<std::string>().ends_with("sub/next.wrl"));
+  }
 }
 
 }  // namespace gs::app::control_files_test
