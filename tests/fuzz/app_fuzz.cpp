@@ -259,6 +259,8 @@ std::vector<FuzzTarget> fuzz_targets() {
   constexpr std::size_t kMostBytes = 8192;
   std::vector<FuzzTarget> targets = {
       {"gzip", run_gzip}, {"programs", run_program}, {"control_messages", run_control_messages}};
+  constexpr std::size_t kMostWorld = 65536;
+  targets.push_back({"script_worlds", run_script_world, kMostWorld});
   using Bytes = std::span<const std::byte>;
   for (const ContentType& type : content_types()) {
     const std::string name = target_name(type.name);

@@ -5,5 +5,6 @@
 namespace gs::fuzz {
 
 [[nodiscard]] bool run_control_messages(std::span<const std::byte> bytes);
+[[nodiscard]] bool run_script_world(std::span<const std::byte> bytes);
 
 }  // namespace gs::fuzz

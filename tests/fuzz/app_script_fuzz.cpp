@@ -1,0 +1,228 @@
+// Worlds with hostile Scripts (script_worlds.h): they run as in `ghostspace trace`, beside other worlds and in a
+// session that follows loadURL. Garbage is collected when a program prints "gc".
+#include "app/script/engine.h"
+#include "app/session/session.h"
+#include "app/simulation/simulation.h"
+#include "app/world/world_loader.h"
+#include "app/world/world_loading.h"
+#include "net/load/transport_memory.h"
+#include "tests/fuzz/app_targets.h"
+#include "tests/fuzz/script_worlds.h"
+#include "vrml/syntax/printer.h"
+
+#include <js/GCAPI.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <set>
+#include <span>
+#include <thread>
+#include <tuple>
+
+using namespace gs::app;
+
+namespace gs::fuzz {
+namespace {
+
+constexpr char kFirst[] = "memory://a/world.wrl";
+constexpr double kSeconds = 1, kPiece = 0.25;  // of simulated time
+constexpr std::clock_t kMostProcessor = 4;     // of the processor, for one world
+constexpr glm::ivec2 kSize(64, 64);
+
+std::vector<std::byte> bytes_of(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+LoadOptions site_of(const std::vector<WorldPart>& parts) {
+  LoadOptions options;
+  options.memory = std::make_shared<net::MemoryNetwork>();
+  options.limits.memory = std::size_t{64} << 20;
+  options.limits.nodes = options.limits.expanded_nodes = 20'000;
+  options.limits.script_seconds = 0.15;
+  options.limits.script_heap = std::size_t{32} << 20;
+  options.limits.files = 200;
+  options.limits.inline_depth = 4;
+  options.timeout_seconds = 5;
+  for (const WorldPart& part : parts) {
+    const std::string name(part.name);
+    options.memory->put(name.starts_with("b/") ? "memory://" + name : "memory://a/" + name,
+                        [body = bytes_of(part.text)](const net::TransferRequest&, unsigned) {
+                          net::MemoryAnswer answer;
+                          answer.head.content_length = body.size();
+                          answer.body = body;
+                          return answer;
+                        });
+  }
+  return options;
+}
+
+void collect_garbage(const ScriptMessage& message) {
+  if (!message.printed || message.diagnostic.message != "gc") return;
+  if (script::Engine* const engine = script::Engine::of_this_thread()) JS_GC(engine->context());
+}
+
+/// Ends the program if a node of a field is no node of its scene.
+void check_nodes(const vrml::SceneGraph& scene) {
+  const auto check = [&](vrml::NodeId id) { require(!id || scene.contains(id)); };
+  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
+    const vrml::NodeId id = scene.id_at(i);
+    if (!scene.contains(id)) continue;
+    const vrml::Node& node = scene.node(id);
+    for (const vrml::FieldValue& value : std::span(node.values, node.type->defaults.size())) {
+      if (const auto* one = std::get_if<vrml::SFNode>(&value)) check(*one);
+      if (const auto* list = std::get_if<vrml::MFNode>(&value)) std::for_each(list->begin(), list->end(), check);
+    }
+  }
+}
+
+/// Ends the program if a ROUTE leads from or to a node that is gone, or has ends of different types.
+void check_routes(const vrml::Execution& execution) {
+  for (const auto& [scene, route] : execution.placed_routes()) {
+    require(execution.has_scene(scene) && scene->contains(route.from) && scene->contains(route.to));
+    require(route.event_out->type == route.event_in->type);
+  }
+}
+
+/// A world that runs as `ghostspace trace` runs it.
+class Trace {
+ public:
+  Trace(const LoadOptions& options, const std::string& url, bool verbose) : loading_(url, options) {
+    OpenedWorld world = load_world(loading_, url);
+    if (verbose)
+      for (const vrml::Diagnostic& one : world.diagnostics.entries()) std::printf("%s\n", one.text().c_str());
+    if (!world.scene) return;
+    simulation_ = std::make_unique<Simulation>(std::move(world), kSize);
+    simulation_->fetch_with(loading_);
+    simulation_->execution().observe([this](const vrml::SentEvent& event) { check(event); });
+    simulation_->observe_scripts([verbose](const ScriptMessage& message) {
+      require(message.printed || !message.diagnostic.message.empty());
+      if (verbose) std::printf("%s\n", message.diagnostic.text().c_str());
+      collect_garbage(message);
+    });
+  }
+
+  [[nodiscard]] bool good() const { return simulation_ != nullptr; }
+  void plan(std::string_view rows) {
+    if (!simulation_) return;
+    vrml::Diagnostics ignored;
+    (void)simulation_->plan(read_input_rows(rows, "input", ignored), "input", ignored);
+    simulation_->press_sensors();
+  }
+  void run(double until) {
+    if (!simulation_) return;
+    for (; time_ < until; time_ += kPiece) {
+      simulation_->run(time_ + kPiece, [this] { return !is_long(); });
+      if (is_long()) return;
+      (void)simulation_->execution().remove_unheld();
+      (void)simulation_->look();
+      check_nodes(*simulation_->world().scene);
+      check_routes(simulation_->execution());
+    }
+  }
+
+ private:
+  // Programs may run until their limits again and again: a new url gives a Script its three faults back.
+  [[nodiscard]] bool is_long() const { return std::clock() - began_ > kMostProcessor * CLOCKS_PER_SEC; }
+  // Each eventOut sends at most one event of a timestamp (VRML97 4.10.4), and time does not go back.
+  void check(const vrml::SentEvent& event) {
+    const vrml::Execution& execution = simulation_->execution();
+    require(execution.has_scene(event.scene) && event.scene->contains(event.node));
+    require(vrml::type_of(*event.value) == event.event->type);
+    require(event.time >= last_time_);
+    if (event.time > last_time_) sent_.clear();
+    last_time_ = event.time;
+    require(sent_.insert({event.scene, event.node.index, event.node.generation, event.event}).second);
+    text_.clear();
+    vrml::print_value(text_, *event.value, *event.scene);
+  }
+
+  WorldLoading loading_;
+  std::clock_t began_ = std::clock();
+  std::string text_;
+  double last_time_ = 0, time_ = 0;
+  std::set<std::tuple<const void*, std::uint32_t, std::uint32_t, const void*>> sent_;
+  std::unique_ptr<Simulation> simulation_;
+};
+
+std::string_view part_of(const std::vector<WorldPart>& parts, std::string_view name) {
+  for (const WorldPart& part : parts)
+    if (part.name == name) return part.text;
+  return {};
+}
+
+bool has(const std::vector<WorldPart>& parts, std::string_view name) {
+  return std::any_of(parts.begin(), parts.end(), [&](const WorldPart& part) { return part.name == name; });
+}
+
+/// A session that follows loadURL. It reads worlds on other threads, so that steps wait for them.
+void visit(const LoadOptions& options, std::string_view console) {
+  SessionOptions how;
+  how.files = {kFirst};
+  Session session(how, options, [] {});
+  SensorTour tour(session);
+  SessionInput input;
+  input.area = Viewport{0, 0, kSize.x, kSize.y};
+  constexpr int kSteps = 24, kWaits = 300;
+  for (int i = 0; i < kSteps; ++i) {
+    const double now = kSimulatedStart + i * 0.05;
+    Frame frame = session.step(now, input);
+    for (int waits = 0; frame.loading && waits < kWaits; ++waits) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      frame = session.step(now, input);
+    }
+    tour.step();
+    const View* const seen = session.view();
+    if (!seen || !seen->document->living) continue;
+    LivingWorld& living = *seen->document->living;
+    living.observe_scripts(collect_garbage);
+    const vrml::SceneGraph& scene = *seen->document->world.scene;
+    for (std::uint32_t at = 1; !console.empty() && i % 8 == 7 && at <= scene.node_count(); ++at) {
+      const vrml::NodeId id = scene.id_at(at);
+      if (!scene.contains(id) || scene.node(id).name != "S0") continue;
+      (void)living.evaluate(scene, id, std::string(console));
+      (void)living.evaluate(scene, {}, std::string(console));
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+bool play_script_world(std::string_view text, bool verbose) {
+  const std::vector<WorldPart> parts = world_parts(text);
+  // Nothing here may reach a network.
+  if (parts.empty() || text.find("tp:") != text.npos || text.find("tps:") != text.npos) return false;
+  const LoadOptions options = site_of(parts);
+  bool good = false;
+  {
+    auto first = std::make_unique<Trace>(options, kFirst, verbose);
+    good = first->good();
+    first->plan(part_of(parts, "input"));
+    first->run(kSeconds);
+    if (has(parts, "beside.wrl")) {
+      Trace other(options, "memory://a/beside.wrl", verbose);
+      other.plan({});
+      other.run(kSeconds / 2);
+      first->run(kSeconds + kPiece);
+      other.run(kSeconds / 2 + kPiece);
+      first.reset();
+      other.run(kSeconds);
+    }
+  }
+  if (has(parts, "next.wrl")) {
+    Trace next(options, "memory://a/next.wrl", verbose);
+    next.plan({});
+    next.run(kSeconds / 2);
+  }
+  if (has(parts, "console")) visit(options, part_of(parts, "console"));
+  if (script::Engine* const engine = script::Engine::of_this_thread()) JS_GC(engine->context());
+  return good;
+}
+
+bool run_script_world(std::span<const std::byte> bytes) { return play_script_world(text_of(bytes), false); }
+
+}  // namespace gs::fuzz
