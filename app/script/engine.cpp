@@ -85,7 +85,9 @@ Engine::~Engine() {
     wake_.notify_all();
     watcher_.join();
   }
-  jobs_->discard(0);
+  // The queue roots objects of the context.
+  JS::SetJobQueue(context_, nullptr);
+  jobs_.reset();
   JS_DestroyContext(context_);
   --library().engines;
 }

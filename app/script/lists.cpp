@@ -358,6 +358,7 @@ JSObject* make_list(JSContext* context, ListBox box, Source source) {
   auto own = std::make_unique<ListBox>(std::move(box));
   own->link = library.link;
   own->engine = &world.engine();
+  own->type = type;
   JS::RootedValue place(context, JS::PrivateValue(own.get()));
   JSObject* const made = js::NewProxyObject(context, &kListHandler, place, library.prototype(type));
   if (!made) return nullptr;
@@ -391,7 +392,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
 }
 
 void forget_program_of_list(ListBox& box) {
-  box.value = vrml::initial_value(vrml::type_of(*list_value(box)));
+  box.value = vrml::initial_value(box.type);
   box.program = nullptr;
 }
 

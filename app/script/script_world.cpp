@@ -163,7 +163,10 @@ void World::send_all(Program& program) {
 }
 
 bool World::begin(vrml::EventNode node) {
-  if (programs_.contains(node)) {
+  // A Script that replaces its own program keeps its faults.
+  int faults = 0;
+  if (const Program* const before = program_of(node)) {
+    faults = before->faults;
     end(node);
     forget(node);
   }
@@ -174,6 +177,8 @@ bool World::begin(vrml::EventNode node) {
   made->id = at.node;
   made->scene = execution_.own_scene(*at.scene);
   made->source = text_of_program(*made).source();
+  made->faults = faults;
+  made->off = faults >= kMostFaults;
   programs_[node] = std::move(made);
   return go_on(node);
 }

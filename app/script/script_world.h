@@ -101,6 +101,7 @@ struct ListBox {
   Engine* engine = nullptr;
   Program* program = nullptr;  // whose field or eventOut it is; null: nobody's
   std::uint32_t place = 0;
+  vrml::FieldType type = vrml::FieldType::MFInt32;
   SceneRef scene;          // of nodes
   vrml::FieldValue value;  // where it is nobody's
   std::vector<vrml::NodeId> held;

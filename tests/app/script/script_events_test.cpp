@@ -279,7 +279,8 @@ TEST_CASE("value_changed of an interpolator that is read before any fraction is 
   scripts::World world(
       "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 1 2 3, 4 5 6 ] } DEF C ColorInterpolator { key [ 0 1 ] "
       "keyValue [ 1 0 0, 0 0 1 ] } DEF O OrientationInterpolator { key 0 keyValue 0 1 0 2 } DEF N ScalarInterpolator { "
-      "key [ 0 1 ] keyValue [ 7 9 ] } DEF L CoordinateInterpolator { key [ 0 1 ] keyValue [ 1 1 1, 2 2 2, 3 3 3, 4 4 4 ] "
+      "key [ 0 1 ] keyValue [ 7 9 ] } DEF L CoordinateInterpolator { key [ 0 1 ] keyValue [ 1 1 1, 2 2 2, 3 3 3, 4 4 4 "
+      "] "
       "} DEF E ScalarInterpolator { } DEF S Script { field SFNode p USE P field SFNode c USE C field SFNode o USE O "
       "field SFNode n USE N field SFNode l USE L field SFNode e USE E eventIn SFBool go url \"javascript: function "
       "initialize() { all(); } function go() { all(); } function all() { print(p.value_changed); "

@@ -191,6 +191,36 @@ TEST_CASE("a node of a scene that is gone is no node of the scene that takes its
   for (const std::string& line : world.printed()) CHECK(line == "undefined null");
 }
 
+TEST_CASE("a Script that replaces its own program keeps its faults") {
+  vrml::Limits limits;
+  limits.script_seconds = 0.05;
+  World world(
+      "DEF S Script { directOutput TRUE field SFNode me USE S eventIn SFTime tick url \"javascript: function tick() { "
+      "print('tick'); me.url = me.url; while (true); }\" }",
+      limits);
+  world.start();
+  for (int i = 1; i < 8; ++i) {
+    world.step(i);
+    world.send("S.tick", 1000.0 + i);
+  }
+  CHECK(world.printed().size() == 3);
+}
+
+TEST_CASE("the list of a Script of a removed Inline keeps its type") {
+  World world(
+      "Inline { } DEF S Script { eventIn SFBool look url \"javascript: function look() { var l = Browser.kept[0]; "
+      "print(l.length + ' ' + l[0]); l[0] = new SFVec3f(1, 2, 3); print(l); }\" }");
+  world.start();
+  fill_inline(world,
+              "Script { field MFVec3f mine [ 7 8 9 ] url \"javascript: function initialize() { Browser.kept = "
+              "[mine]; }\" }");
+  world.step(1);
+  fill_inline(world, "Group { }");
+  world.step(2);
+  world.send("S.look", true);
+  CHECK(world.printed() == Lines{"0 0 0 0", "[ 1 2 3 ]"});
+}
+
 TEST_CASE("nodes and lists without a prototype have their own properties only") {
   CHECK(run("[me, mine, new MFVec3f()].forEach(function(x) { Object.setPrototypeOf(x, null); print(x.none + ' ' + "
             "('none' "
