@@ -1,5 +1,6 @@
 #include "app/script/engine.h"
 
+#include "app/script/bounded_natives.h"
 #include "app/script/job_queue.h"
 
 #include <js/ContextOptions.h>
@@ -24,14 +25,28 @@ constexpr std::uint32_t kHeapOfEngine = 1024U << 20;
 constexpr std::size_t kStack = std::size_t{512} << 10;
 constexpr std::chrono::milliseconds kLook{10};
 constexpr int kLooksAtNothing = 100;  // before the watcher sleeps
+constexpr std::chrono::seconds kOverdue{2};
+
+/// Function of Engine::on_overdue.
+struct OverdueObserver {
+  std::mutex mutex;
+  std::function<void(const std::string&)> call;
+};
+OverdueObserver& overdue_observer() {
+  static OverdueObserver the_observer;
+  return the_observer;
+}
 
 // Of the whole program: it begins with the first engine and ends behind the last one.
 struct Library {
-  Library() : good(JS_Init()) {}
+  Library() {
+    (void)BlockLimit::install();
+    good = JS_Init();
+  }
   ~Library() {
     if (good && engines == 0) JS_ShutDown();
   }
-  bool good;
+  bool good = false;
   std::atomic<int> engines = 0;
 };
 Library& library() {
@@ -74,6 +89,7 @@ Engine::Engine(JSContext* context) : context_(context), jobs_(std::make_unique<J
   JS_SetGCParameter(context_, JSGC_INCREMENTAL_GC_ENABLED, 0);
   JS_SetGCParameter(context_, JSGC_COMPACTING_ENABLED, 0);
   JS_AddInterruptCallback(context_, on_interrupt);
+  bound_evaluation(context_);
 }
 
 Engine::~Engine() {
@@ -92,13 +108,14 @@ Engine::~Engine() {
   --library().engines;
 }
 
-Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes)
+Engine::Turn::Turn(Engine& engine, double seconds, std::size_t heap_bytes, const std::string& late_message)
     : engine_(engine), outermost_(engine.depth_++ == 0), first_job_(engine.jobs_->size()) {
   if (!outermost_) return;
   engine_.stop_ = Stop::none;
   engine_.heap_limit_ = heap_bytes;
   engine_.deadline_ =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  engine_.late_message_ = &late_message;
   engine_.turns_.fetch_add(1, std::memory_order_relaxed);
   engine_.busy_.store(true, std::memory_order_release);
   if (!engine_.asleep_.load(std::memory_order_acquire)) return;
@@ -112,7 +129,12 @@ bool Engine::Turn::run_job(bool* good) { return engine_.jobs_->run_one(engine_.c
 
 Engine::Turn::~Turn() {
   engine_.jobs_->discard(first_job_);
-  if (--engine_.depth_ == 0) engine_.busy_.store(false, std::memory_order_release);
+  if (--engine_.depth_ != 0) return;
+  engine_.busy_.store(false, std::memory_order_release);
+  if (Clock::now() - engine_.deadline_.load() <= kOverdue) return;
+  // The watcher may be using the message.
+  const std::lock_guard lock(overdue_observer().mutex);
+  engine_.late_message_ = nullptr;
 }
 
 // Asks a program that goes on for its time now and then, and sleeps while there is none.
@@ -127,7 +149,10 @@ void Engine::watch() {
       continue;
     }
     wake_.wait_for(lock, kLook, [&] { return ends_; });
-    if (busy_.load(std::memory_order_acquire)) JS_RequestInterruptCallback(context_);
+    if (busy_.load(std::memory_order_acquire)) {
+      JS_RequestInterruptCallback(context_);
+      if (Clock::now() - deadline_.load() > kOverdue) tell_overdue();
+    }
     const std::uint32_t turns = turns_.load(std::memory_order_relaxed);
     nothing = turns == seen && !busy_ ? nothing + 1 : 0;
     seen = turns;
@@ -135,10 +160,23 @@ void Engine::watch() {
   }
 }
 
+void Engine::tell_overdue() const {
+  OverdueObserver& observer = overdue_observer();
+  const std::lock_guard lock(observer.mutex);
+  const std::string* const message = late_message_.load();
+  if (observer.call && message && busy_.load(std::memory_order_acquire)) observer.call(*message);
+}
+
+void Engine::on_overdue(std::function<void(const std::string&)> observer) {
+  OverdueObserver& known = overdue_observer();
+  const std::lock_guard lock(known.mutex);
+  known.call = std::move(observer);
+}
+
 bool Engine::on_interrupt(JSContext* context) {
   auto* const engine = static_cast<Engine*>(JS_GetContextPrivate(context));
   if (engine->depth_ == 0) return true;
-  if (Clock::now() >= engine->deadline_) {
+  if (Clock::now() >= engine->deadline_.load()) {
     engine->stop_ = Stop::time;
     return false;
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/script/block_limit.h"
+
 #include <jsapi.h>
 
 #include <atomic>
@@ -7,8 +9,10 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 
 namespace gs::app::script {
@@ -29,10 +33,14 @@ class Engine {
 
   [[nodiscard]] JSContext* context() const { return context_; }
 
-  /// A program has the engine while this lives, for so long at most. Inside another one, that one's time counts.
+  /// Max size of one memory block of a program: a string of 2^24 characters, with room to grow.
+  static constexpr std::size_t kMostBlock = std::size_t{20} << 20;
+
+  /// Time that a program has the engine for. Inside another turn, the outer one's limits hold. `late_message` outlives
+  /// the turn; see on_overdue.
   class Turn {
    public:
-    Turn(Engine& engine, double seconds, std::size_t heap_bytes);
+    Turn(Engine& engine, double seconds, std::size_t heap_bytes, const std::string& late_message);
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
@@ -46,6 +54,7 @@ class Engine {
     Engine& engine_;
     bool outermost_;
     std::size_t first_job_;
+    BlockLimit blocks_{kMostBlock};
   };
 
   /// Bytes of values that the engine does not count itself.
@@ -57,18 +66,24 @@ class Engine {
   /// Between programs: what has been put off.
   void rest();
 
+  /// Sets the function that gets `late_message` of a turn that exceeds its time by over 2 s. It is called about a
+  /// hundred times a second, on another thread, until the turn ends.
+  static void on_overdue(std::function<void(const std::string&)> observer);
+
  private:
   explicit Engine(JSContext* context);
   static bool on_interrupt(JSContext* context);
   [[nodiscard]] bool over_memory();
   void watch();
+  void tell_overdue() const;
 
   using Clock = std::chrono::steady_clock;
   JSContext* context_;
   std::unique_ptr<JobQueue> jobs_;
   int depth_ = 0;
   Stop stop_ = Stop::none;
-  Clock::time_point deadline_;
+  std::atomic<Clock::time_point> deadline_;
+  std::atomic<const std::string*> late_message_ = nullptr;
   std::size_t heap_limit_ = 0;
   std::ptrdiff_t own_bytes_ = 0;
   std::size_t nodes_made_ = 0, next_collection_ = 2000;

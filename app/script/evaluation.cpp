@@ -38,7 +38,7 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
   Program* const outer = std::exchange(running_, program);
   if (!outer) clock_looks_ = 0;
   {
-    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
+    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap, program->late_message);
     const JSAutoRealm realm(context, program->global);
     JS::RootedScript compiled(context, compile_mended(context, modern_text_of(*program, line), "console", {1, 1}));
     JS::RootedValue value(context);

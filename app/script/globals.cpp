@@ -1,3 +1,4 @@
+#include "app/script/bounded_natives.h"
 #include "app/script/script_world.h"
 
 #include <js/GlobalObject.h>
@@ -24,7 +25,8 @@ const std::unordered_set<std::string_view>& left_out() {
       "Uint8Array",    "Uint8ClampedArray",    "Int16Array",     "Uint16Array",
       "Int32Array",    "Uint32Array",          "Float32Array",   "Float64Array",
       "BigInt64Array", "BigUint64Array",       "WebAssembly",    "Atomics",
-      "WeakRef",       "FinalizationRegistry", "ReadableStream", "Intl"};
+      "WeakRef",       "FinalizationRegistry", "ReadableStream", "Intl",
+      "BigInt"};
   return names;
 }
 
@@ -167,10 +169,12 @@ bool World::make_global(Program& program) {
   if (!global) return false;
   program.global.init(context, global);
   const JSAutoRealm realm(context, global);
+  if (!bound_natives(context, global)) return false;
   const auto& interfaces = execution_.schema_of_node(program.node).interfaces;
   program.names.resize(interfaces.size());
   program.lists.resize(interfaces.size());
   program.unsent.resize(interfaces.size());
+  program.counted.resize(interfaces.size());
   for (std::uint32_t place = 0; place < interfaces.size(); ++place) {
     const vrml::InterfaceDeclaration& declaration = *interfaces[place].declaration;
     JS::RootedString name(context, JS_AtomizeAndPinString(context, declaration.name.c_str()));

@@ -1,4 +1,5 @@
 #include "app/base/text_source.h"
+#include "app/script/bounded_natives.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 
@@ -35,9 +36,10 @@ bool World::make_library(ScriptLibrary& library) {
   const JSAutoRealm realm(context, global);
   JS_SetCompartmentPrivate(js::GetContextCompartment(context), &library);
   auto& prototypes = library.prototypes;
-  const bool good = define_tuples(context, global, prototypes) && define_images(context, global, prototypes) &&
-                    define_lists(context, global, prototypes) && define_nodes(context, global, prototypes) &&
-                    define_matrices(context, global, prototypes) && define_browser(context, global);
+  const bool good = bound_natives(context, global) && define_tuples(context, global, prototypes) &&
+                    define_images(context, global, prototypes) && define_lists(context, global, prototypes) &&
+                    define_nodes(context, global, prototypes) && define_matrices(context, global, prototypes) &&
+                    define_browser(context, global);
   if (!good) {
     JS_ClearPendingException(context);
     JS_SetCompartmentPrivate(js::GetContextCompartment(context), nullptr);

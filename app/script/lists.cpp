@@ -1,3 +1,5 @@
+#include "app/script/bounded_natives.h"
+#include "app/script/field_memory.h"
 #include "app/script/live_proxy.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
@@ -24,7 +26,8 @@ using vrml::FieldType;
 using vrml::FieldValue;
 
 constexpr std::size_t kParentSlot = 0, kPlaceSlot = 1;
-constexpr std::uint32_t kMostElements = 1U << 26;
+constexpr std::uint32_t kMostElements = 1U << 26, kMostNodes = 1U << 20;
+constexpr std::size_t kMostPrinted = std::size_t{1} << 20;  // elements
 
 bool index_of(jsid id, std::uint32_t& index) {
   if (!id.isInt() || id.toInt() < 0) return false;
@@ -53,8 +56,17 @@ void release(ListBox& box) {
   box.held.clear();
 }
 
-// Nodes in it are held, and bytes counted.
-void keep(ListBox& box, JSObject* object) {
+// Adds to the bytes that the list counts against the heap of programs.
+void count(ListBox& box, std::ptrdiff_t change) {
+  if (!box.engine) return;
+  std::size_t& counted = box.program ? box.program->counted[box.place] : box.counted;
+  change = std::max(change, -static_cast<std::ptrdiff_t>(counted));
+  counted += static_cast<std::size_t>(change);
+  box.engine->add_bytes(change);
+}
+
+// Holds the nodes of a list.
+void keep(ListBox& box) {
   if (box.program) return;
   const vrml::SceneGraph* const scene = box.scene.in(box.link.get());
   if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value); nodes && scene) {
@@ -62,16 +74,6 @@ void keep(ListBox& box, JSObject* object) {
     for (const vrml::NodeId id : box.held) box.link->execution->hold(*scene, id);
     for (const vrml::NodeId id : before) box.link->execution->release(*scene, id);
   }
-  const std::size_t bytes = std::visit(
-      [](const auto& array) -> std::size_t {
-        if constexpr (requires { array.span(); }) return array.capacity() * sizeof(*array.data());
-        return 0;
-      },
-      box.value);
-  if (bytes == box.counted) return;
-  (void)object;
-  if (box.engine) box.engine->add_bytes(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(box.counted));
-  box.counted = bytes;
 }
 
 struct ListKind {
@@ -178,7 +180,9 @@ class ListHandler final : public LiveProxyHandler {
     ListBox& box = *list_of(proxy);
     FieldValue* const value = list_value(box);
     if (!value) return true;
+    const std::size_t before = block_bytes_of(*value) + text_bytes_of(*value, length);
     if (!change_size(context, *value, length)) return false;
+    count(box, static_cast<std::ptrdiff_t>(block_bytes_of(*value)) - static_cast<std::ptrdiff_t>(before));
     return changed(context, proxy, box);
   }
 
@@ -187,6 +191,8 @@ class ListHandler final : public LiveProxyHandler {
         [&](auto& array) {
           if constexpr (requires { array.span(); }) {
             const std::size_t before = array.size();
+            if (std::is_same_v<std::decay_t<decltype(array[0])>, vrml::NodeId> && length > kMostNodes)
+              return fail_range(context, "a list of nodes may have " + std::to_string(kMostNodes) + " elements");
             const std::size_t bytes = length * sizeof(*array.data());
             if (length > before && (length > kMostElements || !world_of(context).engine().may_have(bytes))) {
               JS_ReportOutOfMemory(context);
@@ -206,7 +212,7 @@ class ListHandler final : public LiveProxyHandler {
       box.program->world->own_changed(*box.program, box.place);
       return true;
     }
-    keep(box, proxy);
+    keep(box);
     const JS::Value& parent = js::GetProxyReservedSlot(proxy, kParentSlot);
     if (!parent.isObject() || std::exchange(box.changed, true)) return true;
     return world_of(context).note_changed(context, proxy);
@@ -283,6 +289,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
       element = args[i];
     }
     if (!element.isUndefined() && !set_element(context, list, i, element)) return false;
+    if (i % 4096 == 4095 && !JS_CheckForInterrupt(context)) return false;
   }
   args.rval().setObject(*list);
   return true;
@@ -295,6 +302,8 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   std::string text;
   static const vrml::SceneGraph nothing;
   const FieldValue* value = list_value(*box);
+  if (value && count_of(*value) > kMostPrinted)
+    return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a text");
   const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
   // Names of nodes are a part of them.
   FieldValue readable;
@@ -365,7 +374,8 @@ JSObject* make_list(JSContext* context, ListBox box, Source source) {
   ListBox& kept = *own.release();
   js::SetProxyReservedSlot(made, kParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
   js::SetProxyReservedSlot(made, kPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
-  keep(kept, made);
+  keep(kept);
+  if (!kept.program) count(kept, static_cast<std::ptrdiff_t>(bytes_of(kept.value)));
   return made;
 }
 
@@ -376,7 +386,16 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   FieldValue element;
   if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene.in(box.link.get()), element)) return false;
   field = list_value(box);  // the program may have changed it meanwhile
-  if (index >= count_of(*field)) {
+  const bool is_new = index >= count_of(*field);
+  const auto* const text = std::get_if<vrml::SFString>(&element);
+  const std::size_t text_bytes = text ? text->view().size() : 0;
+  if (text && !world_of(context).engine().may_have(text_bytes)) {
+    JS_ReportOutOfMemory(context);
+    return false;
+  }
+  std::size_t before = block_bytes_of(*field);
+  if (text && !is_new) before += std::get<vrml::MFString>(*field)[index].view().size();
+  if (is_new) {
     if (index >= kMostElements) return fail(context, "index beyond what a list may have");
     if (!ListHandler::change_size(context, *field, index + 1)) return false;
   }
@@ -388,6 +407,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
         }
       },
       *field);
+  count(box, static_cast<std::ptrdiff_t>(block_bytes_of(*field) + text_bytes) - static_cast<std::ptrdiff_t>(before));
   return ListHandler::changed(context, list, box);
 }
 

@@ -1,3 +1,4 @@
+#include "app/script/bounded_natives.h"
 #include "app/script/script_world.h"
 
 #include <js/CompilationAndEvaluation.h>
@@ -30,12 +31,16 @@ JSScript* compile_mended(JSContext* context, const std::string& text, const std:
   JS::CompileOptions options(context);
   options.setFileAndLine(file.c_str(), std::max(1U, place.line));
   options.setColumn(place.column > 0 ? place.column - 1 : 0);
-  JSScript* const made = compile(context, options, text);
-  if (made || !JS_IsExceptionPending(context)) return made;
+  if (!check_program(context, text)) return nullptr;
+  JS::RootedScript made(context, compile(context, options, text));
+  if (made) return check_integers(context, text) ? made.get() : nullptr;
+  if (!JS_IsExceptionPending(context)) return nullptr;
   JS::AutoSaveExceptionState first(context);
-  JSScript* const mended = compile(context, options, mended_text(text));
-  if (mended) first.drop();
-  return mended;
+  const std::string mended = mended_text(text);
+  made = compile(context, options, mended);
+  if (!made) return nullptr;
+  first.drop();
+  return check_integers(context, mended) ? made.get() : nullptr;
 }
 
 /// What a pending exception says, which is none any more; nothing: it says nothing.

@@ -63,6 +63,11 @@ class ScriptRunner : public vrml::ScriptHost {
   /// Null: there is no engine, since memory is short.
   [[nodiscard]] static std::unique_ptr<ScriptRunner> make(vrml::Execution& execution, Settings settings);
 
+  /// Sets the function that gets a message for the user when a program has exceeded its time by over 2 s. That happens
+  /// inside single calls of the engine that nothing can interrupt. Another thread calls it repeatedly until the program
+  /// ends. Any thread.
+  static void on_overdue(std::function<void(const std::string&)> observer);
+
   /// A step begins.
   virtual void begin_step() = 0;
   virtual void set_browser(BrowserState state) = 0;
@@ -89,8 +94,6 @@ class ScriptRunner : public vrml::ScriptHost {
   virtual void forget_scene(const vrml::SceneGraph& scene) = 0;
   /// URL of the first private text that a Script of this world has read (script/read_rule.h); empty if there is none.
   [[nodiscard]] virtual const std::string& private_file() const = 0;
-  /// Treats the world as if a Script had read this text, for a world that such a Script has opened.
-  virtual void assume_private(const std::string& file) = 0;
   /// Whether the last step had no time left for all programs.
   [[nodiscard]] virtual bool is_late() const = 0;
 };

@@ -1,5 +1,7 @@
 #include "app/script/script_world.h"
 
+#include "app/script/bounded_natives.h"
+#include "app/script/field_memory.h"
 #include "app/script/run_time_nodes.h"
 
 #include <js/CallAndConstruct.h>
@@ -24,10 +26,11 @@
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMostMessages = 1000, kMostSaid = 4000, kMostRequests = 256;
+constexpr std::size_t kMostMessages = 1000, kMostSaid = 4000;
 constexpr int kMostFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;  // nodes
-constexpr std::size_t kTextOfNode = 16;       // octets at least, of nodes below the roots of a text
+constexpr std::size_t kWorthCollecting = 64;                // nodes
+constexpr std::size_t kMostCreated = std::size_t{4} << 20;  // bytes of a text of nodes
+constexpr std::size_t kTextOfNode = 16;                     // octets at least, of nodes below the roots of a text
 
 bool is_object(vrml::FieldType type) {
   using vrml::FieldType;
@@ -110,7 +113,7 @@ void World::run(Program& program, const Do& what) {
   if (!outer) clock_looks_ = 0;
   const vrml::Limits& limits = execution_.root().limits();
   {
-    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap);
+    Engine::Turn turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
     const JSAutoRealm realm(context, program.global);
     if (!what() || turn.stop() != Stop::none) report_failure(program, turn);
     run_jobs(program, turn);
@@ -143,7 +146,7 @@ void World::report_failure(Program& program, const Engine::Turn& turn) {
                        std::to_string(execution_.root().limits().script_heap >> 20) +
                        " MiB that programs of a world may have");
   } else {
-    fault(program, turn.stop() == Stop::time ? "the program did not come to its end in time" : "the program failed");
+    fault(program, turn.stop() == Stop::time ? kLate : "the program failed");
   }
   JS_ClearPendingException(context);
 }
@@ -151,6 +154,7 @@ void World::report_failure(Program& program, const Engine::Turn& turn) {
 // Events of what was assigned, at the completion of the function (C.5.2, C.5.3).
 void World::send_all(Program& program) {
   std::vector<Post> posts = std::exchange(posts_, {});
+  engine_.add_bytes(-static_cast<std::ptrdiff_t>(std::exchange(post_bytes_, 0)));
   last_posts_.clear();
   for (const std::uint32_t place : std::exchange(program.to_send, {})) {
     program.unsent[place] = false;
@@ -179,6 +183,7 @@ bool World::begin(vrml::EventNode node) {
   made->source = text_of_program(*made).source();
   made->faults = faults;
   made->off = faults >= kMostFaults;
+  made->late_message = late_message(*made);
   programs_[node] = std::move(made);
   return go_on(node);
 }
@@ -306,6 +311,7 @@ void World::forget(vrml::EventNode node) {
     for (const auto& list : program->lists)
       if (list) forget_program_of_list(*list_of(*list));
     if (program->global) forget_program(program->global);
+    for (const std::size_t bytes : program->counted) engine_.add_bytes(-static_cast<std::ptrdiff_t>(bytes));
   }
   programs_.erase(found);
 }
@@ -345,34 +351,7 @@ void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::opt
   if (const vrml::EventNode node = execution_.event_node(scene, script)) texts_[node] = {std::move(text), url};
 }
 
-// ---- What programs call
-
-// In simulated time the clock stands while a function runs; but who waits in a loop for it to go on is not left there.
-double World::date() {
-  constexpr std::uint32_t kLooks = 1000;
-  constexpr double kLook = 1e-3;  // seconds
-  if (clock_looks_ < std::numeric_limits<std::uint32_t>::max()) ++clock_looks_;
-  return execution_.now() + (clock_looks_ > kLooks ? kLook * (clock_looks_ - kLooks) : 0);
-}
-
-double World::random() {
-  random_ ^= random_ << 13;
-  random_ ^= random_ >> 7;
-  random_ ^= random_ << 17;
-  return static_cast<double>(random_ >> 11) * 0x1.0p-53;
-}
-
-void World::print(std::string text) {
-  constexpr std::size_t kMostText = 4096;
-  if (text.size() > kMostText) text.resize(kMostText);
-  tell({{vrml::Severity::note, "", {}, std::move(text)}, true});
-}
-
-void World::warn_once(std::string text) { report(vrml::Severity::warning, *running_, std::move(text)); }
-
-void World::request(ScriptRequest request) {
-  if (!ends_ && !running_->ended && requests_.size() < kMostRequests) requests_.push_back(std::move(request));
-}
+// ---- What programs write
 
 void World::own_changed(Program& program, std::uint32_t place) {
   const auto& interface = execution_.schema_of_node(program.node).interfaces[place];
@@ -391,17 +370,27 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
     if (direct && !std::get<vrml::SFBool>(script.values[direct->slot]))
       report(vrml::Severity::warning, *running_, "writes to other nodes with directOutput FALSE (VRML97 4.12.5)");
   }
-  (void)context;
+  const std::size_t bytes = bytes_of(value);
+  if (!engine_.may_have(bytes)) {
+    JS_ReportOutOfMemory(context);
+    return false;
+  }
+  const auto count = [&](std::size_t replaced) {
+    post_bytes_ += bytes - replaced;
+    engine_.add_bytes(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(replaced));
+  };
   // What adds and removes children is meant each time, though only the last event of an eventIn would be sent (C.5.2).
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
   const PostKey key{{scene.serial(), node}, &event_in};
   if (!each)
     if (const auto known = last_posts_.find(key); known != last_posts_.end()) {
+      count(bytes_of(posts_[known->second].value));
       posts_[known->second].value = std::move(value);
       return true;
     }
   if (!each) last_posts_[key] = posts_.size();
   posts_.push_back({&scene, node, &event_in, std::move(value)});
+  count(0);
   return true;
 }
 
@@ -431,6 +420,8 @@ bool World::flush_changed(JSContext* context) {
 bool World::create_from_string(JSContext* context, std::string_view text, vrml::MFNode& nodes,
                                vrml::SceneGraph*& scene) {
   scene = running_->scene;
+  if (text.size() > kMostCreated)
+    return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to make nodes of");
   if (ends_ || running_->ended) return fail(context, "shutdown() cannot create nodes");
   vrml::Diagnostics diagnostics;
   vrml::RunTimeNodes made =
@@ -498,6 +489,10 @@ std::unique_ptr<ScriptRunner> ScriptRunner::make(vrml::Execution& execution, Set
   script::Engine* const engine = script::Engine::of_this_thread();
   if (!engine) return nullptr;
   return std::make_unique<script::World>(execution, *engine, settings);
+}
+
+void ScriptRunner::on_overdue(std::function<void(const std::string&)> observer) {
+  script::Engine::on_overdue(std::move(observer));
 }
 
 }  // namespace gs::app

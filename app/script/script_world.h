@@ -40,9 +40,11 @@ struct Program {
   std::vector<std::unique_ptr<JS::PersistentRootedObject>> lists;  // likewise: the object of an MF field or eventOut
   std::vector<bool> unsent;                                        // likewise: eventOuts that were assigned
   std::vector<std::uint32_t> to_send;
+  std::vector<std::size_t> counted;  // by place: bytes of its value that count against the heap of programs
   bool runs = false, waits = false, off = false, has_processed = false, told_direct = false;
   bool ended = false;  // shutdown() has been called
   int faults = 0;
+  std::string late_message;  // see Engine::on_overdue
   std::size_t next_url = 0;  // of the url list: what has not been tried
 };
 
@@ -145,10 +147,12 @@ class World final : public ScriptRunner {
                                     const std::string& line) override;
   [[nodiscard]] std::vector<ScriptMessage> take_messages() override { return std::exchange(messages_, {}); }
   void observe(std::function<void(const ScriptMessage&)> observer) override { observer_ = std::move(observer); }
-  [[nodiscard]] std::vector<ScriptRequest> take_requests() override { return std::exchange(requests_, {}); }
+  [[nodiscard]] std::vector<ScriptRequest> take_requests() override {
+    request_bytes_ = 0;
+    return std::exchange(requests_, {});
+  }
   void forget_scene(const vrml::SceneGraph& scene) override;
   [[nodiscard]] const std::string& private_file() const override { return private_file_; }
-  void assume_private(const std::string& file) override { private_file_ = file; }
   [[nodiscard]] bool is_late() const override { return late_; }
 
   // For what programs call.
@@ -182,6 +186,8 @@ class World final : public ScriptRunner {
   bool may_read(const vrml::Node& node);
   /// Reports whether every program finds this name in its library.
   [[nodiscard]] static bool is_own_name(std::string_view name);
+
+  static constexpr char kLate[] = "the program did not come to its end in time";
 
  private:
   struct PostKey {
@@ -222,6 +228,7 @@ class World final : public ScriptRunner {
               std::optional<vrml::Diagnostic> at = {});
   void fault(Program& program, const std::string& why, std::optional<vrml::Diagnostic> at = {});
   [[nodiscard]] std::string label(const Program& program) const;
+  [[nodiscard]] std::string late_message(const Program& program) const;
 
   vrml::Execution& execution_;
   Engine& engine_;
@@ -236,6 +243,7 @@ class World final : public ScriptRunner {
   std::unordered_map<vrml::EventNode, Text> texts_;  // that have come, and their urls
   Program* running_ = nullptr;
   std::vector<Post> posts_;
+  std::size_t post_bytes_ = 0, request_bytes_ = 0;  // of values and texts that wait
   std::unordered_map<PostKey, std::size_t, HashPostKey> last_posts_;
   JS::PersistentRooted<JS::StackGCVector<JSObject*>> changed_;
   std::vector<ScriptMessage> messages_;
@@ -286,6 +294,8 @@ bool to_field(JSContext* context, JS::HandleValue value, vrml::FieldType type, v
 bool write_back(JSContext* context, JS::HandleObject parent, std::uint32_t place, JS::HandleValue value);
 bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::HandleValue value);
 bool text_of_value(JSContext* context, JS::HandleValue value, std::string& text);
+/// Converts a value to text and keeps its first `most` characters.
+bool cut_text_of_value(JSContext* context, JS::HandleValue value, std::size_t most, std::string& text);
 bool make_string(JSContext* context, std::string_view text, JS::MutableHandleValue value);
 bool fail(JSContext* context, const std::string& why);
 

@@ -1,3 +1,5 @@
+#include "app/script/bounded_natives.h"
+#include "app/script/field_memory.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 
@@ -11,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 // Values of fields to values of programs, and back (VRML97 C.6.2).
 namespace gs::app::script {
@@ -18,6 +21,8 @@ namespace {
 
 using vrml::FieldType;
 using vrml::FieldValue;
+
+constexpr std::size_t kMostListText = std::size_t{32} << 20;  // bytes of all texts of a new list
 
 bool is_true(JSContext* context, JS::HandleValue value) {
   // An object made by `new SFBool(FALSE)`.
@@ -138,6 +143,7 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
     if (is_array || list_of(object)) {
       JS::RootedValue length(context), element(context);
       double count = 0;
+      [[maybe_unused]] std::size_t text = 0;
       if (!JS_GetProperty(context, object, "length", &length) || !JS::ToNumber(context, length, &count)) return false;
       if (!world_of(context).engine().may_have(static_cast<std::size_t>(count) * sizeof(T)))
         return fail(context, "more elements than a program may have memory for");
@@ -145,6 +151,11 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
         T one{};
         if (!JS_GetElement(context, object, i, &element)) return false;
         if (!element.isUndefined() && !to_element(context, element, type, scene, one)) return false;
+        if constexpr (std::is_same_v<T, vrml::SFString>) {
+          text += one.view().size();
+          if (text > kMostListText || !world_of(context).engine().may_have(text))
+            return fail_range(context, "the texts of a list are longer than a Script may use");
+        }
         array.push_back(std::move(one));
         if (i % 4096 == 4095 && !JS_CheckForInterrupt(context)) return false;
       }
@@ -185,10 +196,21 @@ bool make_string(JSContext* context, std::string_view text, JS::MutableHandleVal
 bool text_of_value(JSContext* context, JS::HandleValue value, std::string& text) {
   JS::RootedString string(context, JS::ToString(context, value));
   if (!string) return false;
+  if (const std::size_t length = JS::GetStringLength(string); length > kMostCharacters)
+    return fail_range(context, "a string of " + std::to_string(length) + " characters; a Script may pass " +
+                                   std::to_string(kMostCharacters));
   const JS::UniqueChars bytes = JS_EncodeStringToUTF8(context, string);
   if (!bytes) return false;
   text = bytes.get();
   return true;
+}
+
+bool cut_text_of_value(JSContext* context, JS::HandleValue value, std::size_t most, std::string& text) {
+  JS::RootedString string(context, JS::ToString(context, value));
+  if (string && JS::GetStringLength(string) > most) string = JS_NewDependentString(context, string, 0, most);
+  if (!string) return false;
+  const JS::RootedValue cut(context, JS::StringValue(string));
+  return text_of_value(context, cut, text);
 }
 
 bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& field, Source source,
@@ -345,6 +367,16 @@ bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::Hand
   const FieldType type = execution.schema_of_node(program.node).interfaces[place].declaration->type;
   FieldValue field;
   if (!to_field(context, value, type, program.scene, field)) return false;
+  Engine& engine = program.world->engine();
+  const std::size_t bytes = bytes_of(field), before = std::exchange(program.counted[place], bytes);
+  engine.add_bytes(-static_cast<std::ptrdiff_t>(before));
+  if (!engine.may_have(bytes)) {
+    engine.add_bytes(static_cast<std::ptrdiff_t>(before));
+    program.counted[place] = before;
+    JS_ReportOutOfMemory(context);
+    return false;
+  }
+  engine.add_bytes(static_cast<std::ptrdiff_t>(bytes));
   execution.own_value(program.node, place) = std::move(field);
   program.world->own_changed(program, place);
   return true;

@@ -1,9 +1,15 @@
 #include "app/viewer/end_signals.h"
 
+#include "app/base/console.h"
+#include "app/base/exit_status.h"
+#include "app/script/script_runner.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
+#include <string>
 #include <utility>
 
 namespace gs::app {
@@ -64,5 +70,15 @@ EndWatch::~EndWatch() {
   bell_.ring();
   thread_.join();
 }
+
+EndOverdueScripts::EndOverdueScripts(std::function<bool()> is_asked_to_close) {
+  ScriptRunner::on_overdue([is_asked = std::move(is_asked_to_close)](const std::string& message) {
+    if (!is_asked()) return;
+    complain("%s; it cannot be interrupted, so GhostSpace ends", message.c_str());
+    std::_Exit(kFailed);
+  });
+}
+
+EndOverdueScripts::~EndOverdueScripts() { ScriptRunner::on_overdue(nullptr); }
 
 }  // namespace gs::app

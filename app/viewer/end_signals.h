@@ -53,4 +53,15 @@ class EndWatch {
   std::thread thread_;
 };
 
+/// Ends the process, with a line on standard error, when a Script is overdue by 2 s inside one call of the engine and
+/// `is_asked_to_close` returns true. Another thread calls that. The session's file stays, so that the next start offers
+/// the session. One at a time.
+class EndOverdueScripts {
+ public:
+  explicit EndOverdueScripts(std::function<bool()> is_asked_to_close);
+  ~EndOverdueScripts();
+  EndOverdueScripts(const EndOverdueScripts&) = delete;
+  EndOverdueScripts& operator=(const EndOverdueScripts&) = delete;
+};
+
 }  // namespace gs::app

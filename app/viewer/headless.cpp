@@ -36,6 +36,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
                  std::string& error) {
   Doorbell bell;
   const EndOnSignals signals(bell);
+  const EndOverdueScripts overdue([] { return EndOnSignals::told(); });
   const auto wake = [&bell] { bell.ring(); };
   std::optional<OpenedRenderer> opened;
   Session session(session_options(options), load, wake);

@@ -4,6 +4,7 @@
 #include "app/viewer/end_signals.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
+#include "app/window/close_watch.h"
 #include "render/image/image.h"
 
 #include <algorithm>
@@ -232,6 +233,8 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
     }
   // Who logs out has not lost anything: the window closes as if by its button.
   const EndWatch signals([] { Window::wake(); });
+  const CloseWatch closing;
+  const EndOverdueScripts overdue([&] { return EndOnSignals::told() || closing.is_asked_to_close(); });
   viewer.run();
   return 0;
 }

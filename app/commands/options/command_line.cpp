@@ -7,6 +7,7 @@
 #include "app/commands/options/options.h"
 #include "app/commands/options/shared.h"
 #include "app/formats/content_types.h"
+#include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"
 #include "net/files/standard_input.h"
@@ -244,6 +245,11 @@ int run_command_line(int count, char** arguments) {
   // A file that may not become larger is an error of writing, as a full disk is.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(end_at_exception);
+  // A command without a window ends by itself; those with one wait for the user (EndOverdueScripts).
+  ScriptRunner::on_overdue([](const std::string& message) {
+    complain("%s; it cannot be interrupted, so the command ends", message.c_str());
+    std::_Exit(kFailed);
+  });
   int status = kFailed;
   try {
     status = parse_and_run(count, arguments);

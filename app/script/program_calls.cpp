@@ -1,0 +1,55 @@
+#include "app/script/script_world.h"
+
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+// Functions of World that programs call.
+namespace gs::app::script {
+namespace {
+
+constexpr std::size_t kMostRequests = 256, kMostRequestText = std::size_t{32} << 20;
+
+}  // namespace
+
+// In simulated time the clock stands while a function runs, but it advances for a program that reads it in a loop.
+double World::date() {
+  constexpr std::uint32_t kLooks = 1000;
+  constexpr double kLook = 1e-3;  // seconds
+  if (clock_looks_ < std::numeric_limits<std::uint32_t>::max()) ++clock_looks_;
+  return execution_.now() + (clock_looks_ > kLooks ? kLook * (clock_looks_ - kLooks) : 0);
+}
+
+double World::random() {
+  random_ ^= random_ << 13;
+  random_ ^= random_ >> 7;
+  random_ ^= random_ << 17;
+  return static_cast<double>(random_ >> 11) * 0x1.0p-53;
+}
+
+void World::print(std::string text) {
+  constexpr std::size_t kMostText = 4096;
+  if (text.size() > kMostText) text.resize(kMostText);
+  tell({{vrml::Severity::note, "", {}, std::move(text)}, true});
+}
+
+void World::warn_once(std::string text) { report(vrml::Severity::warning, *running_, std::move(text)); }
+
+// Drops requests when too many of them, or too much text, wait for the session.
+void World::request(ScriptRequest request) {
+  std::size_t bytes = request.text.size();
+  for (const auto* const texts : {&request.urls, &request.parameters})
+    for (const std::string& text : *texts) bytes += text.size();
+  if (ends_ || running_->ended || requests_.size() >= kMostRequests || bytes > kMostRequestText - request_bytes_)
+    return;
+  request_bytes_ += bytes;
+  requests_.push_back(std::move(request));
+}
+
+std::string World::late_message(const Program& program) const {
+  const vrml::Node& node = program.scene->node(program.id);
+  return vrml::Diagnostic{vrml::Severity::error, node.text->file_name(), node.location, label(program) + ": " + kLate}
+      .text();
+}
+
+}  // namespace gs::app::script

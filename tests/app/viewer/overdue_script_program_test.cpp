@@ -1,0 +1,58 @@
+// The program with a Script inside one operator of the engine that takes hours and cannot be interrupted.
+#include "tests/app/program.h"
+#include "tests/app/run_program.h"
+#include "tests/app/scratch_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include <chrono>
+#include <string>
+
+namespace gs::app::overdue_script_program_test {
+namespace {
+
+std::string world() {
+  return "#VRML V2.0 utf8\nDEF S Script { url \"javascript: function initialize() { print(+('0.' + '1'.repeat(1 << "
+         "23)));"
+         " }\" }\n";
+}
+
+double seconds_since(std::chrono::steady_clock::time_point began) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+}  // namespace
+
+TEST_CASE("SIGTERM ends the program although a Script is overdue") {
+  for (const std::string signal : {"TERM", "INT"}) {
+    const ScratchFolder folder;
+    (void)folder.write("world.wrl", world());
+    // A shell ignores SIGINT for its background jobs, env gives the default back.
+    const Run run =
+        run_shell("cd " + quoted(folder.path("")) + "; env --default-signal=INT " + program() +
+                  " --backend osmesa --control socket --control-token token world.wrl > log 2>&1 & pid=$!; cd " +
+                  quoted(folder.path("")) + "; sleep 8; kill -" + signal +
+                  " $pid; (sleep 60; kill -KILL $pid 2> /dev/null) & "
+                  "killer=$!; wait $pid; echo \"status $?\"; kill $killer");
+    INFO(signal << run.output << folder.read("log"));
+    CHECK(run.output.find("status 1\n") != std::string::npos);
+    CHECK(folder.read("log").find("Script S: the program did not come to its end in time; it cannot be interrupted, so "
+                                  "GhostSpace ends\n") != std::string::npos);
+  }
+}
+
+TEST_CASE("A command without a window ends when a Script is overdue") {
+  const ScratchFolder folder;
+  (void)folder.write("world.wrl", world());
+  for (const std::string command : {"--backend osmesa --snapshot out.png --animate 1 world.wrl", "trace world.wrl"}) {
+    const auto began = std::chrono::steady_clock::now();
+    const Run run = run_shell("cd " + quoted(folder.path("")) + "; timeout -s KILL 60 " + program() + " " + command);
+    INFO(command << ": " << run.output);
+    CHECK(run.status == 1);
+    CHECK(run.output.find("Script S: the program did not come to its end in time; it cannot be interrupted, so the "
+                          "command ends\n") != std::string::npos);
+    CHECK(seconds_since(began) < 40);
+  }
+}
+
+}  // namespace gs::app::overdue_script_program_test
