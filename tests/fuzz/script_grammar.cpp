@@ -136,7 +136,7 @@ std::string ScriptGrammar::any() {
   }
 }
 
-// An object whose conversion runs statements.
+// An object that runs statements when it is converted.
 std::string ScriptGrammar::hostile() {
   const std::string name = fresh();
   line("var " + name + " = {");

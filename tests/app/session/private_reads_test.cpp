@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-// docs/security.md, "What Scripts may read", names these tests: worlds whose Scripts read nodes of other files and of
-// other hosts, and then use the network.
+// docs/security.md, "What Scripts may read", names these tests: worlds with Scripts that read nodes of other files
+// and of other hosts, and then use the network.
 namespace gs::app::private_reads_test {
 namespace {
 
@@ -267,7 +267,7 @@ TEST_CASE("a PROTO of the network reads the nodes that a local world hands to it
   CHECK_FALSE(web.asked("memory://b/1?mine"));
 }
 
-TEST_CASE("nodes from a host have the rights of that host, whoever asked for them") {
+TEST_CASE("nodes from a host have the rights of that host, not of the Script that asked for them") {
   WebWithSecret web;
   web.put("memory://b/part.wrl",
           kHeader +

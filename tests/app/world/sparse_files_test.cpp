@@ -42,7 +42,7 @@ TEST_CASE("refuses large sparse files by their first bytes") {
   }
 }
 
-TEST_CASE("refuses large sparse files whose header does not end") {
+TEST_CASE("refuses large sparse files with an endless header") {
   const Read read = read_sparse("header.ply", "ply\nformat ascii 1.0\n");
   INFO(read.said);
   CHECK(read.said.find("a header line of more than 64 KiB") != std::string::npos);

@@ -74,7 +74,7 @@ TEST_CASE("the site of a text has one spelling") {
   CHECK(site("http:///a.example/") != site("http:///b.example/"));
   CHECK(site("FILE:///a") == site("file:///b"));
   CHECK(Origin{"FILE:///a"}.is_file());
-  // What was typed as HOST:80 stays the host of a relative reference, with its password.
+  // A relative reference keeps the typed HOST:80 and its password.
   CHECK(refusal("http://user:pw@A:80/w.wrl", "http://user:pw@a/x").empty());
 }
 

@@ -79,7 +79,7 @@ TEST_CASE("removes the unfinished file of a killed process and no file of a livi
   CHECK(fs::path(own.path).filename() == entries(outer.path()).at(0));
 }
 
-TEST_CASE("removes a leftover whose process number is in use again") {
+TEST_CASE("removes a leftover of a reused process number") {
   const LockedFolder outer = outer_folder();
   const fs::path leftover = fs::path(outer.path()) / (".ghostspace-" + std::to_string(::getpid()) + "-4000000000");
   put_text(leftover, "left");

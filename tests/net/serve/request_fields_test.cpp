@@ -29,7 +29,7 @@ std::size_t count_answers(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("refuses header fields whose meaning is in doubt (RFC 9112 5, 6)") {
+TEST_CASE("refuses ambiguous header fields (RFC 9112 5, 6)") {
   CHECK(refusal({}).empty());
   CHECK(refusal({{"Host", "a"}, {"X-Empty", ""}, {"x!#$%&'*+-.^_`|~9", "a\tb \xff"}}).empty());
   CHECK(refusal({{"Content-Length", "5"}}).empty());
@@ -94,7 +94,7 @@ TEST_CASE("HTTP server: accepts blanks around values, and several requests on a 
   const std::string answers = client.receive_all();
   CHECK(count_answers(answers) == 3);
   CHECK(answers.find("HTTP/1.1 400") == std::string::npos);
-  // Of many fields, over several packets and buffers.
+  // Many fields, over several packets and buffers.
   std::string many;
   for (int i = 0; i < 100; ++i) many += "X-" + std::to_string(i) + ": " + std::string(150, 'v') + "\r\n";
   RawClient slow(site.port);
