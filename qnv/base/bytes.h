@@ -8,7 +8,7 @@
 
 namespace gs::qnv {
 
-/// Writes little-endian numbers.
+/// Appends little-endian numbers to a byte vector.
 class ByteWriter {
  public:
   explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
@@ -24,7 +24,7 @@ class ByteWriter {
   std::vector<std::byte>& out_;
 };
 
-/// Reads little-endian numbers; zeros behind the end, and `good` tells.
+/// Reads little-endian numbers from a span. Past the end it returns zeros, and good() becomes false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -43,7 +43,7 @@ class ByteReader {
   }
   float f32() { return std::bit_cast<float>(integer<std::uint32_t>()); }
   double f64() { return std::bit_cast<double>(integer<std::uint64_t>()); }
-  /// The next bytes; empty when there are not so many.
+  /// Returns the next `count` bytes; empty if fewer remain.
   std::span<const std::byte> bytes(std::size_t count) {
     if (bytes_.size() - at_ < count) {
       good_ = false;

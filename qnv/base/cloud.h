@@ -14,7 +14,7 @@
 
 namespace gs::qnv {
 
-/// An axis-aligned box; empty when lower > upper.
+/// Axis-aligned box; empty if lower > upper on any axis.
 struct Box {
   glm::vec3 lower{std::numeric_limits<float>::infinity()};
   glm::vec3 upper{-std::numeric_limits<float>::infinity()};
@@ -28,7 +28,7 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-/// The same of places as a source has them.
+/// Box in double precision, for source coordinates before local_origin() is subtracted.
 struct WideBox {
   glm::dvec3 lower{std::numeric_limits<double>::infinity()};
   glm::dvec3 upper{-std::numeric_limits<double>::infinity()};
@@ -40,24 +40,24 @@ struct WideBox {
   }
 };
 
-/// From where the coordinates of what lies in a box are to count, so that float32 keeps them: along an axis on which
-/// the box lies far from 0 for its size, its middle, which is a float32 itself; else 0. What float32 kept of the places
-/// about such an origin it keeps of the differences, too, without rounding.
+/// Returns the origin from which positions in `box` are stored, so that float32 keeps their precision. On each axis it
+/// is the box's middle, rounded to float32, if the box lies far from 0 for its size; else 0. Subtracting the origin
+/// from float32 coordinates near it is exact.
 [[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
 
-/// Display-referred sRGB, 8 bits a component.
+/// Display-referred sRGB colour, 8 bits per component.
 struct Rgb8 {
   std::uint8_t r = 204, g = 204, b = 204;  // VRML97 6.27: diffuseColor 0.8
   friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 
-/// What vectors stand for (paper, section 2.1).
+/// Meaning of the vectors of a stream (paper, section 2.1).
 enum class Kind : std::uint8_t {
-  surface = 0,  // discs: weight is an area, direction the outward normal
-  volume = 1,   // voxels: weight is the magnitude of the gradient, direction the gradient's, towards higher values
+  surface = 0,  // weight = area, direction = outward normal
+  volume = 1,   // voxels: weight = gradient magnitude, direction = gradient, towards higher values
 };
 
-/// How a volume's vectors are shown: a point of a piecewise linear function of the value (0..1 over
+/// Control point of a volume's transfer function, which is piecewise linear in the value (0..1 over
 /// Description::value_range).
 struct TransferPoint {
   float value = 0;
@@ -66,50 +66,49 @@ struct TransferPoint {
   friend bool operator==(const TransferPoint&, const TransferPoint&) = default;
 };
 
-/// What a stream says about all of its vectors.
+/// Properties that all vectors of a stream share.
 struct Description {
   Kind kind = Kind::surface;
-  bool two_sided = false;  // surface: seen from behind too (VRML97 `solid FALSE`)
-  /// Where 0 of all positions, boxes and lattices lies, in the space of the source: what is far from that one's own 0
-  /// keeps its details in float32 so. Places of the source are origin + position, in double.
+  bool two_sided = false;  // surface: visible from behind too (VRML97 `solid FALSE`)
+  /// Source coordinates of the point 0 of all positions, boxes and lattices of the stream. Keeps float32 precise far
+  /// from the source's own 0. Source coordinates are origin + position, computed in double.
   glm::dvec3 origin{0};
-  Box box;                                    // of the source, from `origin`; every position lies in it
-  double total = 0;                           // surface: integrated area (units^2); volume: sum of all magnitudes
-  float spacing = 0;                          // volume: smallest distance of two voxels; surface: 0
-  std::pair<float, float> value_range{0, 1};  // volume: the values that classes 0 and 255 stand for
+  Box box;                                    // of the source, relative to `origin`; contains every position
+  double total = 0;                           // surface: total area (units^2); volume: sum of all magnitudes
+  float spacing = 0;                          // volume: smallest distance between two voxels; surface: 0
+  std::pair<float, float> value_range{0, 1};  // volume: values of classes 0 and 255
   std::vector<TransferPoint> transfer;        // volume; sorted by value
   std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8: "title", "author", "units", "source", ...
   friend bool operator==(const Description&, const Description&) = default;
 };
 
-/// The cube that a disc stands for, when it was cut from one.
+/// Octree cube that a splat represents.
 struct Cell {
-  float edge = 0;    // units of the source; 0: no cube
-  float offset = 0;  // the centre is the disc's position - offset * normal
+  float edge = 0;    // units of the source; 0 if the splat has no cube
+  float offset = 0;  // cube's centre = position - offset * normal
 };
 
 class LodStream;
 struct SurfacePatches;
 
-/// One file of the picture of a textured surface, JPEG or PNG; of several the finer ones are larger. To show the
-/// surface with as much of it as has come `enough` bytes from its front on are needed.
+/// One JPEG or PNG file of a surface's texture. A picture may have several files; later ones are finer. The file can be
+/// shown once its first `enough` bytes are received.
 struct PictureFile {
   std::vector<std::byte> bytes;
   std::size_t enough = 1;
 };
 
-/// The picture of a textured surface: its finest file that can be shown, or as much of its front as has come.
+/// Texture of a surface: the finest file that can be shown, or its received prefix.
 struct SurfacePicture {
   std::vector<std::byte> bytes;
   bool whole = false;
   bool repeat_s = true, repeat_t = true;  // VRML97 6.22
 };
 
-/// Quantised normal vectors, decoded: one entry a vector in every array that is not empty.
-///
-/// Units are the source's, places count from `description.origin`. `weights` is the area of the disc (units^2) or the
-/// magnitude of the gradient (value per unit of length). A volume has `classes` (its value, 0..255 over value_range), a
-/// surface may have `colors`; without them it has the colour `color`.
+/// Decoded vectors, or a surface made of them. Each array is empty or has one entry per vector.
+/// Units are the source's; positions are relative to `description.origin`. `weights` holds areas (surface, units^2) or
+/// gradient magnitudes (volume, value per unit of length). A volume has `classes` (values, 0..255 over value_range). A
+/// surface may have `colors`; otherwise all vectors have the colour `color`.
 struct Cloud {
   Description description;
   std::vector<glm::vec3> positions;
@@ -117,25 +116,24 @@ struct Cloud {
   std::vector<float> weights;      // > 0
   std::vector<Rgb8> colors;
   std::vector<std::uint8_t> classes;
-  std::vector<Cell> cells;  // of discs that came from an octree
-  /// Three numbers of vectors a triangle, counter-clockwise seen from outside: where there are some, the vectors are
-  /// the vertices of a surface, which is closed between them however near it is seen.
+  std::vector<Cell> cells;  // of splats that came from an octree
+  /// Vertex indices, three per triangle, counter-clockwise seen from outside. If not empty, the vectors are vertices of
+  /// a surface without gaps.
   std::vector<std::uint32_t> triangles;
-  /// Of the last vertices, s and t (VRML97 4.6.11): their triangles, which are the last ones, show the picture in place
-  /// of colours.
+  /// Texture coordinates s, t (VRML97 4.6.11) of the last vertices. Their triangles are the last ones; the picture
+  /// replaces their colours.
   std::vector<glm::vec2> texture_coordinates;
   std::shared_ptr<const SurfacePicture> picture;
   Rgb8 color;
-  /// Where the vectors come from when there are too many, or too many too small, to keep all of them: then the
-  /// arrays are empty, and every view takes its own cut (lod.h).
+  /// Source of view-dependent vectors (lod.h), if there are too many vectors to keep in memory. The arrays are then
+  /// empty, and every view requests its own cut.
   std::shared_ptr<LodStream> levels;
-  /// The same of a displaced surface: then the arrays are empty, and every view takes its own cut
-  /// (surface/surface_cut.h).
+  /// Displaced surface, of which every view takes its own cut (surface/surface_cut.h). The arrays are then empty.
   std::shared_ptr<const SurfacePatches> patches;
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
   [[nodiscard]] bool empty() const { return positions.empty(); }
-  /// The first vertex that has texture coordinates.
+  /// Returns the index of the first vertex with texture coordinates.
   [[nodiscard]] std::size_t first_textured() const { return positions.size() - texture_coordinates.size(); }
 };
 

@@ -8,7 +8,7 @@
 
 namespace gs::qnv {
 
-/// Whether no component is infinite or not a number. Pure; any thread.
+/// Reports whether every component is finite. Pure; safe from any thread.
 [[nodiscard]] inline bool finite(float x) { return std::isfinite(x); }
 [[nodiscard]] inline bool finite(const glm::vec2& v) { return finite(v.x) && finite(v.y); }
 [[nodiscard]] inline bool finite(const glm::vec3& v) { return finite(v.x) && finite(v.y) && finite(v.z); }

@@ -11,13 +11,13 @@
 #include <type_traits>
 #include <vector>
 
-/// The vectors that an encoder of volumes has found, and their order. Only for it.
+/// Vectors found by the volume encoder, and their order. Used by that encoder only.
 namespace gs::qnv {
 
-/// A vector on its way into a cloud.
+/// Vector before it is added to the result.
 struct FoundVector {
   std::array<std::uint32_t, 3> voxel;
-  std::uint32_t key;  // the bits of its length, which is positive: as integers they are in the order of the floats
+  std::uint32_t key;  // float bits of the length; since lengths are positive, keys compare like the lengths
   float value;
   glm::vec3 normal;
 
@@ -25,23 +25,23 @@ struct FoundVector {
 };
 static_assert(std::is_trivially_default_constructible_v<FoundVector>);
 
-/// A list that grows without moving what it has.
+/// List that grows in pages, so that elements never move.
 class FoundVectors {
  public:
-  /// More are not taken.
+  /// Maximum number of vectors; further ones are rejected.
   static constexpr std::size_t kMost = 0xffffffffu;
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] const FoundVector& operator[](std::size_t i) const { return pages_[i / kPage][i % kPage]; }
 
-  /// Appends the parts in their order, and empties them.
+  /// Appends all vectors of `parts`, part by part, and clears the parts.
   void append(std::span<std::vector<FoundVector>> parts, unsigned threads);
 
   struct Entry {
-    std::uint32_t key;    // rises as lengths fall
-    std::uint32_t place;  // in the list
+    std::uint32_t key;    // decreases with the length
+    std::uint32_t place;  // index in the list
   };
-  /// All, longest first, equally long ones in the order in which they were appended.
+  /// Returns all vectors, longest first; vectors of equal length keep their order of insertion.
   [[nodiscard]] std::vector<Entry> longest_first(unsigned threads) const;
 
  private:

@@ -5,7 +5,7 @@
 
 namespace gs::qnv {
 
-/// Spreads the low 21 bits of v three apart.
+/// Moves bit i of v to bit 3i, for the low 21 bits.
 constexpr std::uint64_t spread_bits(std::uint64_t v) {
   v &= 0x1fffff;
   v = (v | v << 32) & 0x1f00000000ffffULL;
@@ -24,7 +24,7 @@ constexpr std::uint32_t gather_bits(std::uint64_t v) {
   return static_cast<std::uint32_t>((v | v >> 32) & 0x1fffff);
 }
 
-/// Morton code of a cell: bit 3i of x, 3i + 1 of y, 3i + 2 of z. Coordinates below 2^21.
+/// Returns the Morton code of a cell: bit 3i from x, 3i + 1 from y, 3i + 2 from z. Coordinates must be below 2^21.
 constexpr std::uint64_t morton_encode(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return spread_bits(x) | spread_bits(y) << 1 | spread_bits(z) << 2;
 }

@@ -6,17 +6,16 @@
 
 namespace gs::qnv {
 
-/// How far a long piece of work is, and whether it should stop. One for each piece of work; any thread may
-/// set `cancelled`.
+/// Progress of a long task, and its cancellation flag. Each task has its own. Any thread may set `cancelled`.
 struct Progress {
   std::atomic<bool> cancelled{false};
-  std::atomic<std::uint64_t> done{0}, total{0};  // in the unit of the work's current stage
-  std::atomic<const char*> stage{""};            // "reading", "encoding", ...; a literal
+  std::atomic<std::uint64_t> done{0}, total{0};  // in the unit of the current stage
+  std::atomic<const char*> stage{""};            // "reading", "encoding", ...; must be a string literal
 };
 
-/// Calls work(i) for every i < count, in no order, on `threads` threads (0: one a core). Returns when all
-/// are done, or soon after `progress->cancelled`: then some were not called and the result is false.
-/// An exception of `work` is thrown again here.
+/// Calls work(i) for every i < count, in no defined order, on `threads` threads (0: one per core). Returns when all
+/// calls are done. Returns false, soon, if `progress->cancelled` is set; some calls may then be missing. Rethrows an
+/// exception of `work`.
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads = 0,
                   Progress* progress = nullptr);
 

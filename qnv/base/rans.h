@@ -8,27 +8,27 @@
 
 namespace gs::qnv {
 
-// Range asymmetric numeral systems (Duda 2013) with eight interleaved states of 32 bits that are refilled by 16 bits,
-// and probabilities of 12 bits. The bytes are defined in FORMAT.md, "Entropy coding".
+// Range asymmetric numeral systems (Duda 2013): eight interleaved 32-bit states, refilled 16 bits at a time, with
+// 12-bit probabilities. FORMAT.md, "Entropy coding", defines the bytes.
 
 constexpr int kRansBits = 12;
 constexpr std::uint32_t kRansTotal = 1u << kRansBits;
 constexpr std::uint32_t kRansLow = 1u << 16;
 constexpr std::size_t kRansLanes = 8;
 
-/// Collects decisions in the order in which the decoder makes them.
+/// Collects decisions in the order in which the decoder takes them.
 class RansEncoder {
  public:
-  /// A symbol that owns [start, start + frequency) of 0..4095. `lane` < 8 is the state that codes it.
+  /// Adds a symbol with the interval [start, start + frequency) of 0..4095. `lane` < 8 selects the state that codes it.
   void put(std::size_t lane, std::uint32_t start, std::uint32_t frequency) {
     entries_.push_back(
         {static_cast<std::uint16_t>(start), static_cast<std::uint16_t>(frequency), static_cast<std::uint8_t>(lane)});
   }
-  /// `bits` (at most 12) equally likely bits.
+  /// Adds `bits` (at most 12) equally likely bits.
   void put_bits(std::size_t lane, std::uint32_t value, int bits) {
     put(lane, value << (kRansBits - bits), 1u << (kRansBits - bits));
   }
-  /// The bytes: eight states, then words of 16 bits. Empty when nothing was put.
+  /// Returns the bytes: eight states, then 16-bit words. Empty if no decision was added.
   [[nodiscard]] std::vector<std::byte> finish() const;
 
  private:
@@ -39,11 +39,11 @@ class RansEncoder {
   std::vector<Entry> entries_;
 };
 
-/// Reads what RansEncoder wrote. Never reads outside its bytes: behind their end come zeros, and `finished` tells.
-/// Without branches, since whether a state wants a word cannot be foreseen.
+/// Decodes the output of RansEncoder. Never reads past its bytes and their padding: missing words are read as zero, and
+/// finished() then returns false. Branch-free, because refills are unpredictable.
 class RansDecoder {
  public:
-  /// Bytes that must stay readable behind the end of `bytes`; what they hold does not matter.
+  /// Readable bytes that the caller must provide after the end of `bytes`; their content does not matter.
   static constexpr std::size_t kPadding = 16;
 
   explicit RansDecoder(std::span<const std::byte> bytes) : bytes_(bytes.data()), size_(bytes.size()) {
@@ -67,7 +67,7 @@ class RansDecoder {
     advance(lane, value << (kRansBits - bits), 1u << (kRansBits - bits));
     return value;
   }
-  /// Whether everything was read and every state is back where the encoder began.
+  /// Reports whether all bytes were read and every state returned to its initial value.
   [[nodiscard]] bool finished() const {
     for (const std::uint32_t state : states_)
       if (state != kRansLow) return false;
@@ -82,7 +82,7 @@ class RansDecoder {
     return w;
   }
 
-  // Members are read and written whole by the vector code in packed_avx2.cpp.
+  // packed_avx2.cpp loads and stores these members as whole vectors.
   friend struct RansVector;
   const std::byte* bytes_;
   std::size_t size_, next_ = 0;
@@ -96,7 +96,7 @@ inline std::vector<std::byte> RansEncoder::finish() const {
   for (std::size_t i = entries_.size(); i-- > 0;) {
     const Entry& e = entries_[i];
     std::uint32_t& x = states[e.lane];
-    // With 16-bit refills a state needs at most one word a symbol.
+    // With 16-bit refills, a state needs at most one word per symbol.
     if (x >= static_cast<std::uint64_t>(e.frequency) << (32 - kRansBits)) {
       words.push_back(static_cast<std::uint16_t>(x));
       x >>= 16;

@@ -7,7 +7,7 @@
 
 namespace gs::qnv {
 
-/// Leaves what a vector grows by as memory has it, for what is written anyway before it is read.
+/// Allocator whose resize() leaves new elements uninitialised, for buffers that are overwritten before they are read.
 template <class T>
 struct RawAllocator : std::allocator<T> {
   static_assert(std::is_trivially_destructible_v<T>);

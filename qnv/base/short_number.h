@@ -8,13 +8,14 @@
 
 namespace gs::qnv {
 
-/// A number below 2^28 as 1 to 4 bytes of 7 bits each, the lowest first; bit 7 says that another one follows.
+/// Writes a number below 2^28 as 1 to 4 bytes of 7 bits each, lowest first; bit 7 marks that another byte follows.
 inline void put_number(std::vector<std::byte>& out, std::uint32_t value) {
   for (; value >= 128; value >>= 7) out.push_back(static_cast<std::byte>(value | 128));
   out.push_back(static_cast<std::byte>(value));
 }
 
-/// One that does not end is 0xffffffff; behind the end of the bytes it is 0, and the reader tells.
+/// Reads such a number. Returns 0xffffffff if it has no last byte. Past the end of the bytes it returns 0, and `reader`
+/// is no longer good().
 [[nodiscard]] inline std::uint32_t get_number(ByteReader& reader) {
   std::uint32_t value = 0;
   for (int shift = 0; shift < 28; shift += 7) {

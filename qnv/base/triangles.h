@@ -10,14 +10,14 @@
 
 namespace gs::qnv {
 
-/// One triangle of a surface, counter-clockwise seen from outside; world units.
+/// Triangle of a surface, counter-clockwise seen from outside; world units.
 struct Triangle {
   std::array<glm::vec3, 3> positions{};
-  std::array<glm::vec3, 3> normals{};  // unit, for shading, a corner each; zero: the face's own
-  std::array<Rgb8, 3> colors{};        // a corner each
+  std::array<glm::vec3, 3> normals{};  // unit shading normals of the corners; zero means the face's own normal
+  std::array<Rgb8, 3> colors{};        // of the corners
 };
 
-/// Takes triangles in the order in which they are made; false: no more are wanted.
+/// Callback that receives triangles in the order of their creation. Returns false to request no more.
 using TriangleSink = std::function<bool(std::span<const Triangle>)>;
 
 }  // namespace gs::qnv

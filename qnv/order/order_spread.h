@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-/// The heart of progressive_order: one tree's points, each the one furthest from those before it, or nearly.
+/// Core of progressive_order(): orders one tree's points by (approximate) farthest-point sampling.
 namespace gs::qnv::order {
 
-/// A point of a tree, and how far it was from those before it: at least side * 2^(-step/4), about.
+/// Point of a tree, with its distance from the earlier points: approximately at least side * 2^(-step/4).
 struct Taken {
   std::uint32_t point;
   std::uint32_t step;
@@ -17,21 +17,21 @@ struct Taken {
 
 struct SpreadOptions {
   std::uint64_t seed = 1;
-  bool surface = true;  // normals tell sides apart
+  bool surface = true;  // uses normals to tell sides apart
   unsigned threads = 0;
   Progress* progress = nullptr;
 };
 
-/// All points of the tree, whose densities it sets; short when cancelled.
+/// Returns all points of the tree in order, and sets their densities. Incomplete if cancelled.
 [[nodiscard]] std::vector<Taken> spread(Tree& tree, const SpreadOptions& options);
 
-/// Where a point was taken, and which way it looks.
+/// Position and normal of a taken point.
 struct Centre {
   float x, y, z, nx, ny, nz;
 };
 
-/// For points first..last-1: gaps[i] becomes the least of itself and the squared distance to the centre times
-/// points.density[i], unless `surface` and the two look away from each other. The same bits on every processor.
+/// Lowers gaps[i], for points first..last-1, to the squared distance to the centre times points.density[i]. If
+/// `surface`, skips points that face away from the centre. All processors give the same bits.
 using Relax = void (*)(const Points& points, std::size_t first, std::size_t last, const Centre& centre, bool surface,
                        float* gaps);
 void relax_portable(const Points& points, std::size_t first, std::size_t last, const Centre& centre, bool surface,

@@ -12,21 +12,21 @@
 
 namespace gs::qnv {
 
-// How encoders of octrees cut levels into clusters and put these in their order. A Node has `encoded` (EncodedCluster),
-// `gain` and `children` (unique_ptr to Nodes).
+// How octree encoders split levels into clusters and order these. A Node has `encoded` (EncodedCluster), `gain` and
+// `children` (unique_ptr to Nodes).
 
-// With the framing of the stream, UDP and IP a cluster fits into the 1,280 bytes that IPv6 promises.
+// With stream, UDP and IP framing, a cluster fits into the IPv6 minimum MTU of 1,280 bytes.
 constexpr std::size_t kClusterBytes = 1200;
-// No single cluster divides more than this many voxels: it stays what a view can take or leave in one step, however
-// smooth the surface is.
+// Maximum number of voxels that a cluster divides. Keeps clusters small enough to be taken or dropped in one step, even
+// on smooth surfaces.
 constexpr std::size_t kMostParents = 850;
 
-/// Divides all `size` voxels of a node in clusters that fit. `divide(first, count)` encodes a run of them.
+/// Divides all `size` voxels of a node into clusters that fit. `divide(first, count)` encodes a run of voxels.
 template <class Node, class Divide>
 void divide_in_runs(Node& node, std::size_t size, Divide&& divide) {
   std::size_t run = std::min<std::size_t>(size, 400);
   for (std::size_t first = 0; first < size;) {
-    // Runs of about one length: what is left is shared out evenly.
+    // Share the remaining voxels evenly, so that the runs have similar lengths.
     const std::size_t left = size - first, parts = (left + run - 1) / run;
     std::size_t count = (left + parts - 1) / parts;
     auto child = divide(first, count);
@@ -42,13 +42,13 @@ void divide_in_runs(Node& node, std::size_t size, Divide&& divide) {
   }
 }
 
-/// A parent stands before its children; of those that may come next, the one that gains most for its bytes. Stops with
-/// so many vectors or before so many bytes (0: no limit).
+/// Returns the clusters in order. A parent precedes its children; of the ready clusters, the one with the largest gain
+/// per byte comes first. Stops after `vectors` vectors or before exceeding `max_bytes` (0: no limit).
 template <class Node>
 std::vector<EncodedCluster> in_order(std::unique_ptr<Node> base, std::size_t vectors, std::size_t max_bytes) {
   struct Entry {
     double worth;
-    std::uint64_t order;  // of two equal ones the first made comes first
+    std::uint64_t order;  // breaks ties: the cluster created first
     Node* node;
     std::uint32_t parent;
     bool operator<(const Entry& other) const {
@@ -75,7 +75,7 @@ std::vector<EncodedCluster> in_order(std::unique_ptr<Node> base, std::size_t vec
     }
     for (const auto& child : node.children)
       ready.push({child->gain / static_cast<double>(child->encoded.payload.size()), made++, child.get(), id});
-    // A cluster puts its voxels in the place of those that it divides.
+    // A cluster replaces the voxels that it divides.
     discs += node.encoded.voxels - node.encoded.divided;
     out.push_back(std::move(node.encoded));
     if (vectors != 0 && discs >= vectors) break;

@@ -11,48 +11,48 @@
 
 namespace gs::qnv {
 
-// The packed payload: an octree over the surface, sent level by level in clusters that fit into a datagram. Every
-// voxel holds one plane: an octahedral normal and a distance, so that its disc follows from its level. A cluster
-// divides a run of the voxels of another cluster, its parent; until it arrives the parent's voxels are drawn. The bytes
-// are defined in FORMAT.md, "Packed payload".
+// The packed payload: an octree over the surface, sent level by level in clusters that fit into a datagram. Every voxel
+// holds one plane, an octahedral normal and a distance; its splat follows from them and the level. A cluster divides a
+// run of voxels of its parent cluster. Until it is received, the parent's voxels are drawn. FORMAT.md, "Packed
+// payload", defines the bytes.
 
-/// Octahedral coordinates run from -kOctahedral to kOctahedral; |x| + |y| + |z| of a normal is kOctahedral too.
+/// Octahedral coordinates are in -kOctahedral..kOctahedral; |x| + |y| + |z| of a normal is kOctahedral too.
 constexpr int kOctahedral = 1024;
-/// Distances of planes are in 1/64 of the voxel's edge times the 1-norm of the unit normal: -32..32.
+/// Plane distances are in 1/64 of the voxel's edge times the 1-norm of the unit normal: -32..32.
 constexpr int kOffsetUnits = 64;
-/// No cluster has more voxels than this, whatever its bytes say.
+/// Maximum number of voxels of a cluster; larger ones are rejected.
 constexpr std::size_t kMostVoxels = 65535;
 constexpr std::uint32_t kNoParent = 0xffffffff;
 
-/// Voxels of one cluster; every array has an entry a voxel.
+/// Voxels of one cluster; every array has one entry per voxel.
 struct PackedVoxels {
   std::vector<std::uint16_t> x, y, z;      // cell at its level
   std::vector<std::int16_t> u, v;          // octahedral normal
-  std::vector<std::int8_t> offset;         // of the plane from the centre, towards the normal
-  std::vector<std::uint8_t> state;         // bits 0..1: size of the last difference, 2: both sides of a thin sheet
-  std::vector<std::int16_t> luma, co, cg;  // YCoCg of the colour, or empty
+  std::vector<std::int8_t> offset;         // of the plane from the voxel's centre, along the normal
+  std::vector<std::uint8_t> state;         // bits 0..1: size of the last residual; bit 2: both sides of a thin sheet
+  std::vector<std::int16_t> luma, co, cg;  // colour in YCoCg; may be empty
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
   void resize(std::size_t size, bool colored);
 };
 constexpr std::uint8_t kActivity = 3, kDouble = 4;
 
-/// What the first bytes of a cluster say.
+/// Position of a cluster in the octree, from its first bytes.
 struct ClusterHeader {
   std::uint32_t id = 0, parent = kNoParent;
-  std::uint16_t first = 0, count = 1;  // the run of the parent's voxels that is divided
+  std::uint16_t first = 0, count = 1;  // run of the parent's voxels that is divided
   std::uint8_t level = 0;              // of the run
-  std::uint8_t levels = 1;             // how often it is divided
+  std::uint8_t levels = 1;             // number of divisions
 };
 
-/// A cluster, decoded.
+/// Decoded cluster.
 struct Cluster {
   ClusterHeader header;
   PackedVoxels voxels;  // at level header.level + header.levels, in Morton order of the run
   [[nodiscard]] int level() const { return header.level + header.levels; }
 };
 
-/// Why a cluster was refused.
+/// Reason for rejecting a cluster.
 struct PackedError {
   std::string message;
 };
@@ -60,25 +60,25 @@ struct PackedError {
 /// Reads only the header. Safe for untrusted bytes.
 [[nodiscard]] std::variant<ClusterHeader, PackedError> read_cluster_header(std::span<const std::byte> payload);
 
-/// Decodes a cluster against its parent (null for one without). Pure; any thread; safe for untrusted bytes: at most
-/// kMostVoxels voxels, time proportional to them. Checks that the entropy coder comes out even, which finds most damage
-/// that a checksum did not.
+/// Decodes a cluster against its parent (nullptr if it has none). Pure; safe from any thread and for untrusted bytes.
+/// Produces at most kMostVoxels voxels, in time proportional to them. Checks the final state of the entropy coder,
+/// which detects most damage that a checksum missed.
 [[nodiscard]] std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> payload,
                                                                 const Cluster* parent);
 
-/// How many discs voxels `first` to `first + count` are: two for a thin sheet.
+/// Returns the number of splats of voxels `first` to `first + count` - 1; a thin sheet has two.
 [[nodiscard]] std::uint32_t discs_of(const PackedVoxels& voxels, std::size_t first, std::size_t count);
-/// Appends the discs of voxels `first` to `first + count` to a cloud: centre on the plane, unit normal, area of the
-/// plane inside the voxel; two discs back to back for a thin sheet. Fills `colors` when the voxels have them.
+/// Appends the splats of voxels `first` to `first + count` - 1 to a cloud: position on the plane, unit normal, area of
+/// the plane inside the voxel. A thin sheet gives two splats back to back. Fills `colors` if the voxels have them.
 void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, const Cube& cube, Cloud& cloud);
 
 struct PackedOptions {
-  std::size_t vectors = 0;    // about this many discs at full detail
-  std::size_t max_bytes = 0;  // payload bytes of all clusters; 0: no limit
+  std::size_t vectors = 0;    // approximate number of splats at full detail
+  std::size_t max_bytes = 0;  // total payload of all clusters; 0 means unlimited
   int normal_shift = 6;       // 1..10; normals are coded in steps of 2^normal_shift / 1024 of the octahedron
   int offset_shift = 2;       // 0..6; distances in steps of 2^offset_shift / 64
   int color_shift = 3;        // 0..7; luma in steps of 2^color_shift, chroma of twice that
-  bool compact = false;       // these steps at every level; else they are halved deep down, where that pays
+  bool compact = false;       // use these steps at every level; else deep levels use half, if that pays
   bool colored = false;
   unsigned threads = 0;
 };
@@ -88,12 +88,12 @@ struct EncodedCluster {
   ClusterHeader header;
   Box box;  // of its voxels
   std::uint32_t voxels = 0;
-  std::uint32_t divided = 0;  // how many voxels of the parent they replace
+  std::uint32_t divided = 0;  // number of parent voxels that they replace
   float level_edge = 0;       // edge of its voxels, units of the source
 };
 
-/// Encodes the voxels of one level and all above it, most important cluster first; a parent always stands before its
-/// children. Deterministic. Stops early when cancelled: then empty.
+/// Encodes the voxels of one level and of all levels above it, most important cluster first. A parent always precedes
+/// its children. Deterministic. Returns an empty list if cancelled.
 [[nodiscard]] std::vector<EncodedCluster> encode_packed(std::vector<Voxel> finest, int level, const Cube& cube,
                                                         const PackedOptions& options, Progress* progress = nullptr);
 

@@ -9,49 +9,47 @@
 
 namespace gs::qnv {
 
-// Where a surface goes on, its planes say beforehand: what children are predicted from besides their parent, its
-// neighbours in the parent's cluster. All of them are there when the cluster can be decoded at all. FORMAT.md,
-// "Neighbours".
+// Prediction of children from neighbouring planes, where a surface continues. The neighbours are in the parent's
+// cluster, so all of them are available when the cluster is decoded. FORMAT.md, "Neighbours".
 
-/// Neighbours share a block of so many voxels an axis.
+/// Edge of a neighbour block in voxels; only voxels of the same block are neighbours.
 constexpr int kNeighbourBlock = 32;
-/// Normals that differ by more than this belong to two surfaces, or to both sides of an edge.
+/// Maximum normal difference of neighbours. Larger differences mean two surfaces, or two sides of an edge.
 constexpr int kLargestTurn = 700;
-/// A plane in 32 bits, so that one load tells all: u + 1024 (12 bits), v + 1024 (12), offset + 32 (7), kThere. 0: none,
-/// or one of a double voxel, of which chance decides what side it names.
+/// Plane in 32 bits, for single loads: u + 1024 (12 bits), v + 1024 (12), offset + 32 (7), kThere. 0 means no voxel, or
+/// a double one, whose side would be arbitrary.
 constexpr std::uint32_t kThere = 0x80000000;
 
-/// The planes of the voxels of one block, and of nothing all around it, so that no neighbour needs a question of its
-/// own.
+/// Planes of the voxels of one block, with an empty border, so that neighbour lookups need no bounds check.
 struct PlaneBlock {
   static constexpr std::size_t kStrideY = kNeighbourBlock + 2, kStrideZ = kStrideY * kStrideY,
                                kSize = kStrideZ * kStrideY;
-  const std::uint32_t* planes = nullptr;  // by place
-  const std::uint16_t* places = nullptr;  // of the voxels of a run
-  /// Across the faces -x, +x, -y, +y, -z, +z, and that of the voxel itself.
+  const std::uint32_t* planes = nullptr;  // by index in the block
+  const std::uint16_t* places = nullptr;  // block indices of the voxels of a run
+  /// Returns the planes across the faces -x, +x, -y, +y, -z, +z, then the voxel's own plane.
   [[nodiscard]] std::array<std::uint32_t, 7> around(std::size_t voxel) const {
     const std::uint32_t* const at = planes + places[voxel];
     return {at[-1], at[1], *(at - kStrideY), at[kStrideY], *(at - kStrideZ), at[kStrideZ], at[0]};
   }
 };
 
-/// Fills blocks of planes one after the other.
+/// Fills blocks of planes one after another.
 class PlaneBlocks {
  public:
-  /// Of voxels `first` to `first + count` those that share the first one's block: their number, 1 at least where count
-  /// is. Time proportional to the voxels of the block.
+  /// Fills the block of voxel `first`, and returns the number of voxels from `first` on that lie in it: at most
+  /// `count`, and at least 1 if count > 0. Runs in time proportional to the block's voxels.
   std::size_t fill(const PackedVoxels& from, std::size_t first, std::size_t count);
   [[nodiscard]] PlaneBlock block() const { return {planes_.data(), places_.data() + before_}; }
 
  private:
   std::vector<std::uint32_t> planes_ = std::vector<std::uint32_t>(PlaneBlock::kSize);
-  std::vector<std::uint16_t> places_;  // of what is filled
-  std::size_t before_ = 0;             // of these, how many are not asked for
+  std::vector<std::uint16_t> places_;  // block indices of all filled voxels
+  std::size_t before_ = 0;             // filled voxels before the requested ones
 };
-/// That of this thread: 160 kB that need not be cleared again for each cluster.
+/// Returns the calling thread's PlaneBlocks: 160 kB that need no clearing per cluster.
 [[nodiscard]] PlaneBlocks& plane_blocks();
 
-/// What the neighbours of one voxel change in the predictions for its children, by the face that a child touches.
+/// Changes to the predictions for a voxel's children, for each face that a child touches.
 struct FaceChanges {
   std::array<int, 6> u{}, v{};  // in 1/16
   std::array<int, 6> offset{};  // in 1/4
@@ -62,7 +60,7 @@ struct PredictedPlane {
   int u, v, offset;
 };
 
-/// The plane that is expected of child `c` of a voxel: its normal and offset each from the neighbours too, or not.
+/// Returns the predicted plane of child `c` of a voxel. `normals` and `offsets` select prediction from neighbours.
 inline PredictedPlane predicted_plane(int u, int v, int offset, const FaceChanges& changes, unsigned c, bool normals,
                                       bool offsets) {
   const unsigned x = c & 1, y = 2 + (c >> 1 & 1), z = 4 + (c >> 2);

@@ -7,10 +7,11 @@
 
 namespace gs::qnv {
 
-// The static probabilities of the packed payload. They are part of the format (FORMAT.md, "Probabilities"): made from
-// integers alone, so that every machine has the same.
+// Static probabilities of the packed payload. They are part of the format (FORMAT.md, "Probabilities") and are computed
+// in integers, so that every machine gets the same.
 
-/// Differences -15..15 as zigzag symbols 0..30 (0, -1, 1, -2, 2, ...); 31 says that the value follows in plain bits.
+/// Residuals -15..15 are zigzag symbols 0..30 (0, -1, 1, -2, 2, ...); symbol 31 means that the value follows in plain
+/// bits.
 constexpr std::uint32_t kResidualSymbols = 32;
 constexpr std::uint32_t kEscape = 31;
 constexpr int kEscapeBits = 12;  // a zigzag number below 4096
@@ -23,11 +24,11 @@ struct ResidualModel {
   std::array<Interval, kResidualSymbols> interval{};
   std::array<std::uint16_t, kResidualSymbols> cost{};  // in 1/256 bits, for encoders
 };
-/// Model 0 is the narrowest. Built once; any thread.
+/// Returns the models; model 0 is the narrowest. Built once; safe from any thread.
 [[nodiscard]] const std::array<ResidualModel, kResidualModels>& residual_models();
 
-/// All models for decoders: entry model * 4096 + slot holds the distance from the symbol's start (12 bits), its
-/// frequency (13 bits) and the symbol (5 bits), from the lowest bit up.
+/// Returns all models for decoders. Entry model * 4096 + slot holds, from the lowest bit up, the distance from the
+/// symbol's start (12 bits), its frequency (13 bits) and the symbol (5 bits).
 [[nodiscard]] const std::uint32_t* residual_slots();
 
 constexpr std::uint32_t zigzag(int value) {
@@ -35,8 +36,8 @@ constexpr std::uint32_t zigzag(int value) {
 }
 constexpr int unzigzag(std::uint32_t code) { return static_cast<int>(code >> 1) ^ -static_cast<int>(code & 1); }
 
-/// Probability (of 4096) that the surface meets a child, by how far the child reaches over the parent's plane
-/// (24 steps of 1/16 of the child's edge, from -1 to 1/2) and by how rough the surface is.
+/// Dimensions of the table of occupancy probabilities (of 4096): the bin is how far the child reaches over the parent's
+/// plane (24 steps of 1/16 of the child's edge, from -1 to 1/2), the model is the roughness of the surface.
 constexpr std::size_t kOccupancyBins = 24, kOccupancyModels = 8;
 [[nodiscard]] const std::array<std::array<std::uint16_t, kOccupancyBins>, kOccupancyModels>& occupancy_models();
 

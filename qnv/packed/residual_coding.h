@@ -10,19 +10,19 @@
 
 namespace gs::qnv {
 
-// How encoders of octrees write their decisions.
+// How octree encoders write their decisions.
 
 /// Writes one decision.
 inline void put_bit(RansEncoder& rans, std::size_t lane, std::uint32_t probability, bool bit) {
   rans.put(lane, bit ? 0 : probability, bit ? probability : kRansTotal - probability);
 }
 
-/// How often each symbol of residuals comes.
+/// Frequency of each residual symbol.
 using ResidualHistogram = std::array<std::uint32_t, kResidualSymbols>;
 
 inline void count(ResidualHistogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
 
-/// What they cost with a model, in 1/256 bits.
+/// Returns the cost of the residuals under a model, in 1/256 bits.
 inline std::uint64_t cost_of(const ResidualHistogram& histogram, std::size_t model) {
   std::uint64_t cost = 0;
   for (std::uint32_t s = 0; s < kResidualSymbols; ++s)
@@ -30,7 +30,7 @@ inline std::uint64_t cost_of(const ResidualHistogram& histogram, std::size_t mod
   return cost;
 }
 
-/// The model that makes them cheapest.
+/// Returns the cheapest model.
 inline std::uint8_t cheapest(const ResidualHistogram& histogram) {
   std::uint8_t best = 0;
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
@@ -44,7 +44,7 @@ inline std::uint8_t cheapest(const ResidualHistogram& histogram) {
   return best;
 }
 
-/// The residuals that `of` gives for every child, in groups of a lane each: a group's symbols, then its escapes.
+/// Writes the residuals `of(i)` of n children in groups of one per lane: the symbols of a group, then its escapes.
 template <class Of, class ModelOf>
 void put_residuals(RansEncoder& rans, std::size_t n, Of of, ModelOf model_of) {
   for (std::size_t i = 0; i < n; i += kRansLanes) {

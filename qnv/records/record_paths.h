@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The code paths behind unpack_records; for it, its tests and its benchmark. All give the same bits.
+/// Code paths of unpack_records(), exposed for its tests and benchmark. All give the same bits.
 namespace gs::qnv::record_paths {
 
-/// Where the vectors go.
+/// Output arrays.
 struct Outputs {
   glm::vec3* positions;
   glm::vec3* normals;
@@ -17,25 +17,25 @@ struct Outputs {
   std::uint8_t* colors;
 };
 
-/// A normal, and its z once more, as the AVX2 path likes it.
+/// Normal with z repeated, as the AVX2 path needs it.
 struct alignas(16) PaddedNormal {
   float x = 0, y = 0, z = 0, z_again = 0;
 };
 extern const std::array<PaddedNormal, kNormalCodes> kNormals;
 
-/// How the results are stored: through the caches, for those that use them at once, or past them, which saves
-/// the memory from being read before it is written.
+/// Kind of store instruction: cached, for results that are used at once; streamed, which bypasses the caches and avoids
+/// reading memory before writing it.
 enum class Store : std::uint8_t { cached, streamed };
 
-/// For every processor.
+/// Unpacks on any processor.
 void unpack_portable(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out);
 
-/// Eight records at a time. Call only where has_avx2().
+/// Unpacks eight records at a time. Call only if has_avx2().
 [[nodiscard]] bool has_avx2();
 void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out,
                  Store store);
 
-/// Sixteen records at a time. Call only where has_avx512().
+/// Unpacks sixteen records at a time. Call only if has_avx512().
 [[nodiscard]] bool has_avx512();
 void unpack_avx512(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out,
                    Store store);

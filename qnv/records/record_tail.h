@@ -1,6 +1,6 @@
 #pragma once
 
-// The last records of an array, for the source files of the SIMD paths of record_paths.h only.
+// Handling of the last records of an array, for the SIMD paths of record_paths.h only.
 
 #include "qnv/records/record_paths.h"
 
@@ -14,7 +14,7 @@ inline Outputs behind(const Outputs& out, std::size_t count) {
   return {out.positions + count, out.normals + count, out.weights + count, out.colors + count};
 }
 
-/// Unpacks fewer than kWhole records with `kernel(records, outputs)`, which does kWhole at once.
+/// Unpacks fewer than kWhole records with `kernel(records, outputs)`, which processes kWhole records at once.
 template <std::size_t kWhole, class Kernel>
 [[gnu::always_inline]] inline void unpack_tail(const std::byte* records, std::size_t count, const Outputs& out,
                                                const Kernel& kernel) {

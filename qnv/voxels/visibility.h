@@ -7,8 +7,8 @@
 
 namespace gs::qnv {
 
-/// Fills TrueVoxel::seen of the voxels of the finest level: which part of the light that comes from all around reaches
-/// them, about. `depth_of_class`: the optical depth of a vector by its class.
+/// Sets TrueVoxel::seen of the finest voxels: the approximate fraction of ambient light that reaches them.
+/// `depth_of_class` is the optical depth of a vector, by class.
 void find_seen(std::span<TrueVoxel> voxels, const VoxelLattice& lattice, std::span<const float> depth_of_class,
                unsigned threads);
 

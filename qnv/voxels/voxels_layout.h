@@ -10,49 +10,51 @@
 
 namespace gs::qnv {
 
-// What the encoder and the decoder of the voxels payload agree on, in integers.
+// Rules that the encoder and decoder of the voxels payload share, in integers.
 
-/// The parameters of a cluster: bytes 14 to 23 of its payload.
+/// Coding parameters of a cluster: bytes 14 to 23 of its payload.
 struct VolumeParameters {
-  std::uint8_t occupancy = 3, bias = kNoBias;  // steepness; odds that are added
+  std::uint8_t occupancy = 3, bias = kNoBias;  // steepness of the probabilities; offset of the odds
   std::uint8_t value_step = 12, direction_step = 20, magnitude_step = 4;
-  std::uint8_t slope = 0;                                            // of the values along the parent's direction
-  std::uint8_t turn = 0, trust = 0;                                  // what differences of values say of the direction
-  std::array<std::uint8_t, kResidualContexts> direction{}, value{};  // models by the parent's activity
-  std::uint8_t magnitude = 0;                                        // model
+  std::uint8_t slope = 0;                                            // of values along the parent's direction
+  std::uint8_t turn = 0, trust = 0;                                  // how value differences turn directions: rate,
+                                                                     // weight
+  std::array<std::uint8_t, kResidualContexts> direction{}, value{};  // models, by the parent's activity
+  std::uint8_t magnitude = 0;                                        // index of the model
 
   static constexpr std::uint8_t kNoBias = 16;
 };
 constexpr std::size_t kVolumeClusterHeaderSize = 24;
-constexpr int kDirectionUnit = 16;  // of VolumeParameters::direction_step, of kOctahedral
+constexpr int kDirectionUnit = 16;  // unit of VoxelSteps::direction and VolumeParameters::direction_step, in
+                                    // 1/kOctahedral
 
-/// Log odds that a child is there, in 1/16: what each axis adds, by how much of the parent's direction lies along it,
-/// by the child's sibling across it (0: none yet, 1: absent, 2: there), by whether the parent has a neighbour on the
-/// child's side, and on the other side.
+/// Log odds that a child exists, in 1/16; one term per axis. Indices: share of the parent's direction along the axis;
+/// the child's sibling across the axis (0: not decoded yet, 1: absent, 2: exists); whether the parent has a neighbour
+/// on the child's side; whether it has one on the other side.
 using OccupancyOdds = std::array<std::array<std::array<std::array<std::int8_t, 2>, 2>, 3>, 3>;
 [[nodiscard]] const OccupancyOdds& occupancy_odds();
 constexpr int kOddsOfAll = -12;
-/// Probability of 4096 of log odds in 1/8, from 0 on.
+/// Returns the probability (of 4096) for log odds of 0, 1/8, 2/8, ...
 [[nodiscard]] const std::array<std::uint16_t, 65>& logistic_table();
-/// By VolumeParameters::occupancy: in 1/16.
+/// Steepness for each VolumeParameters::occupancy, in 1/16.
 constexpr std::array<int, 8> kSteepness{6, 9, 12, 14, 16, 20, 25, 32};
 
-/// How much of a direction of 1-norm kOctahedral lies along an axis: 0, 1, 2.
+/// Returns the share of a direction of 1-norm kOctahedral along an axis: 0 (small) to 2 (large).
 inline unsigned share_along(int component) {
   const int size = std::abs(component);
   return size < 200 ? 0 : size < 420 ? 1 : 2;
 }
 
-/// Probability of 4096 for odds in 1/16.
+/// Returns the probability (of 4096) for odds in 1/16.
 inline std::uint32_t probability_of(int odds, const std::array<std::uint16_t, 65>& logistic, int steepness) {
   const int eighths = std::clamp((odds * steepness) >> 5, -64, 64);
   return eighths >= 0 ? logistic[static_cast<unsigned>(eighths)]
                       : kRansTotal - logistic[static_cast<unsigned>(-eighths)];
 }
 
-/// The odds of the children of one voxel, as far as the parent knows.
+/// Odds of the children of one voxel, from the parent's direction and neighbours.
 struct ChildOdds {
-  // By axis and side: for siblings that are not yet known, absent, there.
+  // Indices: axis; side; sibling not decoded yet, absent or existing.
   std::array<std::array<std::array<std::int8_t, 3>, 2>, 3> parts;
 
   ChildOdds(const OccupancyOdds& odds, const std::array<int, 3>& direction,
@@ -65,7 +67,7 @@ struct ChildOdds {
           parts[a][side][sibling] = odds[share_along(direction[a])][sibling][near][far];
       }
   }
-  /// `mask`: the children before `c`.
+  /// Returns the odds of child `c`. `mask` holds the children before `c`.
   [[nodiscard]] int of(unsigned c, unsigned mask) const {
     const auto part = [&](unsigned a) {
       const unsigned side = c >> a & 1;
@@ -75,7 +77,7 @@ struct ChildOdds {
   }
 };
 
-/// The value that a child has if values rise evenly along its parent's direction.
+/// Returns the predicted value of a child, for values that rise linearly along the parent's direction.
 inline int predicted_value(int value, const std::array<int, 3>& direction, unsigned c, const VoxelLattice& lattice,
                            int slope) {
   int along = 0;
@@ -87,7 +89,7 @@ struct OctahedralPoint {
   int u, v;
 };
 
-/// Octahedral coordinates of a direction of any length; (0, 0) of none.
+/// Returns the octahedral coordinates of a direction of any length; (0, 0) for a zero direction.
 inline OctahedralPoint octahedral_of(const std::array<int, 3>& d) {
   const int norm = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
   if (norm == 0) return {0, 0};
@@ -97,9 +99,9 @@ inline OctahedralPoint octahedral_of(const std::array<int, 3>& d) {
   return {u < 0 ? -fu : fu, v < 0 ? -fv : fv};
 }
 
-/// What values say of directions, in the parent's units.
+/// Rates at which value differences turn directions, in the parent's units.
 struct ValueTurns {
-  std::array<int, 3> rate{};  // of a difference of values, for a direction along the axis
+  std::array<int, 3> rate{};  // direction component per unit of value difference, by axis
   int trust = 0;
 
   ValueTurns(const VolumeParameters& p, const VoxelLattice& lattice) : trust(p.trust) {
@@ -107,8 +109,7 @@ struct ValueTurns {
   }
 };
 
-/// The directions of a voxel that is divided and of its neighbours, these turned to its side; zeros where there is
-/// none.
+/// Directions of a divided voxel and of its neighbours. Neighbours that point away are negated; missing ones are zero.
 struct DirectionsAround {
   std::array<int, 3> own;
   std::array<std::array<int, 3>, 6> neighbours;
@@ -127,8 +128,8 @@ struct DirectionsAround {
   }
 };
 
-/// The direction that is expected of child `c`: between that of the parent and of its neighbours on the child's side,
-/// turned to where values rise among the children. `values`: of the children that `mask` says are there.
+/// Returns the predicted direction of child `c`: the mean of the parent's and its neighbours' on the child's side,
+/// turned towards higher values among the siblings. `values` holds the values of the children in `mask`.
 inline OctahedralPoint predicted_direction(const DirectionsAround& around, unsigned c, unsigned mask,
                                            const std::array<std::uint8_t, 8>& values, const ValueTurns& turns) {
   std::array<int, 3> sum{};
@@ -148,9 +149,9 @@ inline OctahedralPoint predicted_direction(const DirectionsAround& around, unsig
   return octahedral_of(sum);
 }
 
-/// What level 0 is divided from when a cluster has no parent.
+/// Returns the voxel of level 0, which a cluster without parent divides.
 [[nodiscard]] VolumeVoxels root_volume_voxel();
-/// The neighbours of children that share a cluster. `first_child` has an entry more than there are divided voxels.
+/// Links the neighbours among children of a cluster. `first_child` has one entry more than there are divided voxels.
 void link_neighbours(const VolumeVoxels& from, std::size_t first, std::span<const std::uint8_t> masks,
                      std::span<const std::uint32_t> first_child, VolumeVoxels& children);
 
